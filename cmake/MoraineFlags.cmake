@@ -1,0 +1,37 @@
+# Flags of every target. One answer to the bit needs -ffp-contract=off and never -ffast-math: g++
+# contracts the vector body and the scalar tail of a loop differently. std::fma is written where it pays.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+
+option(MORAINE_SANITIZE "Address and undefined behaviour sanitizers" OFF)
+option(MORAINE_CHECK_HEADERS "Compile every header alone (target all_verify_interface_header_sets)" OFF)
+
+# x86-64-v3 (AVX2, FMA: any server of the last ten years) where this machine has it, else the compiler's own.
+if(NOT DEFINED MORAINE_MARCH)
+    include(CheckCXXSourceRuns)
+    check_cxx_source_runs("int main() { return !(__builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\")); }"
+        MORAINE_HAS_AVX2)
+    if(MORAINE_HAS_AVX2)
+        set(MORAINE_MARCH x86-64-v3 CACHE STRING "-march of the host code (empty: none)" FORCE)
+    else()
+        set(MORAINE_MARCH "" CACHE STRING "-march of the host code (empty: none)" FORCE)
+    endif()
+endif()
+
+add_library(moraine_flags INTERFACE)
+target_compile_definitions(moraine_flags INTERFACE OMPI_SKIP_MPICXX=1)
+target_compile_options(moraine_flags INTERFACE
+    -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -Werror -ffp-contract=off -fno-math-errno)
+if(MORAINE_MARCH)
+    target_compile_options(moraine_flags INTERFACE -march=${MORAINE_MARCH})
+endif()
+if(MORAINE_SANITIZE)
+    target_compile_options(moraine_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(moraine_flags INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,46 @@
+# moraine_module(NAME [USES target...] HEADERS file... [SOURCES file...])
+#
+# One library per folder of src. Every header is also compiled alone (target check_headers).
+function(moraine_module name)
+    cmake_parse_arguments(ARG "" "" "USES;HEADERS;SOURCES" ${ARGN})
+    if(ARG_SOURCES)
+        add_library(moraine_${name} STATIC ${ARG_SOURCES})
+        set(scope PUBLIC)
+    else()
+        add_library(moraine_${name} INTERFACE)
+        set(scope INTERFACE)
+    endif()
+    target_include_directories(moraine_${name} ${scope} ${CMAKE_SOURCE_DIR}/src)
+    target_link_libraries(moraine_${name} ${scope} moraine_flags ${ARG_USES})
+    target_sources(moraine_${name} ${scope} FILE_SET HEADERS BASE_DIRS ${CMAKE_SOURCE_DIR}/src FILES ${ARG_HEADERS})
+    set_target_properties(moraine_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ${MORAINE_CHECK_HEADERS})
+endfunction()
+
+# moraine_test(path/test_name [RANKS n...] [USES target...] [SOURCES file...] [ENVIRONMENT VAR=value...])
+#
+# tests/path/test_name.cpp becomes one program; with RANKS it runs once per count under mpirun.
+function(moraine_test path)
+    cmake_parse_arguments(ARG "" "TIMEOUT" "RANKS;USES;SOURCES;ENVIRONMENT" ${ARGN})
+    string(REPLACE "/" "." name ${path})
+    add_executable(${name} ${CMAKE_SOURCE_DIR}/tests/${path}.cpp ${ARG_SOURCES})
+    target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+    target_link_libraries(${name} PRIVATE ${ARG_USES} moraine_flags doctest_header)
+    if(NOT ARG_TIMEOUT)
+        set(ARG_TIMEOUT 600)
+    endif()
+    set(environment "OMP_NUM_THREADS=1" "OMPI_ALLOW_RUN_AS_ROOT=1" "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
+        "OMPI_MCA_rmaps_base_oversubscribe=1" "OMPI_MCA_hwloc_base_binding_policy=none"
+        "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0"
+        "ASAN_OPTIONS=detect_leaks=1:fast_unwind_on_malloc=0" ${ARG_ENVIRONMENT})
+    if(ARG_RANKS)
+        target_link_libraries(${name} PRIVATE moraine_mpi_main)
+        foreach(n ${ARG_RANKS})
+            add_test(NAME ${name}.${n} COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${n} $<TARGET_FILE:${name}>)
+            set_tests_properties(${name}.${n} PROPERTIES ENVIRONMENT "${environment}" PROCESSORS 2 TIMEOUT ${ARG_TIMEOUT})
+        endforeach()
+    else()
+        target_link_libraries(${name} PRIVATE moraine_main)
+        add_test(NAME ${name} COMMAND ${name})
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT "${environment}" TIMEOUT ${ARG_TIMEOUT})
+    endif()
+endfunction()

@@ -1,0 +1,85 @@
+#include "comm/comm.hpp"
+
+#include <algorithm>
+#include <climits>
+
+namespace moraine {
+
+namespace {
+constexpr std::int64_t chunk = std::int64_t(1) << 30;  // MPI counts are int
+
+template <class T>
+T reduce(const Comm& comm, T value, MPI_Datatype type, MPI_Op op) {
+    T result{};
+    MPI_Allreduce(&value, &result, 1, type, op, comm.handle());
+    return result;
+}
+}  // namespace
+
+Comm::Comm(MPI_Comm parent) {
+    MPI_Comm_dup(parent, &comm_);
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &size_);
+}
+
+Comm::~Comm() { MPI_Comm_free(&comm_); }
+
+void Comm::barrier() const { MPI_Barrier(comm_); }
+double Comm::min(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_MIN); }
+double Comm::max(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_MAX); }
+double Comm::sum(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_SUM); }
+std::int64_t Comm::max(std::int64_t value) const { return reduce(*this, value, MPI_INT64_T, MPI_MAX); }
+std::int64_t Comm::sum(std::int64_t value) const { return reduce(*this, value, MPI_INT64_T, MPI_SUM); }
+
+void Comm::sum(std::span<std::int64_t> values) const {
+    MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_);
+}
+
+std::string Comm::broadcast(const std::string& text, int root) const {
+    std::int64_t length = static_cast<std::int64_t>(text.size());
+    MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_);
+    std::string result = rank_ == root ? text : std::string(static_cast<std::size_t>(length), ' ');
+    for (std::int64_t at = 0; at < length; at += chunk)
+        MPI_Bcast(result.data() + at, static_cast<int>(std::min(chunk, length - at)), MPI_CHAR, root, comm_);
+    return result;
+}
+
+std::vector<std::int64_t> Comm::gather_counts(std::int64_t mine) const {
+    std::vector<std::int64_t> counts(static_cast<std::size_t>(size_));
+    MPI_Allgather(&mine, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, comm_);
+    return counts;
+}
+
+void Comm::gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes, void* all) const {
+    std::int64_t total = 0;
+    for (auto b : bytes) total += b;
+    if (total <= INT_MAX) {
+        std::vector<int> counts, offsets;
+        int at = 0;
+        for (auto b : bytes) {
+            counts.push_back(static_cast<int>(b));
+            offsets.push_back(at);
+            at += static_cast<int>(b);
+        }
+        MPI_Allgatherv(mine, counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all, counts.data(),
+                       offsets.data(), MPI_BYTE, comm_);
+        return;
+    }
+    auto* to = static_cast<char*>(all);
+    for (int r = 0; r < size_; ++r) {
+        const std::int64_t length = bytes[static_cast<std::size_t>(r)];
+        if (r == rank_) std::copy_n(static_cast<const char*>(mine), length, to);
+        for (std::int64_t at = 0; at < length; at += chunk)
+            MPI_Bcast(to + at, static_cast<int>(std::min(chunk, length - at)), MPI_BYTE, r, comm_);
+        to += length;
+    }
+}
+
+std::string Comm::first_words(const std::string& mine) const {
+    const std::int64_t speaks = mine.empty() ? size_ : rank_;
+    std::int64_t first = size_;
+    MPI_Allreduce(&speaks, &first, 1, MPI_INT64_T, MPI_MIN, comm_);
+    return first == size_ ? std::string() : broadcast(mine, static_cast<int>(first));
+}
+
+}  // namespace moraine

@@ -1,0 +1,73 @@
+#pragma once
+// The ranks of a run: a thin, typed face of one MPI communicator.
+//
+// Owns a duplicate of the communicator it is given, so that messages cannot meet those of others.
+// Errors of MPI end the job (MPI_ERRORS_ARE_FATAL): a lost rank cannot be waited for.
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace moraine {
+
+class Comm {
+  public:
+    /// Collective.
+    explicit Comm(MPI_Comm parent);
+    ~Comm();
+    Comm(const Comm&) = delete;
+    Comm& operator=(const Comm&) = delete;
+
+    int rank() const { return rank_; }
+    int size() const { return size_; }
+    bool is_root() const { return rank_ == 0; }
+    MPI_Comm handle() const { return comm_; }
+
+    /// Collective.
+    void barrier() const;
+    double min(double value) const;
+    double max(double value) const;
+    double sum(double value) const;
+    std::int64_t max(std::int64_t value) const;
+    std::int64_t sum(std::int64_t value) const;
+    void sum(std::span<std::int64_t> values) const;
+    std::string broadcast(const std::string& text, int root = 0) const;
+
+    /// All ranks' rows, rank by rank. `counts`, if given, gets the rows of each rank. Collective.
+    template <class T>
+    std::vector<T> all_gather(const std::vector<T>& mine, std::vector<std::int64_t>* counts = nullptr) const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        std::vector<std::int64_t> bytes = gather_counts(static_cast<std::int64_t>(mine.size() * sizeof(T)));
+        std::int64_t total = 0;
+        for (auto& b : bytes) total += b;
+        std::vector<T> all(static_cast<std::size_t>(total) / sizeof(T));
+        gather_bytes(mine.data(), bytes, all.data());
+        if (counts) {
+            *counts = bytes;
+            for (auto& c : *counts) c /= static_cast<std::int64_t>(sizeof(T));
+        }
+        return all;
+    }
+
+    /// If any rank says something, every rank throws it: the words of the lowest such rank. Collective.
+    template <class Error>
+    void agree_no_error(const std::string& mine) const {
+        const std::string words = first_words(mine);
+        if (!words.empty()) throw Error(words);
+    }
+
+  private:
+    std::vector<std::int64_t> gather_counts(std::int64_t mine) const;
+    void gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes, void* all) const;
+    std::string first_words(const std::string& mine) const;
+
+    MPI_Comm comm_ = MPI_COMM_NULL;
+    int rank_ = 0;
+    int size_ = 1;
+};
+
+}  // namespace moraine

@@ -1,0 +1,107 @@
+#pragma once
+// A scene: what to simulate, in SI units, after all keys have been read and checked (io/scene.hpp
+// reads it from TOML; inputs/reference.toml says what each key means). Plain data, no behaviour.
+// A 2-D scene leaves the third components at zero.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace moraine {
+
+using Triple = std::array<double, 3>;
+
+enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
+enum class Transfer { flip, pic, apic, tpic };  ///< pic is flip with blend 0
+enum class StressUpdate { usl, usf, musl };
+enum class Precision { single_, double_ };
+enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
+enum class BodyShape { box, polygon, sphere, table };
+enum class Seeding { lattice, jittered };
+enum class Trigger { never, every, threshold, planned };
+
+struct WallSpec {
+    WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error
+    double friction = 0;             ///< Coulomb coefficient [-]
+};
+
+struct MaterialSpec {
+    std::string name;
+    std::string law;                ///< a name of core/material/laws.hpp
+    double density = 0;             ///< at ln J = 0 [kg/m3]
+    std::vector<double> parameters; ///< in the order of the law's table, defaults filled in
+};
+
+/// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.
+struct WaveSpec {
+    Triple velocity{};
+    int axis = 0;
+    double origin = 0;
+    double wavelength = 0;  ///< [m]; 0: no wave
+};
+
+struct BodySpec {
+    std::string name;
+    int material = 0;  ///< index into Scene::materials
+    BodyShape shape = BodyShape::box;
+    Triple min{}, max{};                        ///< box [m]; polygon in 3-D: min[2], max[2] are its ends
+    Triple center{};                            ///< sphere (2-D: disk) [m]
+    double radius = 0;                          ///< [m]
+    std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
+    std::string file;                           ///< table: path of .csv or .h5, absolute or relative to the scene
+    std::array<int, 3> particles_per_cell{2, 2, 2};
+    Seeding seeding = Seeding::lattice;
+    double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
+    Triple velocity{};  ///< [m/s]
+    WaveSpec wave;
+    bool geostatic = false;      ///< start from sigma_v = -rho g (surface - y), sigma_h = k0 sigma_v
+    double geostatic_surface = 0;  ///< height of the free surface along -gravity's main axis [m]
+    double geostatic_k0 = 1;
+};
+
+struct OutputSpec {
+    double interval = 0;  ///< [s]; 0: start and end only
+    std::vector<std::string> fields;
+    double checkpoint_interval = 0;       ///< [s]; 0: none
+    double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
+};
+
+struct BalanceSpec {
+    std::string partitioner = "morton";
+    std::string weight = "particles";  ///< particles, cost
+    Trigger trigger = Trigger::threshold;
+    int interval = 50;         ///< [steps] between looks (threshold, planned) or repartitions (every)
+    double threshold = 1.05;   ///< max/mean
+    int axis = 0;              ///< of slabs
+};
+
+struct Scene {
+    std::string name;   ///< file name without .toml
+    std::string title;
+    std::string path;   ///< of the file
+    int dimensions = 3;
+    Triple min{}, max{};  ///< domain [m]
+    double cell = 0;      ///< h [m]
+    std::array<bool, 3> periodic{};
+    std::array<std::array<WallSpec, 2>, 3> walls{};  ///< [axis][0 lower, 1 upper]
+    double end = 0;       ///< [s]
+    double cfl = 0.5;     ///< dt = cfl h / (c + |v|)
+    double dt = 0;        ///< fixed time step [s]; 0: by cfl
+    Shape shape = Shape::quadratic;
+    Transfer transfer = Transfer::flip;
+    double flip = 1;      ///< share of FLIP against PIC
+    StressUpdate stress_update = StressUpdate::usl;
+    Precision precision = Precision::double_;
+    double damping = 0;   ///< local non-viscous damping [-], 0 to 1; 0: dynamic
+    bool boundary_spline = true;  ///< fold ghost nodes at closed walls by linear extrapolation
+    Triple gravity{};     ///< [m/s2]
+    std::vector<MaterialSpec> materials;
+    std::vector<BodySpec> bodies;
+    OutputSpec output;
+    BalanceSpec balance;
+    std::uint64_t seed = 1;
+};
+
+}  // namespace moraine
