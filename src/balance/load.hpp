@@ -1,0 +1,49 @@
+#pragma once
+// What balancing looks at: the occupied blocks of all ranks, in sorted key order.
+//
+// Every rank holds the same list and derives the same owners from it, so no decision is ever sent.
+// Loads are integers: sums, and therefore cuts, do not depend on the order of summation or on the
+// number of ranks. Totals must stay below 2^63 (in nanoseconds: 292 years).
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/morton.hpp"
+
+namespace moraine {
+
+struct BlockLoad {
+    Key key;
+    std::int64_t particles;
+    std::int64_t weight;  ///< what the cut balances, not negative: particles, or cost [ns]
+    std::int32_t owner;   ///< rank that holds the block now; -1: nobody yet
+};
+
+/// The domain in blocks, of a scene of 2 or 3 dimensions.
+struct Layout {
+    int dimensions = 3;
+    std::array<std::int32_t, 3> blocks{1, 1, 1};  ///< per axis; 1 where the scene has no axis
+};
+
+using Position = std::array<std::int32_t, 3>;  ///< of a block, from the domain's lower corner; 0 where no axis
+
+/// Not collective.
+inline Position block_position(const Layout& layout, Key key) {
+    if (layout.dimensions == 2) {
+        const BlockPosition<2> p = Morton<2>::decode(key);
+        return {p[0], p[1], 0};
+    }
+    return Morton<3>::decode(key);
+}
+
+/// Sum of one column of the loads for each of `ranks` ranks, if block b belonged to owners[b];
+/// blocks without an owner (-1) count for nobody. Not collective.
+std::vector<std::int64_t> loads_of_ranks(std::span<const BlockLoad> blocks, std::span<const std::int32_t> owners,
+                                         int ranks, std::int64_t BlockLoad::*column = &BlockLoad::weight);
+
+/// The owners that the blocks have now. Not collective.
+std::vector<std::int32_t> present_owners(std::span<const BlockLoad> blocks);
+
+}  // namespace moraine

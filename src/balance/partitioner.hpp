@@ -1,0 +1,57 @@
+#pragma once
+// A partitioner: weights in, owners out. Which rank owns a block decides speed, never the answer.
+//
+// A pure function of replicated data: every rank calls it with the same blocks and gets the same
+// owners, so nothing is sent. Moving the blocks is somebody else's work. Ownership is a table from block
+// to rank, not P + 1 positions on a curve, because not every partitioner follows one.
+//
+// Static partitioners fix at the start of the run who owns which place. They know the owner of a block
+// before it is occupied; for the others a new block goes to the owner of its first occupied neighbour.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "balance/load.hpp"
+#include "core/scene.hpp"
+
+namespace moraine {
+
+class Partitioner {
+  public:
+    virtual ~Partitioner() = default;
+
+    virtual const char* name() const = 0;
+
+    /// The place decides, for the whole run: repartitioning changes nothing and is not tried.
+    virtual bool is_static() const { return false; }
+
+    /// The blocks at the start of the run, once before owners(); not after a successful restore().
+    /// Not collective.
+    virtual void start(std::span<const BlockLoad>) {}
+
+    /// A rank for each block. `round` counts the partitions of this run, from 0. Not collective.
+    virtual std::vector<std::int32_t> owners(std::span<const BlockLoad> blocks, std::int64_t round) const = 0;
+
+    /// The rank that owns this place, also outside the domain; -1: take that of the first occupied
+    /// neighbour, in offset order. Not collective.
+    virtual std::int32_t owner_at(const Position&) const { return -1; }
+
+    /// What a checkpoint must keep; it serves a restart on any number of ranks. Not collective.
+    virtual std::vector<std::int64_t> state() const { return {}; }
+
+    /// Takes state() of a partitioner of the same name. False: it was made for another axis or domain
+    /// and nothing is taken; call start() with the blocks of now instead. Not collective.
+    virtual bool restore(std::span<const std::int64_t> state) { return state.empty(); }
+};
+
+/// The names that make_partitioner knows, in the order of the documentation. Not collective.
+const std::vector<std::string>& partitioner_names();
+
+/// Throws InputError for a name it does not know or an axis that the scene has not. ranks >= 1.
+/// Not collective.
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks);
+
+}  // namespace moraine

@@ -1,0 +1,78 @@
+#include "balance/trigger.hpp"
+
+#include <sstream>
+
+#include "core/error.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr double least_share_removed = 0.1;  // of the excess over the mean, for the threshold rule
+
+/// Largest share of the excess (max - mean) that the plan removes; 0 if it removes nothing.
+double share_removed(const LoadSummary& now, const LoadSummary& plan) {
+    if (plan.max >= now.max) return 0;
+    return (now.imbalance() - plan.imbalance()) / (now.imbalance() - 1);
+}
+
+Decision by_threshold(const TriggerInput& in, double threshold) {
+    if (in.now.imbalance() <= threshold) return {false, "balanced"};
+    if (share_removed(in.now, in.plan) < least_share_removed) return {false, "no better plan"};
+    return {true, "threshold"};
+}
+
+Decision by_plan(const TriggerInput& in) {
+    if (in.plan.max >= in.now.max) return {false, "no better plan"};
+    const auto tau = static_cast<double>(in.step - in.last_repartition);
+    if (tau * in.loses - in.lost < in.migration) return {false, "not worth it"};
+    return {true, "planned"};
+}
+
+}  // namespace
+
+RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner)
+    : rule_(spec.trigger),
+      interval_(spec.interval),
+      threshold_(spec.threshold),
+      is_static_(partitioner.is_static()),
+      partitioner_(partitioner.name()) {
+    if (spec.interval < 1)
+        throw InputError("balance.interval = " + std::to_string(spec.interval) +
+                         " (steps between two looks at the balance). Use 1 or more?");
+    if (!(spec.threshold >= 1)) {
+        std::ostringstream words;
+        words << "balance.threshold = " << spec.threshold << " (max/mean is never below 1). Use 1.05?";
+        throw InputError(words.str());
+    }
+}
+
+bool RepartitionTrigger::is_due(std::int64_t step) const {
+    return !is_static_ && rule_ != Trigger::never && step > 0 && step % interval_ == 0;
+}
+
+bool RepartitionTrigger::needs_plan(const LoadSummary& now) const {
+    if (is_static_ || rule_ == Trigger::never) return false;
+    return rule_ != Trigger::threshold || now.imbalance() > threshold_;
+}
+
+Decision RepartitionTrigger::decide(const TriggerInput& input) const {
+    if (is_static_) return {false, "static"};
+    switch (rule_) {
+        case Trigger::never:
+            return {false, "never"};
+        case Trigger::every:
+            return {true, "every"};
+        case Trigger::threshold:
+            return by_threshold(input, threshold_);
+        case Trigger::planned:
+            return by_plan(input);
+    }
+    return {};
+}
+
+std::string RepartitionTrigger::notice() const {
+    if (!is_static_ || rule_ == Trigger::never) return {};
+    return "balance.trigger is ignored (partitioner " + partitioner_ + " is static).";
+}
+
+}  // namespace moraine

@@ -1,0 +1,41 @@
+#pragma once
+// The weight of a block, which the cut balances.
+//
+//   particles   the number of its particles
+//   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
+//
+// The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
+// the same weight on every rank. They are measured, hence agreed between the ranks before use.
+
+#include <cstdint>
+
+#include "core/scene.hpp"
+
+namespace moraine {
+
+/// Time of a step.
+struct CostModel {
+    std::int64_t a;  ///< per particle [ps]
+    std::int64_t c;  ///< per occupied cell [ps]
+    std::int64_t d;  ///< per block [ps]
+};
+
+class BlockWeight {
+  public:
+    /// Throws InputError if balance.weight is neither particles nor cost. Not collective.
+    BlockWeight(const BalanceSpec& spec, const CostModel& model);
+
+    /// Not collective.
+    std::int64_t operator()(std::int64_t particles, std::int64_t cells) const {
+        if (!is_cost_) return particles;
+        const std::int64_t picoseconds = model_.a * particles + model_.c * cells + model_.d;
+        const std::int64_t nanoseconds = (picoseconds + 500) / 1000;
+        return nanoseconds > 0 ? nanoseconds : 1;
+    }
+
+  private:
+    bool is_cost_;
+    CostModel model_;
+};
+
+}  // namespace moraine

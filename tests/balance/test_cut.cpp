@@ -1,0 +1,169 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <random>
+
+#include "balance/cut.hpp"
+
+using namespace moraine;
+using Weights = std::vector<std::int64_t>;
+
+namespace {
+
+std::int64_t total_of(const Weights& w) {
+    return std::accumulate(w.begin(), w.end(), std::int64_t(0));
+}
+
+/// The bottleneck by trying every cut.
+std::int64_t exhaustive(const Weights& w, std::size_t from, int parts) {
+    if (parts == 1) return std::accumulate(w.begin() + static_cast<long>(from), w.end(), std::int64_t(0));
+    std::int64_t best = INT64_MAX;
+    std::int64_t mine = 0;
+    for (std::size_t to = from; to <= w.size(); ++to) {
+        best = std::min(best, std::max(mine, exhaustive(w, to, parts - 1)));
+        if (to < w.size()) mine += w[to];
+    }
+    return best;
+}
+
+/// The bottleneck by bisection, with a probe that walks block by block.
+std::int64_t bisected(const Weights& w, int parts) {
+    std::int64_t low = 0;
+    std::int64_t high = total_of(w);
+    while (low < high) {
+        const std::int64_t limit = low + (high - low) / 2;
+        int used = 1;
+        std::int64_t sum = 0;
+        for (std::int64_t x : w) {
+            if (x > limit) used = parts + 1;
+            if (sum + x > limit) ++used, sum = 0;
+            sum += x;
+        }
+        (used <= parts ? high : low) = used <= parts ? limit : limit + 1;
+    }
+    return low;
+}
+
+/// Each block goes to the share in which it begins.
+Weights prefix_cut(const Weights& w, int parts) {
+    Weights cuts(static_cast<std::size_t>(parts) + 1, static_cast<std::int64_t>(w.size()));
+    const std::int64_t total = total_of(w);
+    std::int64_t sum = 0;
+    int p = 0;
+    for (std::size_t i = 0; i < w.size(); sum += w[i++])
+        while (p < parts && sum >= p * (total / parts)) cuts[static_cast<std::size_t>(p++)] = static_cast<long>(i);
+    cuts[0] = 0;
+    return cuts;
+}
+
+void check_shape(const Weights& cuts, std::size_t blocks, int parts) {
+    REQUIRE(cuts.size() == static_cast<std::size_t>(parts) + 1);
+    CHECK(cuts.front() == 0);
+    CHECK(cuts.back() == static_cast<std::int64_t>(blocks));
+    CHECK(std::is_sorted(cuts.begin(), cuts.end()));
+    int empty = 0;
+    for (std::size_t p = 0; p + 1 < cuts.size(); ++p) empty += cuts[p] == cuts[p + 1];
+    CHECK(empty == std::max(0, parts - static_cast<int>(blocks)));
+}
+
+Weights random_weights(std::mt19937_64& random, std::size_t n) {
+    const std::uint64_t range = std::uint64_t(1) << (1 + random() % 12);
+    const std::uint64_t zeros = random() % 4;  // of four blocks
+    Weights w(n);
+    for (auto& x : w) x = random() % 4 < zeros ? 0 : static_cast<std::int64_t>(random() % range);
+    return w;
+}
+
+}  // namespace
+
+TEST_CASE("a chain is cut where its heaviest part is lightest") {
+    CHECK(exact_cut(Weights{1, 2, 3, 4, 5, 6, 7, 8, 9}, 3) == Weights{0, 5, 7, 9});  // 15, 13, 17
+    CHECK(exact_cut(Weights{1, 1, 1, 1, 1, 1}, 3) == Weights{0, 2, 4, 6});
+    CHECK(heaviest_part(Weights{1, 2, 3, 4, 5, 6, 7, 8, 9}, Weights{0, 5, 7, 9}) == 17);
+}
+
+TEST_CASE("no cut of a short chain beats the exact one, and no part is empty without need") {
+    std::mt19937_64 random(1);
+    for (int round = 0; round < 5000; ++round) {
+        const Weights w = random_weights(random, 1 + random() % 9);
+        const int parts = static_cast<int>(1 + random() % 5);
+        const Weights cuts = exact_cut(w, parts);
+        CAPTURE(w);
+        CAPTURE(parts);
+        check_shape(cuts, w.size(), parts);
+        REQUIRE(heaviest_part(w, cuts) == exhaustive(w, 0, parts));
+    }
+}
+
+TEST_CASE("the exact cut of a long chain agrees with a bisection and never exceeds the prefix cut") {
+    std::mt19937_64 random(2);
+    int better = 0;
+    for (int round = 0; round < 60; ++round) {
+        const Weights w = random_weights(random, 1 + random() % 20000);
+        const int parts = static_cast<int>(1 + random() % 300);
+        const Weights cuts = exact_cut(w, parts);
+        check_shape(cuts, w.size(), parts);
+        const std::int64_t exact = heaviest_part(w, cuts);
+        REQUIRE(exact == bisected(w, parts));
+        const std::int64_t prefix = heaviest_part(w, prefix_cut(w, parts));
+        REQUIRE(exact <= prefix);
+        better += exact < prefix;
+    }
+    CHECK(better > 30);
+}
+
+TEST_CASE("among the best cuts each part in turn is nearest to the mean of what remains") {
+    CHECK(exact_cut(Weights{100, 1, 1, 1, 1, 1, 1, 1, 1}, 5) == Weights{0, 1, 3, 5, 7, 9});
+    CHECK(exact_cut(Weights{1, 1, 1, 1, 100, 1, 1, 1, 1}, 5) == Weights{0, 4, 5, 6, 7, 9});
+}
+
+TEST_CASE("with more parts than blocks the first parts get one block each") {
+    CHECK(exact_cut(Weights{5, 9}, 4) == Weights{0, 1, 2, 2, 2});
+    CHECK(exact_cut(Weights{7}, 3) == Weights{0, 1, 1, 1});
+    CHECK(exact_cut(Weights{}, 2) == Weights{0, 0, 0});
+}
+
+TEST_CASE("one part takes all") {
+    CHECK(exact_cut(Weights{5, 0, 9}, 1) == Weights{0, 3});
+}
+
+TEST_CASE("blocks without weight are cut by number") {
+    CHECK(exact_cut(Weights(10, 0), 4) == Weights{0, 3, 6, 8, 10});
+}
+
+TEST_CASE("a total close to 2^63 does not overflow") {
+    std::mt19937_64 random(4);
+    for (int round = 0; round < 2000; ++round) {
+        Weights w = random_weights(random, 1 + random() % 9);
+        const int parts = static_cast<int>(1 + random() % 5);
+        const std::int64_t scale = INT64_MAX / std::max<std::int64_t>(total_of(w), 1);
+        const std::int64_t best = exhaustive(w, 0, parts);
+        for (auto& x : w) x *= scale;
+        REQUIRE(heaviest_part(w, exact_cut(w, parts)) == best * scale);
+    }
+    const std::int64_t big = INT64_MAX / 7;
+    CHECK(exact_cut(Weights(7, big), 7) == Weights{0, 1, 2, 3, 4, 5, 6, 7});
+    CHECK(exact_cut(Weights(7, big), 2) == Weights{0, 3, 7});
+    CHECK(exact_cut(Weights{INT64_MAX - 3, 1, 1, 1}, 2) == Weights{0, 1, 4});
+    CHECK(exact_cut(Weights{1, 1, 1, INT64_MAX - 3}, 3) == Weights{0, 2, 3, 4});
+    CHECK(exact_cut(Weights(7, big), 1) == Weights{0, 7});
+}
+
+TEST_CASE("a million blocks are cut for 1024 ranks in a fraction of a second") {
+    std::mt19937_64 random(3);
+    Weights w(1000000);
+    for (auto& x : w) x = static_cast<std::int64_t>(1 + random() % 512) * 400;
+    double best = 1e9;
+    for (int round = 0; round < 5; ++round) {
+        const auto begin = std::chrono::steady_clock::now();
+        const Weights cuts = exact_cut(w, 1024);
+        const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+        best = std::min(best, wall.count());
+        check_shape(cuts, w.size(), 1024);
+        REQUIRE(heaviest_part(w, cuts) == bisected(w, 1024));
+    }
+    MESSAGE("best of 5: " << best * 1e3 << " ms");
+    CHECK(best < 0.5);  // 4 ms on one core; the margin is for sanitizers and busy machines
+}
