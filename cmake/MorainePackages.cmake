@@ -1,3 +1,4 @@
+# What the program is built on. scripts/run installs what is missing on Debian (scripts/packages.txt).
 set(MPI_CXX_SKIP_MPICXX ON)  # Open MPI's old C++ bindings warn under -Wextra
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
@@ -12,19 +13,36 @@ endif()
 
 # Debian's Zoltan exports a CMake package without include directories and with hard-coded libraries;
 # METIS has none: both get a target of our own.
-function(moraine_import name header library)
-    find_path(${name}_INCLUDE_DIR ${header} PATH_SUFFIXES trilinos REQUIRED)
-    find_library(${name}_LIBRARY NAMES ${library} REQUIRED)
+function(moraine_import name header library package)
+    find_path(${name}_INCLUDE_DIR ${header} PATH_SUFFIXES trilinos)
+    find_library(${name}_LIBRARY NAMES ${library})
+    if(NOT ${name}_INCLUDE_DIR OR NOT ${name}_LIBRARY)
+        message(FATAL_ERROR "${name} not found (no ${header} or no lib${library}). Install ${package}?")
+    endif()
     add_library(${name}::${name} UNKNOWN IMPORTED)
     set_target_properties(${name}::${name} PROPERTIES IMPORTED_LOCATION ${${name}_LIBRARY}
         INTERFACE_INCLUDE_DIRECTORIES ${${name}_INCLUDE_DIR})
 endfunction()
-moraine_import(METIS metis.h metis)
-moraine_import(Zoltan zoltan.h trilinos_zoltan)
+moraine_import(METIS metis.h metis libmetis-dev)
+moraine_import(Zoltan zoltan.h trilinos_zoltan libtrilinos-zoltan-dev)
 target_link_libraries(Zoltan::Zoltan INTERFACE MPI::MPI_C)
+
+# Device code: wherever nvcc is found, once there is a src/gpu; -DMORAINE_CUDA=ON makes a missing nvcc an error.
+include(CheckLanguage)
+if(EXISTS ${CMAKE_SOURCE_DIR}/src/gpu/CMakeLists.txt)
+    check_language(CUDA)
+endif()
+if(CMAKE_CUDA_COMPILER)
+    set(MORAINE_HAS_NVCC ON)
+endif()
+option(MORAINE_CUDA "Build the device code" ${MORAINE_HAS_NVCC})
+if(MORAINE_CUDA)
+    enable_language(CUDA)
+endif()
 
 option(MORAINE_TESTS "Build the tests" ON)
 option(MORAINE_BENCHMARKS "Build the benchmarks" ON)
+set(MORAINE_PYTHON "" CACHE FILEPATH "A Python that has vtk, for the test of a real reader (empty: skipped)")
 if(MORAINE_TESTS)
     find_path(DOCTEST_INCLUDE_DIR doctest/doctest.h REQUIRED)
     add_library(doctest_header INTERFACE)

@@ -1,6 +1,7 @@
 # moraine_module(NAME [USES target...] HEADERS file... [SOURCES file...])
 #
-# One library per folder of src. Every header is also compiled alone (target check_headers).
+# One library per folder of src. With MORAINE_CHECK_HEADERS the target
+# all_verify_interface_header_sets compiles every header alone.
 function(moraine_module name)
     cmake_parse_arguments(ARG "" "" "USES;HEADERS;SOURCES" ${ARGN})
     if(ARG_SOURCES)

@@ -22,14 +22,28 @@ Comm::Comm(MPI_Comm parent) {
     MPI_Comm_size(comm_, &size_);
 }
 
-Comm::~Comm() { MPI_Comm_free(&comm_); }
+Comm::~Comm() {
+    MPI_Comm_free(&comm_);
+}
 
-void Comm::barrier() const { MPI_Barrier(comm_); }
-double Comm::min(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_MIN); }
-double Comm::max(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_MAX); }
-double Comm::sum(double value) const { return reduce(*this, value, MPI_DOUBLE, MPI_SUM); }
-std::int64_t Comm::max(std::int64_t value) const { return reduce(*this, value, MPI_INT64_T, MPI_MAX); }
-std::int64_t Comm::sum(std::int64_t value) const { return reduce(*this, value, MPI_INT64_T, MPI_SUM); }
+void Comm::barrier() const {
+    MPI_Barrier(comm_);
+}
+double Comm::min(double value) const {
+    return reduce(*this, value, MPI_DOUBLE, MPI_MIN);
+}
+double Comm::max(double value) const {
+    return reduce(*this, value, MPI_DOUBLE, MPI_MAX);
+}
+double Comm::sum(double value) const {
+    return reduce(*this, value, MPI_DOUBLE, MPI_SUM);
+}
+std::int64_t Comm::max(std::int64_t value) const {
+    return reduce(*this, value, MPI_INT64_T, MPI_MAX);
+}
+std::int64_t Comm::sum(std::int64_t value) const {
+    return reduce(*this, value, MPI_INT64_T, MPI_SUM);
+}
 
 void Comm::sum(std::span<std::int64_t> values) const {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_);
@@ -61,8 +75,8 @@ void Comm::gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes
             offsets.push_back(at);
             at += static_cast<int>(b);
         }
-        MPI_Allgatherv(mine, counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all, counts.data(),
-                       offsets.data(), MPI_BYTE, comm_);
+        MPI_Allgatherv(mine, counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all, counts.data(), offsets.data(),
+                       MPI_BYTE, comm_);
         return;
     }
     auto* to = static_cast<char*>(all);

@@ -29,9 +29,9 @@ struct WallSpec {
 
 struct MaterialSpec {
     std::string name;
-    std::string law;                ///< a name of core/material/laws.hpp
-    double density = 0;             ///< at ln J = 0 [kg/m3]
-    std::vector<double> parameters; ///< in the order of the law's table, defaults filled in
+    std::string law;                 ///< a name of core/material/laws.hpp
+    double density = 0;              ///< at ln J = 0 [kg/m3]
+    std::vector<double> parameters;  ///< in the order of the law's table, defaults filled in
 };
 
 /// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.
@@ -56,7 +56,7 @@ struct BodySpec {
     double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
     Triple velocity{};  ///< [m/s]
     WaveSpec wave;
-    bool geostatic = false;      ///< start from sigma_v = -rho g (surface - y), sigma_h = k0 sigma_v
+    bool geostatic = false;        ///< start from sigma_v = -rho g (surface - y), sigma_h = k0 sigma_v
     double geostatic_surface = 0;  ///< height of the free surface along -gravity's main axis [m]
     double geostatic_k0 = 1;
 };
@@ -72,31 +72,31 @@ struct BalanceSpec {
     std::string partitioner = "morton";
     std::string weight = "particles";  ///< particles, cost
     Trigger trigger = Trigger::threshold;
-    int interval = 50;         ///< [steps] between looks (threshold, planned) or repartitions (every)
-    double threshold = 1.05;   ///< max/mean
-    int axis = 0;              ///< of slabs
+    int interval = 50;        ///< [steps] between looks (threshold, planned) or repartitions (every)
+    double threshold = 1.05;  ///< max/mean
+    int axis = 0;             ///< of slabs
 };
 
 struct Scene {
-    std::string name;   ///< file name without .toml
+    std::string name;  ///< file name without .toml
     std::string title;
-    std::string path;   ///< of the file
+    std::string path;  ///< of the file
     int dimensions = 3;
     Triple min{}, max{};  ///< domain [m]
     double cell = 0;      ///< h [m]
     std::array<bool, 3> periodic{};
     std::array<std::array<WallSpec, 2>, 3> walls{};  ///< [axis][0 lower, 1 upper]
-    double end = 0;       ///< [s]
-    double cfl = 0.5;     ///< dt = cfl h / (c + |v|)
-    double dt = 0;        ///< fixed time step [s]; 0: by cfl
+    double end = 0;                                  ///< [s]
+    double cfl = 0.5;                                ///< dt = cfl h / (c + |v|)
+    double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
     Shape shape = Shape::quadratic;
     Transfer transfer = Transfer::flip;
-    double flip = 1;      ///< share of FLIP against PIC
+    double flip = 1;  ///< share of FLIP against PIC
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
-    double damping = 0;   ///< local non-viscous damping [-], 0 to 1; 0: dynamic
+    double damping = 0;           ///< local non-viscous damping [-], 0 to 1; 0: dynamic
     bool boundary_spline = true;  ///< fold ghost nodes at closed walls by linear extrapolation
-    Triple gravity{};     ///< [m/s2]
+    Triple gravity{};             ///< [m/s2]
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     OutputSpec output;

@@ -13,10 +13,11 @@
 //   Real strain_energy(state) const;                    stored elastic energy per current volume [J/m3]
 //   static const char* problem(const double* values);   nullptr, or what is wrong between parameters
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
-// its end (tension positive); ln_J and b have been advanced by the caller.
+// its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller.
 
 #include <limits>
 
+#include "core/material/left_stretch.hpp"
 #include "core/strain.hpp"
 #include "core/vec.hpp"
 

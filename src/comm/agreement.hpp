@@ -1,0 +1,44 @@
+#pragma once
+// What all ranks agree on once per step, in one reduction that runs while the halo travels.
+//
+// Only minima, maxima, bit-ors and integer sums feed back into the run, so it is the same on any
+// number of ranks. Faults and requests to stop travel along: all ranks learn of them together.
+
+#include <cstdint>
+
+#include "comm/comm.hpp"
+
+namespace moraine {
+
+struct Agreement {
+    double signal = 0;           ///< max: c + |v| [m/s]
+    double moved = 0;            ///< max: displacement of the last step [cells]
+    double seconds = 0;          ///< max: compute time of the last step, without waiting [s]
+    double seconds_sum = 0;      ///< sum; reported only
+    std::int64_t count = 0;      ///< max: particles of a rank
+    std::int64_t count_sum = 0;  ///< sum
+    std::uint32_t faults = 0;    ///< or: bits of Fault
+    std::uint32_t stop = 0;      ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
+};
+
+/// One reduction at a time: start, other work, finish.
+class AgreementReduction {
+  public:
+    explicit AgreementReduction(const Comm& comm);
+    ~AgreementReduction();
+    AgreementReduction(const AgreementReduction&) = delete;
+    AgreementReduction& operator=(const AgreementReduction&) = delete;
+
+    /// Collective, as is finish().
+    void start(const Agreement& mine);
+    Agreement finish();
+
+  private:
+    const Comm& comm_;
+    MPI_Datatype type_ = MPI_DATATYPE_NULL;
+    MPI_Op op_ = MPI_OP_NULL;
+    MPI_Request request_ = MPI_REQUEST_NULL;
+    Agreement mine_, all_;
+};
+
+}  // namespace moraine

@@ -1,0 +1,103 @@
+#pragma once
+// One rank's share of the run: its particles, the lists of its blocks, and the tiles and nodes of a step.
+//
+// Between epochs the share is told as FiledBlocks: keys, counts and slots in list order; that is the
+// state that is repartitioned, stored and restored. Within an epoch the lists are indexed by own block.
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "comm/epoch.hpp"
+#include "core/filing.hpp"
+#include "core/particles.hpp"
+
+namespace moraine {
+
+/// Blocks with their particles' slots in list order, keys ascending.
+struct FiledBlocks {
+    std::vector<Key> key;
+    std::vector<std::uint32_t> count;
+    std::vector<std::uint32_t> slot;
+};
+
+template <class Space, class Real, int Dim>
+class Patch {
+  public:
+    template <class T>
+    using Array = typename Space::template Array<T>;
+
+    Patch(const ColumnNeeds& needs, int stencil_width) : particles(needs), width_(stencil_width) {}
+
+    Particles<Space, Real, Dim> particles;
+
+    const EpochTables<Dim>& tables() const { return tables_; }
+    int own() const { return static_cast<int>(tables_.own.size()); }
+    std::int64_t count() const { return own() == 0 ? 0 : first_[static_cast<std::size_t>(own())]; }
+    std::int64_t tiles_in_use() const { return occupied_; }
+
+    BlockTable<Dim> table() const;
+    ListView<Dim> list() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
+    TileView<Real> grid() { return {tile_of_.data(), tiles_.data(), node_of_.data(), nodes_.data()}; }
+    std::int32_t* tile_of() { return tile_of_.data(); }
+    std::uint16_t* moves() { return moves_.data(); }
+    std::uint32_t* leavers() { return leavers_.data(); }
+    std::uint8_t* shuffled() { return shuffled_.data(); }
+    BlockOutcome* outcome() { return outcome_.data(); }
+    const BlockOutcome& outcome(int block) const { return outcome_[static_cast<std::size_t>(block)]; }
+
+    std::span<const std::int32_t> boundary() const { return boundary_.span(); }  ///< occupied ones
+    std::span<const std::int32_t> interior() const { return interior_.span(); }
+    std::span<const std::int32_t> occupied() const { return all_.span(); }
+    std::span<const std::int32_t> needed_nodes() const { return needed_.span(); }
+
+    /// New particles' slots; the caller fills them.
+    std::vector<std::uint32_t> take_slots(std::size_t n);
+    void give_slots(std::span<const std::uint32_t> slots) { free_.insert(free_.end(), slots.begin(), slots.end()); }
+
+    /// Begins an epoch: `filed` holds blocks of tables.own only.
+    void install(EpochTables<Dim> tables, const FiledBlocks& filed);
+    /// The filed state of this moment. Nothing may be under way.
+    FiledBlocks filed() const;
+
+    /// Filing, first half: lists this step's leavers by own block. Returns their number.
+    std::uint32_t collect_leavers();
+    std::span<const Leaver> leavers_of(int block) const;
+    /// Filing, second half, once the arrivals from other ranks stand behind the own leavers:
+    /// `ghost_leaver` in ghost order, `ghost_first` with ghosts + 1 entries.
+    void make_lists(const std::vector<Leaver>& ghost_leaver, const std::vector<std::uint32_t>& ghost_first);
+
+    /// Puts the memory into list order if more than `share` of it is out of order or unused.
+    void refresh_memory(double share);
+
+    /// Bytes held in arrays.
+    std::size_t bytes();
+
+  private:
+    void assign_storage();
+    void count_cells(int block);
+
+    int width_;
+    EpochTables<Dim> tables_;
+    Array<Vec<std::int32_t, Dim>> position_, node_position_;
+    Array<std::int32_t> neighbour_, node_block_, source_;
+    Array<std::uint8_t> border_, node_border_;
+
+    Array<std::uint32_t> first_, cell_first_, slot_, next_slot_, next_count_, next_first_;
+    Array<std::uint16_t> moves_;
+    Array<std::uint32_t> leavers_, leaver_first_;
+    Array<Leaver> leaver_;
+    Array<std::uint8_t> shuffled_;
+    Array<BlockOutcome> outcome_;
+    std::vector<std::uint32_t> free_;
+    std::uint64_t reordered_ = 0;  ///< particles whose list place no longer follows memory
+
+    Array<std::int32_t> tile_of_, node_of_;
+    Array<std::int32_t> boundary_, interior_, all_, needed_;
+    Array<Real> tiles_, nodes_;
+    std::int64_t occupied_ = 0;
+};
+
+}  // namespace moraine
+
+#include "comm/patch.ipp"

@@ -1,0 +1,54 @@
+#pragma once
+// Sums that do not depend on their order: 128-bit fixed point.
+//
+// Every reported global sum (momentum, energies, wall impulses, lost mass) adds doubles that are
+// equal on any number of ranks, rounded to a common quantum; integers then add in any order. The
+// quantum is 2^-97 of the scene's mass scale, so single terms keep their full 53 bits down to 1e-13
+// of it, and 2^30 times the scale fits.
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/vec.hpp"
+
+namespace moraine {
+
+struct ExactSum {
+    std::int64_t high = 0;  ///< two's complement, 128 bits in all
+    std::uint64_t low = 0;
+
+    MORAINE_HD void add(const ExactSum& other) {
+        const std::uint64_t sum = low + other.low;
+        high += other.high + (sum < low ? 1 : 0);
+        low = sum;
+    }
+};
+
+/// The quantum of a run's sums: powers of two, so scaling is exact.
+struct Quantum {
+    double scale = 1;  ///< quanta per unit
+
+    /// For sums whose terms are of the order of `largest` units, at most 2^30 of them.
+    static Quantum for_largest(double largest) {
+        const int exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
+        return {std::ldexp(1.0, 97 - exponent)};
+    }
+
+    MORAINE_HD ExactSum of(double value) const {
+        using std::floor;
+        const double two64 = 18446744073709551616.0;
+        const double quanta = floor(value * scale + 0.5);
+        const double high = floor(quanta / two64);
+        ExactSum s;
+        s.high = static_cast<std::int64_t>(high);
+        s.low = static_cast<std::uint64_t>(quanta - high * two64);
+        return s;
+    }
+
+    double value(const ExactSum& s) const {
+        const double two64 = 18446744073709551616.0;
+        return (static_cast<double>(s.high) * two64 + static_cast<double>(s.low)) / scale;
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,282 @@
+#pragma once
+// Grid to particles: velocity, place, velocity gradient; then stress, by the scene's materials.
+//
+//   v_pic = sum_i w_ip v_i'        v_p <- a (v_p + sum_i w_ip dv_i) + (1 - a) v_pic     (a: share of FLIP)
+//   x_p <- x_p + dt v_pic          dL = dt sum_i v_i' grad w_ip
+//   C_p = grad v (TPIC), or sum_i w_ip v_i' (x_i - x_p)ᵀ / D  (APIC, D = sum w (x_i - x_p)^2 per axis; Jiang et al.
+//   2015)
+//
+// One team reads the nodes of one block into its scratch and goes through the list cell by cell.
+// Along an axis whose ghost node was folded, APIC takes the gradient: there D tends to zero.
+// `Stress` is called with batches of particles and their dL: on the host one call per material in
+// the scene, so that a law is compiled once and not once per shape and transfer.
+
+#include "core/grid_views.hpp"
+#include "core/quad.hpp"
+#include "core/stencil.hpp"
+#include "core/stress.hpp"
+
+namespace moraine {
+
+/// What a round of a scheme takes from the nodes (bits).
+enum Gather : unsigned {
+    gather_velocity = 1,      ///< v_p and C_p
+    gather_motion = 2,        ///< x_p, by the first quad
+    gather_gradient = 4,      ///< dL and stress, by the first quad
+    gather_second_motion = 8  ///< x_p, by the second quad (MUSL: the velocity of round one)
+};
+
+/// Faces of the domain in filing coordinates, where a particle leaves it.
+template <class Real, int Dim>
+struct DomainEnds {
+    std::int32_t cell[Dim][2];
+    Real fraction[Dim][2];
+    bool open[Dim][2];
+};
+
+/// A particle's next cell and the code of its next block's offset, in one number.
+constexpr MORAINE_HD std::uint16_t encode_move(int code, int cell) {
+    return static_cast<std::uint16_t>(code * 64 + cell);
+}
+constexpr MORAINE_HD int move_code(std::uint16_t m) {
+    return m >> 6;
+}
+constexpr MORAINE_HD int move_cell(std::uint16_t m) {
+    return m & 63;
+}
+
+template <class Real, int Dim, class Shape, bool Affine, class Stress>
+struct GridToParticles {
+    static constexpr int width = Shape::width;
+    static constexpr int side = tile_side(width);
+    static constexpr int tile_nodes = power<Dim>(side);
+    static constexpr int batch = 64;
+    using Q = Quad<Real>;
+    using W = Weights<Real, Dim, Shape>;
+
+    struct Scratch {
+        Q nodes[2 * tile_nodes];
+        Mat<Real, Dim> gradient[batch];
+        std::uint32_t slot[batch];
+    };
+
+    StencilContext<Real, Dim> context;
+    ParticleView<Real, Dim> p;
+    BlockTable<Dim> table;
+    ListView<Dim> list;
+    TileView<Real> grid;
+    Stress stress;
+    const std::int32_t* chosen;  ///< own blocks
+    DomainEnds<Real, Dim> ends;
+    unsigned gather;         ///< bits of Gather
+    bool tpic;               ///< C_p is the velocity gradient
+    Real flip;               ///< share of FLIP [-]
+    Real dt;                 ///< [s]
+    std::uint16_t* moves;    ///< per list entry
+    std::uint32_t* leavers;  ///< own blocks: particles that change block
+    std::uint8_t* shuffled;  ///< own blocks: any particle changed its cell
+    BlockOutcome* outcome;   ///< own blocks
+
+    template <class Team>
+    MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
+        const int block = chosen[item];
+        BlockOutcome out;
+        leavers[block] = 0;
+        shuffled[block] = 0;
+        if (list.count(block) > 0) {
+            team.each(tile_nodes, [&](int n) { load_node(block, n, scratch); });
+            team.sync();
+            int filled = 0;
+            for (int c = 0; c < Block<Dim>::cells; ++c) gather_cell(block, c, scratch, filled, out);
+            flush(scratch, filled, out);
+        }
+        outcome[block] = out;
+    }
+
+  private:
+    MORAINE_HD void load_node(int block, int n, Scratch& scratch) const {
+        int corner = 0;
+        int at = 0;
+        int rest = n;
+        for (int a = 0; a < Dim; ++a) {
+            const int x = rest % side;
+            rest /= side;
+            corner |= (x >> 2) << a;
+            at |= (x & 3) << (2 * a);
+        }
+        const std::int32_t node_block = table.node_block[block * Block<Dim>::corners + corner];
+        const Real* from = grid.nodes + (std::size_t(grid.node_of[node_block]) * Block<Dim>::cells + at) * node_reals;
+        scratch.nodes[2 * n] = Q::load(from);
+        scratch.nodes[2 * n + 1] = Q::load(from + quad);
+    }
+
+    MORAINE_HD void gather_cell(int block, int c, Scratch& scratch, int& filled, BlockOutcome& out) const {
+        const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
+        if (bounds[0] == bounds[1]) return;
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a)
+            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
+        const bool border = table.border[block] != 0;
+        const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
+        for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
+            const std::uint32_t s = list.slot[k];
+            const W n = stencil<Real, Dim, Shape>(context, p, s, base, border);
+            Gathered g = sum_nodes(n, nodes);
+            if (gather & gather_velocity) take_velocity(s, g);
+            if (gather & gather_gradient) {
+                for (int a = 0; a < Dim; ++a)
+                    for (int b = 0; b < Dim; ++b) scratch.gradient[filled](a, b) = dt * g.gradient[b][a];
+                if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
+                scratch.slot[filled++] = s;
+                if (filled == batch) flush(scratch, filled, out);
+            }
+            if (gather & (gather_motion | gather_second_motion))
+                move(block, s, k, c, gather & gather_motion ? g.velocity : g.change, border, out);
+        }
+    }
+
+    struct Gathered {
+        Q velocity;       ///< sum w v'
+        Q change;         ///< sum w dv
+        Q gradient[Dim];  ///< sum v' dw/dx_b, per axis b
+        Q affine[Dim];    ///< columns of C
+    };
+
+    static MORAINE_HD Gathered sum_nodes_plain(const W& n, const Q* nodes, const Real (*slope)[width], Gathered g) {
+        constexpr int layers = Dim == 2 ? 1 : width;
+        for (int k = 0; k < layers; ++k)
+            for (int j = 0; j < width; ++j) {
+                const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
+                const Real wyz = n.w[1][j] * wz;
+                const Real dyz = n.dw[1][j] * wz;
+                const Real ydz = Dim == 2 ? Real(0) : n.w[1][j] * n.dw[Dim - 1][k];
+                const Q* row = nodes + 2 * (side * (j + side * k));
+                Q across = Q::zero();
+                for (int i = 0; i < width; ++i) {
+                    const Q& v = row[2 * i];
+                    across = fma(n.w[0][i], v, across);
+                    g.change = fma(n.w[0][i] * wyz, row[2 * i + 1], g.change);
+                    g.gradient[0] = fma(n.dw[0][i] * wyz, v, g.gradient[0]);
+                    if constexpr (Affine) g.affine[0] = fma(slope[0][i] * wyz, v, g.affine[0]);
+                }
+                g.velocity = fma(wyz, across, g.velocity);
+                g.gradient[1] = fma(dyz, across, g.gradient[1]);
+                if constexpr (Dim == 3) g.gradient[Dim - 1] = fma(ydz, across, g.gradient[Dim - 1]);
+                if constexpr (Affine) {
+                    g.affine[1] = fma(slope[1][j] * wz, across, g.affine[1]);
+                    if constexpr (Dim == 3)
+                        g.affine[Dim - 1] = fma(n.w[1][j] * slope[Dim - 1][k], across, g.affine[Dim - 1]);
+                }
+            }
+        return g;
+    }
+
+    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes) const {
+        Gathered g;
+        g.velocity = g.change = Q::zero();
+        for (int a = 0; a < Dim; ++a) g.gradient[a] = g.affine[a] = Q::zero();
+        if constexpr (Affine) {
+            Real slope[Dim][width];
+            for (int a = 0; a < Dim; ++a) affine_slopes(n, a, slope[a]);
+            return sum_nodes_plain(n, nodes, slope, g);
+        } else {
+            return sum_nodes_plain(n, nodes, nullptr, g);
+        }
+    }
+
+    /// w (x_i - x_p) / D along one axis [1/m], or the slopes themselves.
+    MORAINE_HD void affine_slopes(const W& n, int a, Real* slope) const {
+        const bool plain = tpic || Shape::width == 2 || n.folded[a];
+        Real D = Real(0);
+        for (int i = 0; i < width; ++i) {
+            const Real d = Real(i) - n.f[a] - Shape::template reach<Real>;
+            slope[i] = n.w[a][i] * d;
+            D += slope[i] * d;
+        }
+        const Real scale = context.inverse_cell / D;
+        for (int i = 0; i < width; ++i) slope[i] = plain ? n.dw[a][i] : slope[i] * scale;
+    }
+
+    MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {
+        using std::fma;
+        for (int a = 0; a < Dim; ++a) {
+            const Real full = p.velocity[s][a] + g.change[a];
+            p.velocity[s][a] = flip == Real(1) ? full : fma(flip, full - g.velocity[a], g.velocity[a]);
+        }
+        if constexpr (Affine)
+            for (int a = 0; a < Dim; ++a)
+                for (int b = 0; b < Dim; ++b) p.affine[s](a, b) = g.affine[b][a];
+    }
+
+    MORAINE_HD void stretch_box(std::uint32_t s, const Mat<Real, Dim>& dL, BlockOutcome& out) const {
+        using std::exp;
+        using std::log1p;
+        bool held = false;
+        for (int a = 0; a < Dim; ++a) {
+            p.log_stretch[s][a] += log1p(dL(a, a));
+            held = held || context.half_size[p.body[s]][a] * exp(p.log_stretch[s][a]) > Real(0.5);
+        }
+        if (held) ++out.clamped;
+    }
+
+    MORAINE_HD void flush(Scratch& scratch, int& filled, BlockOutcome& out) const {
+        if (filled > 0) stress(p, scratch.slot, scratch.gradient, filled, dt, out);
+        filled = 0;
+    }
+
+    /// Moves the particle of list entry k and notes where it is to be filed next. One that would leave
+    /// a closed domain stays where it was: the run ends, and the last state must be whole.
+    MORAINE_HD void move(int block, std::uint32_t s, std::uint32_t k, int from, const Q& velocity, bool border,
+                         BlockOutcome& out) const {
+        const Vec<Coordinate<Real>, Dim> old = p.position[s];
+        int code = 0;
+        int cell = 0;
+        int carry[Dim];
+        for (int a = Dim - 1; a >= 0; --a) {
+            Real step = dt * velocity[a] * context.inverse_cell;
+            const Real size = step < Real(0) ? -step : step;
+            if (!(size < Real(1))) {
+                out.fault(size >= Real(1) ? fault_far : fault_nan, p.id[s]);
+                step = Real(0);
+            } else if (double(size) > out.moved) {
+                out.moved = double(size);
+            }
+            carry[a] = advance<Real>(p.position[s][a], step);
+            code = 3 * code + carry[a] + 1;
+            cell = 4 * cell + cell_of<Real>(p.position[s][a]);
+        }
+        const int end = border ? end_passed(block, s, carry) : inside;
+        if (end == closed_end) {
+            out.fault(fault_left, p.id[s]);
+            p.position[s] = old;
+            code = Block<Dim>::centre;
+            cell = from;
+        } else if (end == open_end) {
+            code = Block<Dim>::gone;
+        }
+        moves[k] = encode_move(code, cell);
+        if (code != Block<Dim>::centre) ++leavers[block];
+        if (code != Block<Dim>::centre || cell != from) shuffled[block] = 1;
+    }
+
+    static constexpr int inside = 0;
+    static constexpr int open_end = 1;
+    static constexpr int closed_end = 2;
+
+    MORAINE_HD int end_passed(int block, std::uint32_t s, const int* carry) const {
+        int passed = inside;
+        for (int a = 0; a < Dim; ++a) {
+            const std::int32_t cell = 4 * (table.position[block][a] + carry[a]) + cell_of<Real>(p.position[s][a]);
+            const Real f = fraction_of<Real>(p.position[s][a]);
+            const bool below = cell < ends.cell[a][0] || (cell == ends.cell[a][0] && f < ends.fraction[a][0]);
+            const bool above = cell > ends.cell[a][1] || (cell == ends.cell[a][1] && f > ends.fraction[a][1]);
+            if (below || above) {
+                const int end = ends.open[a][below ? 0 : 1] ? open_end : closed_end;
+                passed = end > passed ? end : passed;
+            }
+        }
+        return passed;
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,48 @@
+#pragma once
+// What the kernels see of one rank's share of the grid, for one epoch. Plain pointers, by value.
+//
+// Own blocks 0..blocks are this rank's blocks of the topology in key order, empty ones too. Ghost
+// blocks follow: foreign neighbours of own blocks. Node blocks hold the sums and values of the nodes
+// of a block; own and upper neighbours of own blocks have one.
+
+#include <cstdint>
+
+#include "core/block.hpp"
+#include "core/vec.hpp"
+
+namespace moraine {
+
+template <int Dim>
+struct BlockTable {
+    int own;                                 ///< number of own blocks
+    int ghosts;                              ///< number of ghost blocks
+    const Vec<std::int32_t, Dim>* position;  ///< own: [blocks] from the domain's corner
+    const std::int32_t* neighbour;           ///< own x offsets: own or ghost index, or -1
+    const std::int32_t* node_block;          ///< own x corners: node block of block + delta
+    const std::uint8_t* border;              ///< own: bit 0 a wall may fold or end it here
+    int node_blocks;
+    const Vec<std::int32_t, Dim>* node_position;  ///< node blocks
+    const std::int32_t* source;                   ///< node block x corners: own or ghost block of c - delta, or -1
+    const std::uint8_t* node_border;              ///< node blocks: has wall nodes
+};
+
+/// Who is where: the list of each own block, sorted by cell.
+template <int Dim>
+struct ListView {
+    const std::uint32_t* first;       ///< own + 1: start of the block's list
+    const std::uint32_t* cell_first;  ///< own x (cells + 1): start of the cell within the block's list
+    const std::uint32_t* slot;        ///< the lists
+
+    MORAINE_HD std::uint32_t count(int block) const { return first[block + 1] - first[block]; }
+};
+
+/// Where the tiles and node values of this step are: storage index by block, or -1.
+template <class Real>
+struct TileView {
+    const std::int32_t* tile_of;  ///< own + ghosts
+    Real* tiles;                  ///< [tile][node of tile][node_reals]
+    const std::int32_t* node_of;  ///< node blocks
+    Real* nodes;                  ///< [node block][node][node_reals]
+};
+
+}  // namespace moraine

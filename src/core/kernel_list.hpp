@@ -1,0 +1,65 @@
+#pragma once
+// The list of compiled kernels: dimension x precision x shape, each with and without an affine field.
+//
+// A scene chooses one row by name at its start. Each (dimension, precision, shape) is one source file
+// (kernel_list.cpp.in), so the list is compiled in parallel and its cost is visible.
+
+#include "core/g2p.hpp"
+#include "core/law_batch.hpp"
+#include "core/p2g.hpp"
+
+namespace moraine {
+
+/// What both transfers need to know, apart from their own parameters.
+template <class Real, int Dim>
+struct TransferCall {
+    StencilContext<Real, Dim> context;
+    ParticleView<Real, Dim> particles;
+    BlockTable<Dim> table;
+    ListView<Dim> list;
+    TileView<Real> grid;
+    const std::int32_t* chosen;  ///< own blocks
+    std::int64_t count;          ///< of them
+};
+
+/// What the gather needs besides.
+template <class Real, int Dim>
+struct GatherCall {
+    HostStress<Real, Dim> stress;
+    DomainEnds<Real, Dim> ends;
+    unsigned gather;
+    bool tpic;
+    Real flip;
+    Real dt;
+    std::uint16_t* moves;
+    std::uint32_t* leavers;
+    std::uint8_t* shuffled;
+    BlockOutcome* outcome;
+};
+
+template <class Real, int Dim>
+struct TransferKernels {
+    void (*p2g)(const TransferCall<Real, Dim>&, Real cell);
+    void (*g2p)(const TransferCall<Real, Dim>&, const GatherCall<Real, Dim>&);
+};
+
+/// One row of the list; defined once per compiled combination.
+template <class Real, int Dim, class Shape>
+TransferKernels<Real, Dim> transfer_kernels(bool affine);
+
+/// The row of a scene.
+template <class Real, int Dim>
+TransferKernels<Real, Dim> choose_kernels(moraine::Shape shape, bool affine) {
+    switch (shape) {
+        case moraine::Shape::linear:
+            return transfer_kernels<Real, Dim, Linear>(affine);
+        case moraine::Shape::quadratic:
+            return transfer_kernels<Real, Dim, Quadratic>(affine);
+        case moraine::Shape::cubic:
+            return transfer_kernels<Real, Dim, Cubic>(affine);
+        default:
+            return transfer_kernels<Real, Dim, Gimp>(affine);
+    }
+}
+
+}  // namespace moraine

@@ -1,0 +1,101 @@
+#pragma once
+// Drucker-Prager soil: elastic-perfectly plastic, non-associated, cut in tension at the apex.
+//
+//   sqrt(J2) + eta mean <= k cohesion   (tension positive);   flow  de_pl = dg (s / (2 sqrt(J2)) + etab I / 3)
+//   dg = f / (G + K eta etab), engineering plastic shear strain; past the apex: s = 0, mean = k cohesion / eta
+//
+// matching 0, plane strain: at collapse (de_zz elastic = 0) the same strength and dilation as Mohr-Coulomb,
+//   etab = sin psi / sqrt(1 + sin^2 psi / 3),  eta = sin phi / D,  k = cos phi / D,
+//   D = sqrt(1 - etab^2 / 3) + etab sin phi / 3
+//   psi = 0: eta = sin phi; psi = phi: 3 tan phi / sqrt(9 + 12 tan^2 phi), de Souza Neto et al. (2008), 6.122.
+// matching 1, compression cone: (eta, k) = 6 (sin phi, cos phi) / (sqrt(3) (3 - sin phi)), etab likewise of psi.
+
+#include <cmath>
+#include <limits>
+
+#include "core/material/hypoelastic.hpp"
+
+namespace moraine {
+
+template <class Real>
+struct DruckerPrager {
+    static constexpr const char* name = "drucker-prager";
+    static constexpr int history = 1;
+    static constexpr const char* history_names[] = {"plastic_shear_strain"};
+    static constexpr bool uses_left_stretch = false;
+    static constexpr Parameter parameters[] = {
+        young_parameter,
+        poisson_parameter,
+        {"friction_angle", "deg", required, 0, 89, false, "Mohr-Coulomb friction angle"},
+        {"dilation_angle", "deg", 0, 0, 89, false, "Mohr-Coulomb dilation angle, at most the friction angle"},
+        {"cohesion", "Pa", 0, 0, unbounded, false, "Mohr-Coulomb cohesion"},
+        {"matching", "-", 0, 0, 1, false, "0: as Mohr-Coulomb in plane strain; 1: in triaxial compression"}};
+
+    Hypoelastic<Real> elastic;
+    Real friction;  ///< eta [-]
+    Real dilation;  ///< etab [-]
+    Real strength;  ///< k cohesion [Pa]
+    Real apex;      ///< mean stress at s = 0 [Pa]
+
+    explicit DruckerPrager(const double* values) : elastic(values[0], values[1]) {
+        const double degree = 0.017453292519943295;
+        const double sin_phi = std::sin(values[2] * degree), cos_phi = std::cos(values[2] * degree);
+        const double sin_psi = std::sin(values[3] * degree);
+        double d, etab;
+        if (values[5] > 0.5) {
+            d = std::sqrt(3.0) * (3 - sin_phi) / 6;
+            etab = 6 * sin_psi / (std::sqrt(3.0) * (3 - sin_psi));
+        } else {
+            etab = sin_psi / std::sqrt(1 + sin_psi * sin_psi / 3);
+            d = std::sqrt(1 - etab * etab / 3) + etab * sin_phi / 3;
+        }
+        friction = Real(sin_phi / d);
+        dilation = Real(etab);
+        strength = Real(values[4] * cos_phi / d);
+        apex = sin_phi > 0 ? Real(values[4] * cos_phi / sin_phi) : std::numeric_limits<Real>::max();
+    }
+
+    static const char* problem(const double* values) {
+        if (values[3] > values[2])
+            return "dilation_angle is above friction_angle (plastic flow would create energy). Exchange them?";
+        if (!(values[2] > 0) && !(values[4] > 0))
+            return "friction_angle and cohesion are both 0 (no strength at all). Give one of them?";
+        if (values[5] != 0 && values[5] != 1)
+            return "matching is neither 0 nor 1 (0 plane strain, 1 compression cone). Did you mean 0?";
+        return nullptr;
+    }
+
+    template <int Dim>
+    MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
+        using std::sqrt;
+        state.stress = elastic.trial(step, state.stress);
+        const Invariants<Real> trial = invariants(state.stress);
+        const Real room = strength - friction * trial.mean;  // largest sqrt(J2) at this mean stress
+        if (room >= Real(0) && trial.j2 <= room * room) return;
+
+        const Real tau = sqrt(trial.j2);
+        const Real shear_strain = (tau - room) / (elastic.shear + elastic.bulk * friction * dilation);
+        const Real remains = tau - elastic.shear * shear_strain;
+        Real& xi = state.history[0];
+        if (remains > Real(0)) {
+            xi += shear_strain;
+            const Real mean = trial.mean - elastic.bulk * dilation * shear_strain;
+            scale_deviator(state.stress, trial.mean, mean, remains / tau);
+        } else {
+            xi += tau / elastic.shear;
+            scale_deviator(state.stress, trial.mean, apex, Real(0));
+        }
+    }
+
+    template <int Dim>
+    MORAINE_HD Real wave_modulus(const PointState<Real, Dim>&) const {
+        return elastic.wave_modulus();
+    }
+
+    template <int Dim>
+    MORAINE_HD Real strain_energy(const PointState<Real, Dim>& state) const {
+        return elastic.energy(state.stress);
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,71 @@
+#pragma once
+// Compressible neo-Hookean solid.
+//
+//   tau = mu (b - I) + lambda ln(J) I,   sigma = tau / J,   b = F Fᵀ
+//   psi = mu (tr b - 3) / 2 - mu ln J + lambda (ln J)^2 / 2       per undeformed volume
+//   acoustic tensor of direction n: J A(n) = (lambda + mu - lambda ln J) n nᵀ + mu (n.b n) I
+//
+// The wave modulus uses the current stretch (a sheared solid is several times stiffer along its
+// extension), with the largest row sum of |b| as a bound on its largest eigenvalue: no eigenvalues.
+
+#include <cmath>
+
+#include "core/material/hypoelastic.hpp"
+#include "core/material/left_stretch.hpp"
+
+namespace moraine {
+
+template <class Real>
+struct NeoHookean {
+    static constexpr const char* name = "neo-hookean";
+    static constexpr int history = 0;
+    static constexpr bool uses_left_stretch = true;
+    static constexpr Parameter parameters[] = {young_parameter, poisson_parameter};
+    static const char* problem(const double*) { return nullptr; }
+
+    Real lambda;  ///< first Lamé parameter [Pa]
+    Real mu;      ///< shear modulus        [Pa]
+
+    explicit NeoHookean(const double* values) {
+        const Hypoelastic<double> elastic(values[0], values[1]);
+        lambda = Real(elastic.lambda);
+        mu = Real(elastic.shear);
+    }
+
+    template <int Dim>
+    MORAINE_HD void update(const StrainIncrement<Real, Dim>&, PointState<Real, Dim>& state) const {
+        using std::exp;
+        const Real per_volume = exp(-state.ln_J);
+        const Real volumetric = lambda * state.ln_J;
+        for (int k = 0; k < 3; ++k)
+            state.stress[k] = (mu * (state.left_stretch[k] - Real(1)) + volumetric) * per_volume;
+        for (int k = 3; k < Sym<Real, Dim>::size; ++k) state.stress[k] = mu * state.left_stretch[k] * per_volume;
+    }
+
+    template <int Dim>
+    MORAINE_HD Real wave_modulus(const PointState<Real, Dim>& state) const {
+        using std::exp;
+        using std::fabs;
+        const Sym<Real, Dim>& b = state.left_stretch;
+        Real largest = b[2];
+        for (int i = 0; i < Dim; ++i) {
+            Real row = Real(0);
+            for (int j = 0; j < Dim; ++j) row += fabs(b(i, j));
+            if (row > largest) largest = row;
+        }
+        const Real along = lambda + mu - lambda * state.ln_J;
+        return ((along > Real(0) ? along : Real(0)) + mu * largest) * exp(-state.ln_J);
+    }
+
+    template <int Dim>
+    MORAINE_HD Real strain_energy(const PointState<Real, Dim>& state) const {
+        using std::exp;
+        const Sym<Real, Dim>& b = state.left_stretch;
+        const Real first = (b[0] - Real(1)) + (b[1] - Real(1)) + (b[2] - Real(1));
+        const Real ln_J = state.ln_J;
+        const Real psi = mu * (Real(0.5) * first - ln_J) + Real(0.5) * lambda * ln_J * ln_J;
+        return psi * exp(-ln_J);
+    }
+};
+
+}  // namespace moraine

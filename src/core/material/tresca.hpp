@@ -1,0 +1,89 @@
+#pragma once
+// Elastic-perfectly plastic Tresca clay under undrained load, with rate effect and softening.
+//
+//   (sigma1 - sigma3) / 2 <= s_u(gd, xi)
+//   gd dt = d(eps1 - eps3), dxi = d(eps1 - eps3)_pl
+//
+// Associated flow, exact return in principal stresses: to the plane, sigma1 and sigma3 move by the same
+// amount; where that would pass sigma2, to the corner (mean + 2/3, 2/3, -4/3 s_u, or its mirror). In each
+// case dxi = (tau_trial - tau) / G, the scalar equation of undrained_strength.hpp. The inscribed circle
+// J2 = s_u^2 is looked at first: most elastic steps need no principal values.
+
+#include "core/material/spectrum.hpp"
+#include "core/material/undrained_strength.hpp"
+
+namespace moraine {
+
+template <class Real>
+struct Tresca {
+    static constexpr const char* name = "tresca";
+    static constexpr int history = 1;
+    static constexpr const char* history_names[] = {"plastic_shear_strain"};
+    static constexpr bool uses_left_stretch = false;
+    static constexpr const auto& parameters = undrained_parameters;
+    static const char* problem(const double* values) { return UndrainedStrength<double>::problem(values); }
+
+    Hypoelastic<Real> elastic;
+    UndrainedStrength<Real> strength;
+
+    explicit Tresca(const double* values) : elastic(values[0], values[1]), strength(values) {}
+
+    template <int Dim>
+    MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
+        state.stress = elastic.trial(step, state.stress);
+        const Invariants<Real> trial = invariants(state.stress);
+        if (trial.j2 <= strength.lowest * strength.lowest) return;
+
+        const Spectrum<Real, Dim> principal(state.stress);
+        const Ordered<Real> sigma(principal.value);
+        const Real tau = Real(0.5) * (sigma.first - sigma.third);
+        if (tau <= strength.lowest) return;
+        Real rate = Real(1);
+        if (strength.depends_on_rate) {
+            const Spectrum<Real, Dim> strain(step.strain);
+            const Ordered<Real> eps(strain.value);
+            rate = strength.rate_factor((eps.first - eps.third) / step.dt);
+        }
+        Real& xi = state.history[0];
+        if (tau <= strength.at(rate, xi)) return;
+        const Real yield = strength.returned(tau, elastic.shear, rate, xi);
+        return_to(yield, trial.mean, sigma, principal, state.stress);
+    }
+
+    template <int Dim>
+    MORAINE_HD Real wave_modulus(const PointState<Real, Dim>&) const {
+        return elastic.wave_modulus();
+    }
+
+    template <int Dim>
+    MORAINE_HD Real strain_energy(const PointState<Real, Dim>& state) const {
+        return elastic.energy(state.stress);
+    }
+
+  private:
+    template <int Dim>
+    static MORAINE_HD void return_to(Real yield, Real mean, const Ordered<Real>& sigma,
+                                     const Spectrum<Real, Dim>& principal, Sym<Real, Dim>& stress) {
+        const Real excess = Real(0.5) * (sigma.first - sigma.third) - yield;
+        Real first = sigma.first - excess;
+        Real second = sigma.second;
+        Real third = sigma.third + excess;
+        const Real step = yield * Real(2.0 / 3.0);
+        if (first < second) {
+            first = second = mean + step;
+            third = mean - Real(2) * step;
+        } else if (third > second) {
+            first = mean + Real(2) * step;
+            second = third = mean - step;
+        }
+        // Equal principal values end in a corner and so take equal changes, whichever comes first here.
+        Real change[3];
+        for (int k = 0; k < 3; ++k) {
+            const Real v = principal.value[k];
+            change[k] = v == sigma.first ? first - v : (v == sigma.third ? third - v : second - v);
+        }
+        principal.add(stress, change);
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,106 @@
+#pragma once
+// The method of one scene: everything about it that does not change during a run, in kernel form.
+
+#include <memory>
+#include <vector>
+
+#include "core/host.hpp"
+#include "core/kernel_list.hpp"
+#include "core/nodes.hpp"
+#include "core/scene.hpp"
+
+namespace moraine {
+
+/// One round of a scheme: sums to the nodes, halo, nodes, gather.
+struct Round {
+    NodeTask nodes;
+    unsigned gather;
+};
+
+/// USL: Sulsky et al. 1994 with the stress last (the method paper's). USF, MUSL: Bardenhagen 2002.
+inline std::vector<Round> rounds_of(StressUpdate scheme) {
+    switch (scheme) {
+        case StressUpdate::usf:
+            return {{NodeTask::velocity, gather_gradient}, {NodeTask::solve, gather_velocity | gather_motion}};
+        case StressUpdate::musl:
+            return {{NodeTask::solve, gather_velocity}, {NodeTask::velocity, gather_gradient | gather_second_motion}};
+        default:
+            return {{NodeTask::solve, gather_velocity | gather_motion | gather_gradient}};
+    }
+}
+
+template <class Space, class Real, int Dim>
+struct Method {
+    explicit Method(const Scene& scene);
+
+    Stencil stencil;
+    StencilContext<Real, Dim> context;
+    DomainEnds<Real, Dim> ends;
+    TransferKernels<Real, Dim> kernels;
+    std::vector<Round> rounds;
+    ColumnNeeds needs;
+    Real cell;  ///< h [m]
+    Real flip;  ///< share of FLIP [-]
+    bool tpic;
+    Real damping;            ///< [-]
+    Vec<Real, Dim> gravity;  ///< [m/s2]
+
+    HostStress<Real, Dim> stress() const {
+        return {law_pointers_.data(), static_cast<int>(laws_.size()), material_of_.data()};
+    }
+    const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
+
+  private:
+    std::vector<std::unique_ptr<LawBatch<Real, Dim>>> laws_;
+    std::vector<const LawBatch<Real, Dim>*> law_pointers_;
+    std::vector<std::uint16_t> material_of_;  ///< by body
+    std::vector<Vec<Real, Dim>> half_size_;   ///< by body [cells]
+};
+
+inline ColumnNeeds needs_of(const Scene& scene) {
+    ColumnNeeds needs;
+    needs.affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
+    for (const MaterialSpec& m : scene.materials) {
+        const LawInfo& law = *find_law(m.law);
+        needs.left_stretch = needs.left_stretch || law.uses_left_stretch;
+        needs.history = std::max(needs.history, law.history);
+    }
+    return needs;
+}
+
+template <class Space, class Real, int Dim>
+Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.shape)), needs(needs_of(scene)) {
+    cell = static_cast<Real>(scene.cell);
+    context.walls = make_walls<Real, Dim>(scene);
+    context.inverse_cell = static_cast<Real>(1 / scene.cell);
+    kernels = choose_kernels<Real, Dim>(scene.shape, needs.affine);
+    rounds = rounds_of(scene.stress_update);
+    flip = scene.transfer == Transfer::flip ? static_cast<Real>(scene.flip) : Real(0);
+    tpic = scene.transfer == Transfer::tpic;
+    damping = static_cast<Real>(scene.damping);
+    for (int a = 0; a < Dim; ++a) {
+        const auto axis = static_cast<std::size_t>(a);
+        gravity[a] = static_cast<Real>(scene.gravity[axis]);
+        for (int s = 0; s < 2; ++s) {
+            const int far = std::int32_t(1) << 29;
+            ends.cell[a][s] = scene.periodic[axis] ? (s == 0 ? -far : far) : context.walls.plane[a][s];
+            ends.fraction[a][s] = static_cast<Real>(stencil.offset());
+            ends.open[a][s] = scene.walls[axis][static_cast<std::size_t>(s)].kind == WallKind::open;
+        }
+    }
+    for (const MaterialSpec& m : scene.materials) {
+        laws_.push_back(make_law_batch<Real, Dim>(m));
+        law_pointers_.push_back(laws_.back().get());
+    }
+    for (const BodySpec& b : scene.bodies) {
+        material_of_.push_back(static_cast<std::uint16_t>(b.material));
+        Vec<Real, Dim> half;
+        for (int a = 0; a < Dim; ++a)
+            half[a] = static_cast<Real>(0.5 / b.particles_per_cell[static_cast<std::size_t>(a)]);
+        half_size_.push_back(half);
+    }
+    context.half_size = half_size_.data();
+}
+
+}  // namespace moraine

@@ -1,0 +1,128 @@
+#pragma once
+// Nodes: from sums to velocities.
+//
+//   v_i = q_i / m_i,   v_i' = v_i + dt (f_i / m_i + g) , then damping, then walls
+//   left for the gather: v_i' and dv_i = v_i' - v_i
+//
+// A node is +0 plus its tiles in the order of the offset delta, never of keys or ranks, so that an
+// absent tile and a zero tile are the same and all copies of a node are updated identically. Local
+// non-viscous damping follows Cundall (1987): a fraction of |f| against the velocity.
+//
+// Nodes with less than `mass_cutoff` take no part: their velocity would be a ratio of roundings.
+// Impulses of walls and damping are summed exactly, each node by the owner of the first occupied
+// block c - delta, in offset order, whose tile covers it.
+
+#include "core/exact_sum.hpp"
+#include "core/grid_views.hpp"
+#include "core/quad.hpp"
+#include "core/walls.hpp"
+
+namespace moraine {
+
+/// What a round asks of the nodes.
+enum class NodeTask {
+    solve,     ///< v' and dv from all sums
+    velocity,  ///< v of the momentum; the former v' moves to the second quad (MUSL, USF)
+};
+
+template <class Real, int Dim>
+struct SolveNodes {
+    struct Scratch {
+        Quad<Real> sums[2 * Block<Dim>::cells];
+        std::int32_t counted_by[Block<Dim>::cells];  ///< first occupied source of the node, own or ghost; -1 none
+    };
+
+    Walls<Real, Dim> walls;
+    BlockTable<Dim> table;
+    TileView<Real> grid;
+    const std::int32_t* chosen;  ///< node blocks to solve
+    int width;
+    int origin;
+    NodeTask task;
+    Real dt;                 ///< [s]
+    Vec<Real, Dim> gravity;  ///< [m/s2]
+    Real damping;            ///< [-]
+    Real mass_cutoff;        ///< [kg]
+    Quantum quantum;
+    ExactSum* impulse;  ///< node blocks x Dim: impulse of walls and damping of this step [kg m/s]
+
+    template <class Team>
+    MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
+        const int c = chosen[item];
+        const bool border = table.node_border[c] != 0;
+        team.each(Block<Dim>::cells, [&](int n) {
+            scratch.sums[2 * n] = scratch.sums[2 * n + 1] = Quad<Real>::zero();
+            scratch.counted_by[n] = -1;
+        });
+        team.sync();
+        for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+            const int source = table.source[c * Block<Dim>::corners + delta];
+            const int tile = source < 0 ? -1 : grid.tile_of[source];
+            if (tile < 0) continue;
+            team.each(Block<Dim>::cells, [&](int n) { add_tile_node(n, delta, source, tile, scratch); });
+            team.sync();
+        }
+        for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
+        team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, scratch); });
+    }
+
+  private:
+    MORAINE_HD void add_tile_node(int n, int delta, int source, int tile, Scratch& scratch) const {
+        const int side = tile_side(width);
+        int at = 0;
+        for (int a = Dim - 1; a >= 0; --a) {
+            const int x = cell_coordinate_of(n, a);
+            const int upper = Block<Dim>::corner(delta, a);
+            if (upper && x >= width - 1) return;
+            at = at * side + x + 4 * upper;
+        }
+        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(side) + at) * node_reals;
+        scratch.sums[2 * n] = scratch.sums[2 * n] + Quad<Real>::load(from);
+        scratch.sums[2 * n + 1] = scratch.sums[2 * n + 1] + Quad<Real>::load(from + quad);
+        if (scratch.counted_by[n] < 0) scratch.counted_by[n] = source;
+    }
+
+    static MORAINE_HD int cell_coordinate_of(int n, int axis) { return (n >> (2 * axis)) & 3; }
+
+    MORAINE_HD void finish(int c, int item, int n, bool border, Scratch& scratch) const {
+        Real* out = grid.nodes + (std::size_t(grid.node_of[c]) * Block<Dim>::cells + n) * node_reals;
+        const Quad<Real>& sums = scratch.sums[2 * n];
+        const Quad<Real>& force = scratch.sums[2 * n + 1];
+        Vec<Real, Dim> start = zero_vec<Real, Dim>();
+        Vec<Real, Dim> v = start;
+        const Real m = sums[0];
+        if (m > mass_cutoff) {
+            const Real inverse = Real(1) / m;
+            for (int a = 0; a < Dim; ++a) start[a] = sums[1 + a] * inverse;
+            v = start;
+            if (task == NodeTask::solve)
+                for (int a = 0; a < Dim; ++a) v[a] += dt * (force[a] * inverse + gravity[a]);
+            const Vec<Real, Dim> trial = v;
+            if (damping > Real(0) && task == NodeTask::solve) damp(force, inverse, v);
+            if (border) {
+                int node[Dim];
+                for (int a = 0; a < Dim; ++a)
+                    node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+                walls.constrain(node, v);
+            }
+            if ((border || damping > Real(0)) && task == NodeTask::solve && scratch.counted_by[n] < table.own)
+                for (int a = 0; a < Dim; ++a)
+                    impulse[item * Dim + a].add(quantum.of(double(m) * (double(v[a]) - double(trial[a]))));
+        }
+        for (int a = 0; a < Dim; ++a) {
+            out[quad + a] = task == NodeTask::solve ? v[a] - start[a] : out[a];
+            out[a] = v[a];
+        }
+        for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);
+    }
+
+    MORAINE_HD void damp(const Quad<Real>& force, Real inverse, Vec<Real, Dim>& v) const {
+        using std::fabs;
+        for (int a = 0; a < Dim; ++a) {
+            const Real brake = damping * dt * fabs(force[a] * inverse + gravity[a]);
+            v[a] -= v[a] > Real(0) ? brake : (v[a] < Real(0) ? -brake : Real(0));
+        }
+    }
+};
+
+}  // namespace moraine

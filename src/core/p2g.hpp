@@ -1,0 +1,134 @@
+#pragma once
+// Particles to grid.
+//
+//   m_i = sum_p w_ip m_p                                                       [kg]
+//   q_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p))                               [kg m/s]
+//   f_i = sum_p (w_ip m_p b_p - V_p sigma_p grad w_ip)                         [N]
+//
+// Mass, momentum and internal force stay apart, so that no dt is needed yet. One team sums the
+// particles of one block into its private tile: each cell's particles in list order into sums of
+// its stencil, cells into the tile in order. Nothing is added by atomics, so the result does not
+// depend on who runs it. Blocks are chosen by a list: boundary and interior blocks run this one kernel.
+
+#include "core/grid_views.hpp"
+#include "core/quad.hpp"
+#include "core/stencil.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim, class Shape, bool Affine>
+struct ParticlesToGrid {
+    static constexpr int width = Shape::width;
+    static constexpr int side = tile_side(width);
+    static constexpr int tile_nodes = power<Dim>(side);
+    static constexpr int stencil_nodes = power<Dim>(width);
+
+    struct Scratch {
+        Quad<Real> sums[2 * stencil_nodes];  ///< (mass, momentum) and force of each node of a cell's stencil
+    };
+
+    StencilContext<Real, Dim> context;
+    ParticleView<Real, Dim> p;
+    BlockTable<Dim> table;
+    ListView<Dim> list;
+    TileView<Real> grid;
+    const std::int32_t* chosen;  ///< own blocks to sum
+    Real cell;                   ///< h [m]
+
+    template <class Team>
+    MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
+        const int block = chosen[item];
+        if (list.count(block) == 0) return;
+        Real* tile = grid.tiles + std::size_t(grid.tile_of[block]) * tile_nodes * node_reals;
+        team.each(tile_nodes * node_reals, [&](int n) { tile[n] = Real(0); });
+        team.sync();
+        team.each(Block<Dim>::cells, [&](int c) { add_cell(block, c, scratch.sums, tile); });
+    }
+
+  private:
+    using Q = Quad<Real>;
+
+    MORAINE_HD void add_cell(int block, int c, Q* sums, Real* tile) const {
+        const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
+        if (bounds[0] == bounds[1]) return;
+        for (int n = 0; n < 2 * stencil_nodes; ++n) sums[n] = Q::zero();
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a)
+            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
+        const bool border = table.border[block] != 0;
+        const std::uint32_t* slots = list.slot + list.first[block];
+        for (std::uint32_t k = bounds[0]; k < bounds[1]; ++k) add_particle(slots[k], base, border, sums);
+        Real* to = tile + tile_offset<Dim, width>(c) * node_reals;
+        each_node<Dim, width>([&](int at, int i, int j, int k) {
+            const Q* from = sums + 2 * (i + width * (j + width * k));
+            for (int half = 0; half < 2; ++half) {
+                Real* q = to + at * node_reals + half * quad;
+                (Q::load(q) + from[half]).store(q);
+            }
+        });
+    }
+
+    /// What one particle brings to every node of its stencil.
+    struct Load {
+        Q carried;        ///< (m, q) at the stencil's first node
+        Q slope[Dim];     ///< change of (m, q) from node to node
+        Q traction[Dim];  ///< -V sigma, column by column
+        Q pull;           ///< m b
+        bool pulled;
+    };
+
+    MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
+        using std::fma;
+        const Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s, base, border);
+        const Real m = p.mass[s];
+        Load load;
+        load.carried = load.pull = Q::zero();
+        load.carried[0] = m;
+        load.pulled = p.body_force != nullptr;
+        for (int a = 0; a < Dim; ++a) {
+            load.carried[1 + a] = m * p.velocity[s][a];
+            if (load.pulled) load.pull[a] = m * p.body_force[s][a];
+        }
+        for (int b = 0; b < Dim; ++b) {
+            load.traction[b] = load.slope[b] = Q::zero();
+            for (int a = 0; a < Dim; ++a) {
+                load.traction[b][a] = -p.volume[s] * p.stress[s](a, b);
+                if constexpr (Affine) {
+                    load.slope[b][1 + a] = m * p.affine[s](a, b) * cell;
+                    load.carried[1 + a] =
+                        fma(-(n.f[b] + Shape::template reach<Real>), load.slope[b][1 + a], load.carried[1 + a]);
+                }
+            }
+        }
+        add_nodes(n, load, sums);
+    }
+
+    MORAINE_HD static void add_nodes(const Weights<Real, Dim, Shape>& n, const Load& load, Q* sums) {
+        constexpr int layers = Dim == 2 ? 1 : width;
+        for (int k = 0; k < layers; ++k)
+            for (int j = 0; j < width; ++j) {
+                const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
+                const Real wyz = n.w[1][j] * wz;
+                const Real dyz = n.dw[1][j] * wz;
+                const Real ydz = Dim == 2 ? Real(0) : n.w[1][j] * n.dw[Dim - 1][k];
+                Q momentum = load.carried;
+                if constexpr (Affine) {
+                    momentum = fma(Real(j), load.slope[1], momentum);
+                    if constexpr (Dim == 3) momentum = fma(Real(k), load.slope[Dim - 1], momentum);
+                }
+                for (int i = 0; i < width; ++i) {
+                    Q* to = sums + 2 * (i + width * (j + width * k));
+                    const Real w = n.w[0][i] * wyz;
+                    to[0] = fma(w, momentum, to[0]);
+                    Q force = fma(n.dw[0][i] * wyz, load.traction[0], to[1]);
+                    force = fma(n.w[0][i] * dyz, load.traction[1], force);
+                    if constexpr (Dim == 3) force = fma(n.w[0][i] * ydz, load.traction[Dim - 1], force);
+                    if (load.pulled) force = fma(w, load.pull, force);
+                    to[1] = force;
+                    if constexpr (Affine) momentum = momentum + load.slope[0];
+                }
+            }
+    }
+};
+
+}  // namespace moraine

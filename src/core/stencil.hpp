@@ -1,0 +1,91 @@
+#pragma once
+// The stencil of one particle: weights and slopes per axis, folded at walls; and how a cell prepares it.
+
+#include "core/particles.hpp"
+#include "core/position.hpp"
+#include "core/shape.hpp"
+#include "core/walls.hpp"
+
+namespace moraine {
+
+/// Weights and slopes of one particle. Slopes are per metre.
+template <class Real, int Dim, class Shape>
+struct Weights {
+    Real w[Dim][Shape::width];
+    Real dw[Dim][Shape::width];
+    Real f[Dim];       ///< place in the filing cell [cells]
+    bool folded[Dim];  ///< a ghost node was folded along this axis
+};
+
+/// Half-sizes of the GIMP box of each body per axis at ln stretch 0 [cells].
+template <class Real, int Dim>
+using HalfSizes = const Vec<Real, Dim>*;
+
+/// What all stencils of a run share.
+template <class Real, int Dim>
+struct StencilContext {
+    Walls<Real, Dim> walls;
+    Real inverse_cell;               ///< 1/h [1/m]
+    HalfSizes<Real, Dim> half_size;  ///< per body, null unless the shape is sized
+};
+
+template <class Real, int Dim>
+MORAINE_HD Real gimp_half(const StencilContext<Real, Dim>& context, const ParticleView<Real, Dim>& p, std::uint32_t s,
+                          int axis) {
+    using std::exp;
+    Real half = context.half_size[p.body[s]][axis];
+    if (p.log_stretch) half *= exp(p.log_stretch[s][axis]);
+    return half < Real(0.5) ? half : Real(0.5);
+}
+
+/// Weights of the particle in slot s whose stencil starts at node base[]; folds only where `border`.
+template <class Real, int Dim, class Shape>
+MORAINE_HD Weights<Real, Dim, Shape> stencil(const StencilContext<Real, Dim>& context, const ParticleView<Real, Dim>& p,
+                                             std::uint32_t s, const int* base, bool border) {
+    Weights<Real, Dim, Shape> n;
+    for (int a = 0; a < Dim; ++a) {
+        n.f[a] = fraction_of<Real>(p.position[s][a]);
+        Real half = Real(0);
+        if constexpr (Shape::sized) half = gimp_half(context, p, s, a);
+        Shape::weights(n.f[a], half, n.w[a], n.dw[a]);
+        n.folded[a] = false;
+        if constexpr (Shape::width > 2) {
+            if (border)
+                n.folded[a] =
+                    fold_weights<Shape::width>(base[a], context.walls.plane[a][0], context.walls.plane[a][1],
+                                               context.walls.fold[a][0], context.walls.fold[a][1], n.w[a], n.dw[a]);
+        }
+        for (int i = 0; i < Shape::width; ++i) n.dw[a][i] *= context.inverse_cell;
+    }
+    return n;
+}
+
+/// Calls f(tile offset of the node, i, j, k) for each node of a stencil, x fastest.
+template <int Dim, int Width, class F>
+MORAINE_HD void each_node(const F& f) {
+    constexpr int side = tile_side(Width);
+    if constexpr (Dim == 2) {
+        for (int j = 0; j < Width; ++j)
+            for (int i = 0; i < Width; ++i) f(i + side * j, i, j, 0);
+    } else {
+        for (int k = 0; k < Width; ++k)
+            for (int j = 0; j < Width; ++j)
+                for (int i = 0; i < Width; ++i) f(i + side * (j + side * k), i, j, k);
+    }
+}
+
+/// Offset in a tile of the stencil of a cell: the cell's coordinates are those of its lowest node.
+template <int Dim, int Width>
+MORAINE_HD int tile_offset(int cell) {
+    constexpr int side = tile_side(Width);
+    const int x = cell & 3;
+    const int y = (cell >> 2) & 3;
+    return Dim == 2 ? x + side * y : x + side * (y + side * (cell >> 4));
+}
+
+template <int Dim>
+MORAINE_HD int cell_coordinate(int cell, int axis) {
+    return (cell >> (2 * axis)) & 3;
+}
+
+}  // namespace moraine

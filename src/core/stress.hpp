@@ -1,0 +1,96 @@
+#pragma once
+// One particle's stress update: strain increment, law, volume, and what the step control must know.
+//
+//   V = (m / rho0) exp(ln J),    c^2 = M J / rho0   (M = K + 4G/3 now),    signal = c + |v|
+//   work of the step: V (sigma_n + sigma_n+1)/2 : de
+
+#include <cmath>
+
+#include "core/material/left_stretch.hpp"
+#include "core/material/point.hpp"
+#include "core/particles.hpp"
+#include "core/strain.hpp"
+
+namespace moraine {
+
+/// What went wrong on a particle, as bits; the highest is reported first.
+enum Fault : std::uint32_t {
+    fault_none = 0,
+    fault_far = 1,       ///< moved a whole cell or more in one step
+    fault_left = 2,      ///< left a closed domain
+    fault_inverted = 4,  ///< det(I + dL) <= 0
+    fault_nan = 8,       ///< velocity or stress is not a number
+};
+
+/// What one block's particles tell the step control.
+struct BlockOutcome {
+    double signal = 0;  ///< largest c + |v| [m/s]
+    double moved = 0;   ///< largest displacement along an axis in this step [cells]
+    double work = 0;    ///< of the stresses in this step [J]
+    std::uint32_t faults = 0;
+    std::uint32_t clamped = 0;                   ///< contiguous GIMP boxes held at half a cell
+    std::uint64_t offender = ~std::uint64_t(0);  ///< lowest id with a fault
+
+    MORAINE_HD void fault(std::uint32_t bit, std::uint64_t id) {
+        faults |= bit;
+        if (id < offender) offender = id;
+    }
+};
+
+/// a : b
+template <class Real, int Dim>
+MORAINE_HD Real contract(const Sym<Real, Dim>& a, const Sym<Real, Dim>& b) {
+    Real sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    for (int k = 3; k < Sym<Real, Dim>::size; ++k) sum += Real(2) * a[k] * b[k];
+    return sum;
+}
+
+template <class Law, class Real, int Dim>
+MORAINE_HD PointState<Real, Dim> load_point(const ParticleView<Real, Dim>& p, std::uint32_t s) {
+    PointState<Real, Dim> state;
+    state.stress = p.stress[s];
+    state.ln_J = p.ln_J[s];
+    for (int k = 0; k < Law::history; ++k) state.history[k] = p.history[k][s];
+    if constexpr (Law::uses_left_stretch) state.left_stretch = p.left_stretch[s];
+    return state;
+}
+
+/// Largest speed at which the particle can tell others of itself: c + |v| [m/s].
+template <class Law, class Real, int Dim>
+MORAINE_HD Real signal_speed(const Law& law, const PointState<Real, Dim>& state, const Vec<Real, Dim>& v, Real J,
+                             Real inverse_density) {
+    using std::sqrt;
+    Real square = Real(0);
+    for (int a = 0; a < Dim; ++a) square += v[a] * v[a];
+    return sqrt(law.wave_modulus(state) * J * inverse_density) + sqrt(square);
+}
+
+/// dL: dt grad v at the particle [-]. inverse_density: 1/rho0 [m3/kg].
+template <class Law, class Real, int Dim>
+MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
+                             const Mat<Real, Dim>& dL, Real dt, Real inverse_density, BlockOutcome& out) {
+    using std::exp;
+    PointState<Real, Dim> state = load_point<Law>(p, s);
+    const Sym<Real, Dim> before = state.stress;
+    const StrainIncrement<Real, Dim> increment = strain_increment(dL, dt);
+    state.ln_J += increment.volumetric;
+    if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, dL);
+    law.update(increment, state);
+
+    const Real J = exp(state.ln_J);
+    const Real volume = p.mass[s] * inverse_density * J;
+    p.stress[s] = state.stress;
+    p.ln_J[s] = state.ln_J;
+    p.volume[s] = volume;
+    for (int k = 0; k < Law::history; ++k) p.history[k][s] = state.history[k];
+    if constexpr (Law::uses_left_stretch) p.left_stretch[s] = state.left_stretch;
+
+    out.work +=
+        double(volume) * 0.5 * double(contract(before, increment.strain) + contract(state.stress, increment.strain));
+    const double signal = double(signal_speed(law, state, p.velocity[s], J, inverse_density));
+    if (signal > out.signal) out.signal = signal;
+    if (!(increment.stretch > Real(0))) out.fault(increment.stretch <= Real(0) ? fault_inverted : fault_nan, p.id[s]);
+    if (!(signal < 1e300) || !(contract(state.stress, state.stress) >= Real(0))) out.fault(fault_nan, p.id[s]);
+}
+
+}  // namespace moraine

@@ -1,0 +1,86 @@
+#pragma once
+// Totals of the flow for the records: mass, momentum, energies, extent. Only at output times.
+//
+// Each block gives doubles in list order; their sum over blocks and ranks is exact (exact_sum.hpp),
+// so the records are the same on any number of ranks.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/exact_sum.hpp"
+#include "core/law_batch.hpp"
+#include "core/particles.hpp"
+
+namespace moraine {
+
+template <int Dim>
+struct Totals {
+    double mass = 0;                     ///< [kg]
+    std::array<double, Dim> momentum{};  ///< [kg m/s]
+    std::array<double, Dim> centre{};    ///< sum m x [kg m]
+    double kinetic = 0;                  ///< [J]
+    double strain = 0;                   ///< stored elastic energy [J]
+    double max_speed = 0;                ///< [m/s]
+    double min_J = std::numeric_limits<double>::infinity();
+    double max_J = 0;
+    double max_x = -std::numeric_limits<double>::infinity();  ///< furthest particle [m]
+
+    static constexpr int sums = 3 + 2 * Dim;
+
+    /// The additive ones, in a fixed order.
+    std::array<double, sums> additive() const {
+        std::array<double, sums> all{mass, kinetic, strain};
+        std::copy(momentum.begin(), momentum.end(), all.begin() + 3);
+        std::copy(centre.begin(), centre.end(), all.begin() + 3 + Dim);
+        return all;
+    }
+    void set_additive(const std::array<double, sums>& all) {
+        mass = all[0], kinetic = all[1], strain = all[2];
+        std::copy_n(all.begin() + 3, Dim, momentum.begin());
+        std::copy_n(all.begin() + 3 + Dim, Dim, centre.begin());
+    }
+    void widen(const Totals& o) {
+        max_speed = std::max(max_speed, o.max_speed);
+        min_J = std::min(min_J, o.min_J);
+        max_J = std::max(max_J, o.max_J);
+        max_x = std::max(max_x, o.max_x);
+    }
+};
+
+/// Adds the particle in slot s at x [m].
+template <class Real, int Dim>
+void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_t s, const std::array<double, Dim>& x,
+                  const LawBatch<Real, Dim>& law) {
+    const double m = static_cast<double>(p.mass[s]);
+    double square = 0;
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        const double v = static_cast<double>(p.velocity[s][a]);
+        t.momentum[i] += m * v;
+        t.centre[i] += m * x[i];
+        square += v * v;
+    }
+    t.mass += m;
+    t.kinetic += 0.5 * m * square;
+    t.strain += law.strain_energy(p, s);
+    const double J = std::exp(static_cast<double>(p.ln_J[s]));
+    t.max_speed = std::max(t.max_speed, std::sqrt(square));
+    t.min_J = std::min(t.min_J, J);
+    t.max_J = std::max(t.max_J, J);
+    t.max_x = std::max(t.max_x, x[0]);
+}
+
+/// Accounts that grow step by step, on each rank for what it did; their sum over ranks is exact.
+template <int Dim>
+struct Ledger {
+    ExactSum work;                      ///< of the stresses [J]
+    std::array<ExactSum, Dim> impulse;  ///< of walls and damping [kg m/s]
+    ExactSum lost_mass;                 ///< through open walls [kg]
+    std::array<ExactSum, Dim> lost_momentum;
+    std::array<ExactSum, Dim> lost_pull;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
+    std::int64_t lost_count = 0;
+};
+
+}  // namespace moraine

@@ -1,0 +1,108 @@
+#pragma once
+// Walls on the faces of the domain: what they do to nodes, to spline weights, and to particles.
+//
+// Nodes: no-slip sets the velocity to zero, free-slip its normal part; friction does so while the
+// wall is pressed, and takes at most mu |dv_n| from the tangential part (Coulomb on the impulse).
+//
+// Splines: a stencil of three or four nodes reaches one ghost node behind a closed wall. The ghost
+// follows by linear extrapolation, v_-1 = 2 v_0 - v_1, so its weight is folded into the particle's:
+//   w_0 += 2 w_-1,  w_1 -= w_-1,  w_-1 = 0
+// Constants and straight lines stay exact, all folded weights are >= 0 (quadratic: the hat function
+// in the last half cell), v_0 = 0 holds the wall exactly, and it is local to one particle, so it is
+// the same on any rank. docs/adr/0002 compares it with unconstrained ghosts.
+
+#include <cmath>
+#include <cstddef>
+
+#include "core/block.hpp"
+#include "core/scene.hpp"
+#include "core/vec.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+struct Walls {
+    int plane[Dim][2];  ///< node index of the face: 0 and N
+    WallKind kind[Dim][2];
+    Real friction[Dim][2];
+    bool fold[Dim][2];  ///< extrapolate the ghost node behind this face
+
+    /// Applies the walls to a node's velocity.
+    MORAINE_HD void constrain(const int* node, Vec<Real, Dim>& v) const {
+        for (int a = 0; a < Dim; ++a) {
+            if (node[a] <= plane[a][0]) constrain_at(a, 0, v);
+            if (node[a] >= plane[a][1]) constrain_at(a, 1, v);
+        }
+    }
+
+  private:
+    MORAINE_HD void constrain_at(int a, int side, Vec<Real, Dim>& v) const {
+        const WallKind k = kind[a][side];
+        if (k == WallKind::no_slip) {
+            for (int c = 0; c < Dim; ++c) v[c] = Real(0);
+        } else if (k == WallKind::free_slip) {
+            v[a] = Real(0);
+        } else if (k == WallKind::friction) {
+            const Real inward = side == 0 ? v[a] : -v[a];
+            if (inward < Real(0)) {
+                v[a] = Real(0);
+                slow_down(a, -inward * friction[a][side], v);
+            }
+        }
+    }
+
+    /// Takes `most` [m/s] from the speed along the wall, or all of it.
+    MORAINE_HD static void slow_down(int a, Real most, Vec<Real, Dim>& v) {
+        using std::sqrt;
+        Real square = Real(0);
+        for (int c = 0; c < Dim; ++c)
+            if (c != a) square += v[c] * v[c];
+        const Real speed = sqrt(square);
+        const Real keep = speed > most ? (speed - most) / speed : Real(0);
+        for (int c = 0; c < Dim; ++c)
+            if (c != a) v[c] *= keep;
+    }
+};
+
+/// Folds the ghost nodes of one axis: `base` is the node index of weight 0.
+template <int Width, class Real>
+MORAINE_HD bool fold_weights(int base, int lower, int upper, bool fold_lower, bool fold_upper, Real* w, Real* dw) {
+    bool folded = false;
+    if (fold_lower && base == lower - 1) {
+        w[1] += Real(2) * w[0], dw[1] += Real(2) * dw[0];
+        w[2] -= w[0], dw[2] -= dw[0];
+        w[0] = dw[0] = Real(0);
+        folded = true;
+    }
+    const int ghost = upper + 1 - base;
+    if (fold_upper && ghost < Width) {
+        for (int g = 2; g < Width; ++g)
+            if (g == ghost) {
+                w[g - 1] += Real(2) * w[g], dw[g - 1] += Real(2) * dw[g];
+                w[g - 2] -= w[g], dw[g - 2] -= dw[g];
+                w[g] = dw[g] = Real(0);
+            }
+        folded = true;
+    }
+    return folded;
+}
+
+template <class Real, int Dim>
+Walls<Real, Dim> make_walls(const Scene& scene) {
+    Walls<Real, Dim> walls{};
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s) {
+            const WallSpec& spec = scene.walls[static_cast<std::size_t>(a)][static_cast<std::size_t>(s)];
+            const auto axis = static_cast<std::size_t>(a);
+            walls.plane[a][s] =
+                s == 0 ? 0 : static_cast<int>(std::lround((scene.max[axis] - scene.min[axis]) / scene.cell));
+            walls.kind[a][s] = spec.kind;
+            walls.friction[a][s] = static_cast<Real>(spec.friction);
+            walls.fold[a][s] =
+                scene.boundary_spline && scene.shape != Shape::linear &&
+                (spec.kind == WallKind::no_slip || spec.kind == WallKind::free_slip || spec.kind == WallKind::friction);
+        }
+    return walls;
+}
+
+}  // namespace moraine

@@ -1,0 +1,72 @@
+#include "io/disk_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "core/error.hpp"
+
+namespace moraine {
+
+namespace {
+
+void sync_folder_of(const std::string& path) {
+    const auto folder = std::filesystem::path(path).parent_path();
+    const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (handle < 0) return;  // a file system that does not let folders be opened needs no sync of them
+    ::fsync(handle);
+    ::close(handle);
+}
+
+}  // namespace
+
+DiskFile::DiskFile(const std::string& path, Mode mode) : path_(path) {
+    handle_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (mode == Mode::create ? O_CREAT | O_TRUNC : 0), 0666);
+    if (handle_ < 0) fail("open");
+}
+
+DiskFile::~DiskFile() {
+    if (handle_ >= 0) ::close(handle_);
+}
+
+void DiskFile::fail(const char* verb) const {
+    throw MachineError(
+        fmt::format("cannot {} {} ({}). Is the disk full or read-only?", verb, path_, std::strerror(errno)));
+}
+
+void DiskFile::write(std::span<const std::byte> bytes, std::int64_t at) {
+    while (!bytes.empty()) {
+        const ssize_t done = ::pwrite(handle_, bytes.data(), bytes.size(), at);
+        if (done < 0 && errno == EINTR) continue;
+        if (done <= 0) fail("write");
+        bytes = bytes.subspan(static_cast<std::size_t>(done));
+        at += done;
+    }
+}
+
+void DiskFile::sync() {
+    if (::fsync(handle_) != 0) fail("write");
+}
+
+void move_file(const std::string& from, const std::string& to) {
+    if (std::rename(from.c_str(), to.c_str()) != 0)
+        throw MachineError(fmt::format("cannot write {} ({}). Is the disk full or read-only?", to, std::strerror(errno)));
+    sync_folder_of(to);
+}
+
+void replace_file(const std::string& path, std::string_view text) {
+    const std::string partial = path + ".partial";
+    {
+        DiskFile file(partial, DiskFile::Mode::create);
+        file.write(std::as_bytes(std::span(text)), 0);
+        file.sync();
+    }
+    move_file(partial, path);
+}
+
+}  // namespace moraine

@@ -1,0 +1,229 @@
+#pragma once
+// The simulation: one rank's part of the run, and THE STEP. The one file that may know every folder.
+//
+// Between steps the share of a rank is told by its lists; output, checkpoints and balancing look at it
+// only in the filed state, and never change dt or the answer.
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "balance/partitioner.hpp"
+#include "balance/trigger.hpp"
+#include "balance/weight.hpp"
+#include "comm/agreement.hpp"
+#include "comm/block_move.hpp"
+#include "comm/halo.hpp"
+#include "comm/migration.hpp"
+#include "comm/patch.hpp"
+#include "core/error.hpp"
+#include "core/hash.hpp"
+#include "core/method.hpp"
+#include "core/totals.hpp"
+#include "io/seed.hpp"
+#include "phases.hpp"
+
+namespace moraine {
+
+/// Cost of a block on one core in ns, measured by benchmarks/step: used by balance.weight = "cost".
+inline constexpr CostModel host_costs{250, 400, 4000};
+
+/// Counts over the whole run. Those of a rank are summed when they are reported.
+struct RunCounts {
+    std::int64_t repartitions = 0;        ///< same on all ranks
+    std::int64_t migrated_particles = 0;  ///< sent by this rank in repartitions
+    std::int64_t migrated_blocks = 0;
+    std::int64_t crossed_particles = 0;  ///< walked from this rank to others
+    std::int64_t halo_bytes = 0;         ///< sent by this rank
+    std::int64_t clamped_boxes = 0;      ///< contiguous GIMP boxes held at half a cell, particle-steps
+    double imbalance_sum = 0;            ///< over steps, of particles; same on all ranks
+    double imbalance_max = 0;
+    double imbalance_time_sum = 0;  ///< of measured compute time
+    std::int64_t steps = 0;         ///< of this process: what the means are over
+    double particle_steps = 0;
+};
+
+/// Where a run stands, apart from its particles; the same on all ranks, and what a checkpoint keeps.
+template <int Dim>
+struct RunClock {
+    std::int64_t step = 0;
+    double time = 0;                 ///< [s]
+    double dt = 0;                   ///< of the last step [s]
+    double signal = 0;               ///< largest c + |v|, for the next step [m/s]
+    std::array<double, Dim> pull{};  ///< integral of gravity over time [m/s]
+    double mass_cutoff = 0;          ///< nodes below take no part [kg]
+    double quantum_scale = 1;        ///< of the exact sums
+    double start_strain = 0;         ///< stored energy at the start [J]
+    std::array<double, Dim> start_momentum{};
+    double start_mass = 0;
+    std::int64_t round = 0;  ///< partitions made
+};
+
+/// What the last look at the balance found, for the records.
+struct BalanceLook {
+    bool repartitioned = false;
+    std::string reason;
+    TriggerInput terms;
+};
+
+template <class Space, class Real, int Dim>
+class Simulation {
+  public:
+    using Share = Patch<Space, Real, Dim>;
+    using Acceleration = std::function<Vec<double, Dim>(std::uint64_t id, const std::array<double, Dim>& x, double t)>;
+
+    /// Scene and comm must outlive it. Collective.
+    Simulation(const Scene& scene, const Comm& comm);
+
+    /// Fills the ranks with the scene's bodies. Collective; throws InputError where a body is wrong.
+    void seed();
+
+    /// Takes over what a checkpoint held: `blocks` of all ranks, in key order, and a reader of rows.
+    /// read(first row, count, slots) fills the slots of this rank. Collective.
+    using ReadRows = std::function<void(const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
+                                        std::span<const std::uint32_t> slots)>;
+    void restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts, const RunClock<Dim>& clock,
+                 const Ledger<Dim>& ledger, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
+
+    /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
+    void step();
+
+    /// Brings the share into the filed state. Collective.
+    void file();
+
+    /// Files, and throws PhysicsError if the last step went wrong. Collective.
+    void conclude();
+
+    /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
+    void balance();
+
+    /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed().
+    void set_body_force(Acceleration acceleration);
+
+    /// Recomputes the signal speed after particles were changed from outside. Collective.
+    void refresh_signal();
+
+    const Scene& scene() const { return scene_; }
+    const RunClock<Dim>& clock() const { return clock_; }
+    const RunCounts& counts() const { return counts_; }
+    const Ledger<Dim>& ledger() const { return ledger_; }
+    const BalanceLook& last_look() const { return look_; }
+    const Agreement& agreement() const { return agreed_; }
+    Phases& phases() { return phases_; }
+    Share& patch() { return *patch_; }
+    const Method<Space, Real, Dim>& method() const { return method_; }
+    const Partitioner& partitioner() const { return *partitioner_; }
+    const RepartitionTrigger& trigger() const { return trigger_; }
+    Quantum quantum() const { return {clock_.quantum_scale}; }
+
+    /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
+    void ask(std::uint32_t what) { asked_ |= what; }
+
+    /// Calls f(slot, x [m]) for this rank's particles in list order, block by block. Filed state only.
+    void each_particle(const std::function<void(std::uint32_t slot, const std::array<double, Dim>& x)>& f) const;
+    std::array<double, Dim> position_of(int block, std::uint32_t slot) const;
+
+    /// Totals of the whole run. Filed state only. Collective.
+    Totals<Dim> totals() const;
+    /// Hash of the state; `with_lists` includes each particle's block and place in its list. Collective.
+    std::uint64_t state_hash(bool with_lists = false) const;
+    /// Exact sum over ranks of a ledger entry. Collective.
+    double sum_of(const ExactSum& mine) const;
+    /// Volume per column of cells along x, over the domain [m3]. Collective.
+    std::vector<double> column_volumes() const;
+
+  private:
+    struct Offence {
+        std::uint64_t id;
+        std::uint32_t faults;
+        std::array<double, Dim> x;  ///< [m]
+    };
+
+    void p2g(std::span<const std::int32_t> blocks);
+    void nodes(const Round& round);
+    void g2p(const Round& round);
+    void start_agreement();
+    double agree_on_dt();
+    void account(const Round& round);
+    void note_offence(std::int32_t block);
+    void report_faults() const;
+    void lose(std::uint32_t slot);
+    void apply_body_force();
+
+    TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
+    std::vector<BlockLoad> gather_loads(const FiledBlocks& mine) const;
+    void begin_epoch(const FiledBlocks& filed);
+    void end_epoch();
+    std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
+    void repartition(const FiledBlocks& filed, const std::vector<BlockLoad>& loads,
+                     const std::vector<std::int32_t>& owners);
+    FiledBlocks seed_share();
+    Key place_seed(const Seed& seed, std::uint32_t slot);
+    Sym<Real, Dim> geostatic_stress(const BodySpec& body, const Seed& seed) const;
+    void sort_blocks(FiledBlocks& filed) const;
+    void set_scales();
+
+    const Scene& scene_;
+    const Comm& comm_;
+    Method<Space, Real, Dim> method_;
+    DomainBlocks<Dim> domain_;
+    std::unique_ptr<Partitioner> partitioner_;
+    RepartitionTrigger trigger_;
+    BlockWeight weight_;
+
+    HostTransport halo_wire_, migration_wire_;
+    std::unique_ptr<Share> patch_;
+    std::unique_ptr<Halo<Real, Dim>> halo_;
+    std::unique_ptr<Migration<Space, Real, Dim>> migration_;
+    AgreementReduction reduction_;
+
+    RunClock<Dim> clock_;
+    RunCounts counts_;
+    Ledger<Dim> ledger_;
+    Agreement agreed_, own_;
+    Phases phases_;
+    BalanceLook look_;
+    std::vector<Offence> offences_;
+    Acceleration body_force_;
+    typename Space::template Array<ExactSum> impulse_;
+    double wandered_ = 0;      ///< largest sum of displacements in this epoch, up to the step before [cells]
+    double computed_ = 0;      ///< computing time up to the last step [s]
+    double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
+    double move_seconds_ = 0;  ///< of the last repartition
+    std::int64_t last_repartition_ = 0;
+    std::uint32_t asked_ = 0;
+    bool moving_ = false;  ///< migration under way: not filed
+};
+
+// The step. Every message between ranks is visible here.
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::step() {
+    file();             // arrivals of the last step; each block's list is filed by cell
+    start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
+    apply_body_force();
+    double dt = clock_.dt;
+    for (const Round& round : method_.rounds) {
+        p2g(patch_->boundary());
+        halo_->start(patch_->grid());
+        p2g(patch_->interior());
+        if (&round == &method_.rounds.front()) dt = agree_on_dt();
+        phases_.time(Phase::halo, [&] { halo_->finish(patch_->grid(), patch_->tile_of()); });
+        nodes(round);
+        g2p(round);
+        account(round);
+    }
+    phases_.time(Phase::migrate, [&] { migration_->start([this](std::uint32_t slot) { lose(slot); }); });
+    moving_ = true;
+    clock_.time += dt;
+    ++clock_.step;
+}
+
+}  // namespace moraine
+
+#include "simulation_epoch.ipp"
+#include "simulation_records.ipp"
+#include "simulation_start.ipp"
+#include "simulation_step.ipp"

@@ -1,0 +1,115 @@
+// Epochs and balancing: who owns which block, and for how long that is known to all.
+
+namespace moraine {
+
+/// Occupied blocks of all ranks, in key order; a block held by several ranks (seeding) is one entry.
+template <class Space, class Real, int Dim>
+std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlocks& mine) const {
+    std::vector<BlockLoad> rows;
+    for (std::size_t b = 0; b < mine.key.size(); ++b) rows.push_back({mine.key[b], mine.count[b], 0, comm_.rank()});
+    std::vector<BlockLoad> all = comm_.all_gather(rows);
+    std::sort(all.begin(), all.end(), [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
+    std::vector<BlockLoad> loads;
+    for (const BlockLoad& row : all) {
+        if (!loads.empty() && loads.back().key == row.key)
+            loads.back().particles += row.particles;
+        else
+            loads.push_back(row);
+    }
+    for (BlockLoad& load : loads)
+        load.weight = weight_(load.particles, std::min<std::int64_t>(load.particles, Block<Dim>::cells));
+    return loads;
+}
+
+/// A new topology from what is occupied now; owners are the ranks that hold the blocks.
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::begin_epoch(const FiledBlocks& filed) {
+    std::vector<OccupiedBlock> occupied;
+    for (const BlockLoad& load : gather_loads(filed)) occupied.push_back({load.key, load.owner});
+    const Topology<Dim> topology = make_topology<Dim>(domain_, occupied, [this](const BlockPosition<Dim>& at) {
+        Position position{};
+        std::copy(at.begin(), at.end(), position.begin());
+        return partitioner_->owner_at(position);
+    });
+    end_epoch();
+    patch_->install(make_epoch<Dim>(topology, domain_, method_.stencil, comm_.rank()), filed);
+    patch_->refresh_memory(0.1);
+    halo_ = std::make_unique<Halo<Real, Dim>>(patch_->tables(), halo_wire_, method_.stencil.width);
+    migration_ = std::make_unique<Migration<Space, Real, Dim>>(*patch_, migration_wire_);
+    wandered_ = 0;
+}
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::end_epoch() {
+    if (!halo_) return;
+    counts_.halo_bytes += halo_->bytes();
+    counts_.crossed_particles += migration_->crossed();
+    halo_.reset();
+    migration_.reset();
+}
+
+/// A block's particles may have moved `wandered_` cells by the step before and less than one more in
+/// the last: below 4 in all they are still in blocks of the topology.
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::balance() {
+    const bool look = trigger_.is_due(clock_.step);
+    const bool used_up = wandered_ > 2;
+    look_.repartitioned = false;
+    if (!look && !used_up) return;
+    file();
+    phases_.time(Phase::balance, [&] {
+        const FiledBlocks filed = patch_->filed();
+        if (look) {
+            std::vector<BlockLoad> loads = gather_loads(filed);
+            const std::vector<std::int32_t> owners = plan(loads);
+            if (look_.repartitioned) return repartition(filed, loads, owners);
+        }
+        if (used_up) begin_epoch(filed);
+    });
+}
+
+/// Looks at the balance; if it is worth it, the owners to be.
+template <class Space, class Real, int Dim>
+std::vector<std::int32_t> Simulation<Space, Real, Dim>::plan(std::vector<BlockLoad>& loads) {
+    const int ranks = comm_.size();
+    TriggerInput& terms = look_.terms;
+    terms = TriggerInput{};
+    terms.step = clock_.step;
+    terms.last_repartition = last_repartition_;
+    terms.now = summary_of(loads_of_ranks(loads, present_owners(loads), ranks));
+    look_.reason = "balanced";
+    if (!trigger_.needs_plan(terms.now)) return {};
+    const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round);
+    terms.plan = summary_of(loads_of_ranks(loads, owners, ranks));
+    terms.loses = agreed_.seconds - agreed_.seconds_sum / ranks;
+    terms.lost = time_lost_;
+    terms.migration = move_seconds_;
+    const Decision decision = trigger_.decide(terms);
+    look_.repartitioned = decision.repartition;
+    look_.reason = decision.reason;
+    return owners;
+}
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::repartition(const FiledBlocks& filed, const std::vector<BlockLoad>& loads,
+                                               const std::vector<std::int32_t>& owners) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::int32_t> mine;
+    for (Key key : filed.key) {
+        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
+                                         [](const BlockLoad& load, Key k) { return load.key < k; });
+        mine.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
+    }
+    BlockMoveCount moved;
+    const FiledBlocks next = move_blocks(comm_, *patch_, filed, mine, moved);
+    begin_epoch(next);
+    counts_.migrated_particles += moved.particles;
+    counts_.migrated_blocks += moved.blocks;
+    ++counts_.repartitions;
+    ++clock_.round;
+    last_repartition_ = clock_.step;
+    time_lost_ = 0;
+    move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+}  // namespace moraine

@@ -1,0 +1,194 @@
+// How a simulation begins: from the scene's bodies, or from a checkpoint.
+
+namespace moraine {
+
+template <int Dim>
+Layout layout_of(const DomainBlocks<Dim>& domain) {
+    Layout layout;
+    layout.dimensions = Dim;
+    std::copy(domain.count.begin(), domain.count.end(), layout.blocks.begin());
+    return layout;
+}
+
+template <class Space, class Real, int Dim>
+Simulation<Space, Real, Dim>::Simulation(const Scene& scene, const Comm& comm)
+    : scene_(scene),
+      comm_(comm),
+      method_(scene),
+      domain_(scene),
+      partitioner_(make_partitioner(scene.balance, layout_of(domain_), comm.size())),
+      trigger_(scene.balance, *partitioner_),
+      weight_(scene.balance, host_costs),
+      halo_wire_(comm, 1),
+      migration_wire_(comm, 2),
+      patch_(std::make_unique<Share>(method_.needs, method_.stencil.width)),
+      reduction_(comm) {}
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::set_body_force(Acceleration acceleration) {
+    body_force_ = std::move(acceleration);
+    method_.needs.body_force = true;
+    patch_ = std::make_unique<Share>(method_.needs, method_.stencil.width);
+}
+
+/// The state of one seed, in its slot.
+template <class Space, class Real, int Dim>
+Key Simulation<Space, Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
+    const ParticleView<Real, Dim> p = patch_->particles.view();
+    const BodySpec& body = scene_.bodies[static_cast<std::size_t>(seed.body)];
+    BlockPosition<Dim> block{};
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        const Place<Real> at = place<Real>((seed.x[i] - scene_.min[i]) / scene_.cell + method_.stencil.offset());
+        block[i] = at.block;
+        p.position[slot][a] = at.u;
+        p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
+    }
+    domain_.wrap(block);
+    p.id[slot] = seed.id;
+    p.body[slot] = static_cast<std::uint16_t>(seed.body);
+    p.mass[slot] = static_cast<Real>(seed.mass);
+    p.volume[slot] = static_cast<Real>(seed.mass / scene_.materials[static_cast<std::size_t>(body.material)].density);
+    p.ln_J[slot] = Real(0);
+    p.stress[slot] = geostatic_stress(body, seed);
+    for (int k = 0; k < method_.needs.history; ++k) p.history[k][slot] = Real(0);
+    if (p.affine) p.affine[slot] = zero_mat<Real, Dim>();
+    if (p.left_stretch) p.left_stretch[slot] = undeformed_stretch<Real, Dim>();
+    if (p.log_stretch) p.log_stretch[slot] = zero_vec<Real, Dim>();
+    if (p.body_force) p.body_force[slot] = zero_vec<Real, Dim>();
+    return Morton<Dim>::encode(block);
+}
+
+/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v, along gravity's main axis.
+template <class Space, class Real, int Dim>
+Sym<Real, Dim> Simulation<Space, Real, Dim>::geostatic_stress(const BodySpec& body, const Seed& seed) const {
+    Sym<Real, Dim> stress = zero_sym<Real, Dim>();
+    if (!body.geostatic) return stress;
+    std::size_t up = 0;
+    for (std::size_t a = 1; a < Dim; ++a)
+        if (std::fabs(scene_.gravity[a]) > std::fabs(scene_.gravity[up])) up = a;
+    const double weight =
+        scene_.materials[static_cast<std::size_t>(body.material)].density * std::fabs(scene_.gravity[up]);
+    const double depth = std::max(0.0, body.geostatic_surface - seed.x[up]);
+    for (std::size_t a = 0; a < 3; ++a)
+        stress[static_cast<int>(a)] = static_cast<Real>(-weight * depth * (a == up ? 1 : body.geostatic_k0));
+    return stress;
+}
+
+/// This rank's part of every body: rows are divided evenly, whoever will own them.
+template <class Space, class Real, int Dim>
+FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
+    std::vector<Seed> seeds;
+    for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
+        const std::int64_t rows = seed_rows(scene_, body);
+        const std::int64_t first = rows * comm_.rank() / comm_.size();
+        const std::int64_t last = rows * (comm_.rank() + 1) / comm_.size();
+        const std::int64_t count = comm_.sum(seed_count(scene_, body, first, last));
+        seed_body(scene_, body, first, last, count, seeds);
+    }
+    const std::vector<std::uint32_t> slots = patch_->take_slots(seeds.size());
+    std::vector<std::pair<Key, std::uint32_t>> placed;
+    for (std::size_t k = 0; k < seeds.size(); ++k) placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);
+    std::sort(placed.begin(), placed.end());
+    FiledBlocks filed;
+    for (const auto& [key, slot] : placed) {
+        if (filed.key.empty() || filed.key.back() != key) {
+            filed.key.push_back(key);
+            filed.count.push_back(0);
+        }
+        ++filed.count.back();
+        filed.slot.push_back(slot);
+    }
+    return filed;
+}
+
+/// The initial order: (block, cell, id).
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::sort_blocks(FiledBlocks& filed) const {
+    const ParticleView<Real, Dim> p = patch_->particles.view();
+    const auto rank_of = [&](std::uint32_t s) {
+        int cell = 0;
+        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(p.position[s][a]);
+        return std::pair(cell, p.id[s]);
+    };
+    auto first = filed.slot.begin();
+    for (std::uint32_t count : filed.count) {
+        std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
+        first += count;
+    }
+}
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::seed() {
+    const FiledBlocks share = seed_share();
+    std::vector<BlockLoad> loads = gather_loads(share);
+    for (BlockLoad& load : loads) load.owner = -1;
+    partitioner_->start(loads);
+    const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
+    std::vector<std::int32_t> mine;
+    for (Key key : share.key) {
+        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
+                                         [](const BlockLoad& load, Key k) { return load.key < k; });
+        mine.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
+    }
+    BlockMoveCount not_counted;
+    FiledBlocks filed = move_blocks(comm_, *patch_, share, mine, not_counted);
+    sort_blocks(filed);
+    begin_epoch(filed);
+    patch_->refresh_memory(-1);
+    set_scales();
+    refresh_signal();
+    const Totals<Dim> start = totals();
+    clock_.start_mass = start.mass;
+    clock_.start_momentum = start.momentum;
+    clock_.start_strain = start.strain;
+}
+
+/// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::set_scales() {
+    const ParticleView<Real, Dim> p = patch_->particles.view();
+    double lightest = std::numeric_limits<double>::infinity();
+    double heaviest = 0;
+    each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
+        lightest = std::min(lightest, static_cast<double>(p.mass[s]));
+        heaviest = std::max(heaviest, static_cast<double>(p.mass[s]));
+    });
+    lightest = comm_.min(lightest);
+    heaviest = comm_.max(heaviest);
+    clock_.mass_cutoff = lightest * (sizeof(Real) == 8 ? 1e-18 : 1e-12);
+    clock_.quantum_scale = Quantum::for_largest(heaviest * static_cast<double>(comm_.sum(patch_->count()))).scale;
+}
+
+template <class Space, class Real, int Dim>
+void Simulation<Space, Real, Dim>::restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts,
+                                           const RunClock<Dim>& clock, const Ledger<Dim>& ledger,
+                                           const std::vector<std::int64_t>& partitioner_state, const ReadRows& read) {
+    std::vector<BlockLoad> loads;
+    for (std::size_t b = 0; b < keys.size(); ++b) {
+        const std::int64_t weight = weight_(counts[b], std::min<std::int64_t>(counts[b], Block<Dim>::cells));
+        loads.push_back({keys[b], counts[b], weight, -1});
+    }
+    clock_ = clock;
+    if (!partitioner_->restore(partitioner_state)) partitioner_->start(loads);
+    const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
+    FiledBlocks filed;
+    std::vector<std::pair<std::int64_t, std::int64_t>> ranges;
+    std::int64_t at = 0;
+    for (std::size_t b = 0; b < keys.size(); at += counts[b], ++b) {
+        if (owners[b] != comm_.rank()) continue;
+        filed.key.push_back(keys[b]);
+        filed.count.push_back(static_cast<std::uint32_t>(counts[b]));
+        ranges.emplace_back(at, counts[b]);
+    }
+    std::size_t rows = 0;
+    for (std::uint32_t count : filed.count) rows += count;
+    filed.slot = patch_->take_slots(rows);
+    read(ranges, filed.slot);
+    begin_epoch(filed);
+    if (comm_.is_root()) ledger_ = ledger;
+    own_.signal = clock_.signal;
+    last_repartition_ = clock_.step;
+}
+
+}  // namespace moraine
