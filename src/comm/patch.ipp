@@ -125,6 +125,8 @@ void Patch<Space, Real, Dim>::make_lists(const std::vector<Leaver>& ghost_leaver
     slot_.swap(next_slot_);
     first_.swap(next_first_);
     moves_.resize(slot_.size());
+    leavers_.assign(n, 0);  // the gather visits occupied blocks only
+    shuffled_.assign(n, 0);
     assign_storage();
 }
 

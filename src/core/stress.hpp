@@ -86,7 +86,7 @@ MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, s
     if constexpr (Law::uses_left_stretch) p.left_stretch[s] = state.left_stretch;
 
     out.work +=
-        double(volume) * 0.5 * double(contract(before, increment.strain) + contract(state.stress, increment.strain));
+        double(volume) * 0.5 * double(contract(before, increment.middle) + contract(state.stress, increment.middle));
     const double signal = double(signal_speed(law, state, p.velocity[s], J, inverse_density));
     if (signal > out.signal) out.signal = signal;
     if (!(increment.stretch > Real(0))) out.fault(increment.stretch <= Real(0) ? fault_inverted : fault_nan, p.id[s]);

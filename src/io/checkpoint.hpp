@@ -20,8 +20,7 @@
 
 namespace moraine {
 
-using HeaderValue =
-    std::variant<std::int64_t, double, std::string, std::vector<std::int64_t>, std::vector<double>>;
+using HeaderValue = std::variant<std::int64_t, double, std::string, std::vector<std::int64_t>, std::vector<double>>;
 using CheckpointHeader = std::map<std::string, HeaderValue>;
 
 /// "checkpoint-000000120.h5"

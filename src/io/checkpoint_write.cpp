@@ -135,8 +135,8 @@ void write_checkpoint(const Comm& comm, const std::string& path, const Checkpoin
         for (std::size_t c = 0; c < columns.size(); ++c) {
             const auto rows = exchange.to_file(columns[c].data, columns[c].row_bytes());
             if (trouble.empty())
-                trouble = words_of(
-                    [&] { file->write(rows, places[c] + exchange.slice().start * columns[c].row_bytes()); });
+                trouble =
+                    words_of([&] { file->write(rows, places[c] + exchange.slice().start * columns[c].row_bytes()); });
         }
         if (trouble.empty()) trouble = words_of([&] { file->sync(); });
         comm.agree_no_error<MachineError>(trouble);

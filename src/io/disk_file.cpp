@@ -55,7 +55,8 @@ void DiskFile::sync() {
 
 void move_file(const std::string& from, const std::string& to) {
     if (std::rename(from.c_str(), to.c_str()) != 0)
-        throw MachineError(fmt::format("cannot write {} ({}). Is the disk full or read-only?", to, std::strerror(errno)));
+        throw MachineError(
+            fmt::format("cannot write {} ({}). Is the disk full or read-only?", to, std::strerror(errno)));
     sync_folder_of(to);
 }
 

@@ -50,9 +50,9 @@ class RowOrder {
 
     const Comm& comm_;
     RowRange slice_;
-    std::vector<Run> runs_;                 ///< of all ranks' ranges in my slice
-    std::vector<int> my_count_, my_at_;     ///< my rows by the rank that has their slice
-    std::vector<int> all_count_, all_at_;   ///< rows of my slice by the rank whose they are
+    std::vector<Run> runs_;                ///< of all ranks' ranges in my slice
+    std::vector<int> my_count_, my_at_;    ///< my rows by the rank that has their slice
+    std::vector<int> all_count_, all_at_;  ///< rows of my slice by the rank whose they are
     std::int64_t packed_rows_ = 0;
 };
 

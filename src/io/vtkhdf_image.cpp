@@ -52,16 +52,28 @@ std::uint32_t lookup3(std::span<const std::byte> data) {
     return c;
 }
 
-enum MessageType { dataspace_message = 1, link_info = 2, datatype_message = 3, fill_value = 5, link = 6, layout = 8,
-                   group_info = 10, attribute_message = 12, reference_count = 22 };
+enum MessageType {
+    dataspace_message = 1,
+    link_info = 2,
+    datatype_message = 3,
+    fill_value = 5,
+    link = 6,
+    layout = 8,
+    group_info = 10,
+    attribute_message = 12,
+    reference_count = 22
+};
 
 Bytes datatype(const ElementType& type) {
     using Kind = ElementType::Kind;
     Bytes b;
     if (type.kind == Kind::text) return b.number(0x13, 1).number(0x01, 3).number(type.bytes, 4);  // padded with NUL
     if (type.kind != Kind::real)
-        return b.number(0x10, 1).number(type.kind == Kind::signed_integer ? 0x08 : 0, 3).number(type.bytes, 4)
-            .number(0, 2).number(8 * type.bytes, 2);
+        return b.number(0x10, 1)
+            .number(type.kind == Kind::signed_integer ? 0x08 : 0, 3)
+            .number(type.bytes, 4)
+            .number(0, 2)
+            .number(8 * type.bytes, 2);
     const bool wide = type.bytes == 8;
     b.number(0x11, 1).number(0x20, 1).number(wide ? 63 : 31, 1).number(0, 1).number(type.bytes, 4);
     b.number(0, 2).number(8 * type.bytes, 2).number(wide ? 52 : 23, 1).number(wide ? 11 : 8, 1);
@@ -166,8 +178,11 @@ std::vector<std::byte> dataset(const ElementType& type, const std::vector<std::i
     header.message(dataspace_message, dataspace(extent, chunked));
     header.message(datatype_message, datatype(type));
     const Bytes fill = nan_or_zero(type);
-    header.message(fill_value, Bytes().number(3, 1).number(chunked ? 0x2b : 0x2a, 1).number(fill.size(), 4).raw(
-                                   fill.get().data(), fill.size()));
+    header.message(fill_value, Bytes()
+                                   .number(3, 1)
+                                   .number(chunked ? 0x2b : 0x2a, 1)
+                                   .number(fill.size(), 4)
+                                   .raw(fill.get().data(), fill.size()));
     Bytes where;
     where.number(3, 1).number(chunked ? 2 : 1, 1);
     if (chunked) {

@@ -51,8 +51,8 @@ struct ElementType {
 
 /// Where the elements of a dataset are: one piece, or chunks of rows.
 struct Storage {
-    Address at = nowhere;           ///< of the piece, or of the root of the tree of chunks
-    std::int64_t chunk_rows = 0;    ///< 0: one piece
+    Address at = nowhere;         ///< of the piece, or of the root of the tree of chunks
+    std::int64_t chunk_rows = 0;  ///< 0: one piece
 };
 
 struct Attribute {

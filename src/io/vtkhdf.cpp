@@ -1,0 +1,203 @@
+#include "io/vtkhdf.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+
+#include "core/error.hpp"
+#include "io/disk_file.hpp"
+#include "io/h5.hpp"
+
+namespace moraine {
+
+using vtkhdf::Address;
+using vtkhdf::SeriesArray;
+
+/// Where the next output goes: known to rank 0, told to all.
+struct ParticleSeries::Plan {
+    Address at = 0;
+    std::int64_t chunk_rows = 0;
+    std::int64_t vertices = 0;  ///< numbers of vertices to write; 0: those of an earlier output suffice
+    bool first = true;          ///< there is no file yet: write under a temporary name
+};
+
+namespace {
+
+Address aligned(Address at) {
+    return (at + 4095) / 4096 * 4096;
+}
+
+std::int64_t chunks_of(std::int64_t rows, std::int64_t chunk_rows) {
+    return (rows + chunk_rows - 1) / chunk_rows;
+}
+
+int components_in_file(const Column& column) {
+    return column.components == 2 ? 3 : column.components;
+}
+
+/// Bytes that an output of this column takes, its padding included.
+Address bytes_of(const Column& column, std::int64_t rows, std::int64_t chunk_rows) {
+    const int row_bytes = components_in_file(column) * Column::bytes_of(column.type);
+    return static_cast<Address>(chunks_of(rows, chunk_rows) * chunk_rows * row_bytes);
+}
+
+/// Rows of two numbers to rows of three.
+std::vector<std::byte> with_zero(const std::vector<std::byte>& rows, std::size_t number_bytes) {
+    const std::size_t count = rows.size() / (2 * number_bytes);
+    std::vector<std::byte> wide(count * 3 * number_bytes);
+    for (std::size_t r = 0; r < count; ++r)
+        std::memcpy(wide.data() + r * 3 * number_bytes, rows.data() + r * 2 * number_bytes, 2 * number_bytes);
+    return wide;
+}
+
+std::string partial_name(const std::string& path) {
+    return path + ".partial";
+}
+
+}  // namespace
+
+ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm), path_(std::move(path)) {
+    comm.agree_no_error<InputError>(words_of([&] {
+        if (!comm.is_root() || !std::filesystem::exists(path_)) return;
+        try {
+            state_ = vtkhdf::read_state(path_);
+        } catch (const H5Failure& failure) {
+            throw InputError(fmt::format("cannot continue {} ({}). Another --output?", path_, failure.what()));
+        }
+    }));
+}
+
+std::vector<double> ParticleSeries::times() const {
+    std::vector<double> list;
+    for (const auto& step : state_.steps) list.push_back(step.time);
+    return list;
+}
+
+void ParticleSeries::truncate_to(double time) {
+    comm_.agree_no_error<MachineError>(words_of([&] {
+        vtkhdf::SeriesState next = state_;
+        while (!next.steps.empty() && next.steps.back().time > time) next.steps.pop_back();
+        if (next.steps.size() == state_.steps.size()) return;
+        if (next.steps.empty()) {
+            std::filesystem::remove(path_);
+            state_ = {};
+            return;
+        }
+        for (SeriesArray& array : next.arrays) {
+            std::erase_if(array.chunks, [&](const vtkhdf::Chunk& c) { return c.index >= next.next_chunk(); });
+            array.full_nodes.clear();
+        }
+        commit(std::move(next), state_.end, path_);
+    }));
+}
+
+ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
+    std::vector<Plan> mine;
+    if (comm_.is_root()) {
+        const bool first = state_.steps.empty();
+        // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay
+        // below the format's 4 GiB.
+        constexpr std::int64_t few = 1024;
+        constexpr std::int64_t many = std::int64_t(1) << 25;
+        const std::int64_t chunk_rows = first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
+        mine.push_back({aligned(state_.end), chunk_rows, rows + 1 > state_.vertices_count ? rows + 1 : 0, first});
+    }
+    return comm_.all_gather(mine)[0];
+}
+
+void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns,
+                                std::int64_t rows) const {
+    std::unique_ptr<DiskFile> file;
+    std::string trouble = words_of(
+        [&] { file = std::make_unique<DiskFile>(plan.first ? partial_name(path_) : path_, DiskFile::Mode::append); });
+    Address at = plan.at;
+    for (const Column& column : columns) {
+        const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(column.type));
+        std::vector<std::byte> slice = order.to_file(column.data, column.row_bytes());
+        if (column.components == 2) slice = with_zero(slice, number_bytes);
+        const auto row_bytes = components_in_file(column) * static_cast<std::int64_t>(number_bytes);
+        if (trouble.empty())
+            trouble =
+                words_of([&] { file->write(slice, static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
+        at += bytes_of(column, rows, plan.chunk_rows);
+    }
+    if (plan.vertices > 0 && trouble.empty())
+        trouble = words_of([&] {
+            const bool last = comm_.rank() + 1 == comm_.size();
+            std::vector<std::int64_t> numbers(static_cast<std::size_t>(order.slice().count + (last ? 1 : 0)));
+            std::iota(numbers.begin(), numbers.end(), order.slice().start);
+            file->write(std::as_bytes(std::span(numbers)), static_cast<std::int64_t>(at) + order.slice().start * 8);
+        });
+    if (trouble.empty()) trouble = words_of([&] { file->sync(); });
+    comm_.agree_no_error<MachineError>(trouble);
+}
+
+void ParticleSeries::record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns) {
+    vtkhdf::SeriesState next = state_;
+    next.chunk_rows = plan.chunk_rows;
+    const std::int64_t first_chunk = next.next_chunk();
+    next.steps.push_back({time, rows, first_chunk});
+    Address at = plan.at;
+    for (const Column& column : columns) {
+        auto found = std::find_if(next.arrays.begin(), next.arrays.end(),
+                                  [&](const SeriesArray& a) { return a.name == column.name; });
+        if (found == next.arrays.end())
+            found = next.arrays.insert(found, {column.name, column.unit, column.type, components_in_file(column)});
+        if (found->type != column.type || found->components != components_in_file(column))
+            throw MachineError(fmt::format("cannot continue array {} of {} (its type has changed). Another --output?",
+                                           column.name, path_));
+        const std::int64_t chunk_bytes = plan.chunk_rows * found->row_bytes();
+        for (std::int64_t c = 0; c < chunks_of(rows, plan.chunk_rows); ++c)
+            found->chunks.push_back({first_chunk + c, at + static_cast<Address>(c * chunk_bytes)});
+        at += bytes_of(column, rows, plan.chunk_rows);
+    }
+    if (plan.vertices > 0) {
+        next.vertices = at;
+        next.vertices_count = plan.vertices;
+        at += static_cast<Address>(8 * plan.vertices);
+    }
+    commit(std::move(next), at, plan.first ? partial_name(path_) : path_);
+    if (plan.first) move_file(partial_name(path_), path_);
+}
+
+/// Makes `next` what the file says, its metadata at `from`: the last write is the switch.
+void ParticleSeries::commit(vtkhdf::SeriesState next, Address from, const std::string& path) {
+    Address root = 0;
+    const Address at = (from + 7) / 8 * 8;
+    const auto bytes = vtkhdf::metadata(next, at, root);
+    next.end = at + bytes.size();
+    DiskFile file(path, DiskFile::Mode::append);
+    file.write(bytes, static_cast<std::int64_t>(at));
+    file.sync();
+    file.write(vtkhdf::superblock(root, next.end), 0);
+    file.sync();
+    state_ = std::move(next);
+}
+
+void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
+                            std::span<const Column> fields) {
+    const FileOrder order = file_order(comm_, my_blocks);
+    std::vector<Key> keys;
+    for (const BlockRow& block : my_blocks) keys.insert(keys.end(), static_cast<std::size_t>(block.count), block.key);
+    const std::vector<std::uint32_t> ranks(keys.size(), static_cast<std::uint32_t>(comm_.rank()));
+    std::vector<Column> columns{position, Column::of("rank", "", ranks.data()),
+                                Column::of("block_key", "", keys.data())};
+    columns[0].name = "Points";
+    columns.insert(columns.end(), fields.begin(), fields.end());
+
+    const Plan where = plan(order.rows);
+    comm_.agree_no_error<MachineError>(words_of([&] {
+        if (where.first && comm_.is_root()) DiskFile(partial_name(path_), DiskFile::Mode::create);
+    }));
+    write_rows(where, RowOrder(comm_, order.mine, order.rows), columns, order.rows);
+    comm_.agree_no_error<MachineError>(words_of([&] {
+        if (comm_.is_root()) record(where, time, order.rows, columns);
+    }));
+}
+
+}  // namespace moraine

@@ -1,0 +1,50 @@
+#pragma once
+// particles.vtkhdf: the particles at each output time, one file that ParaView and VTK open while the
+// run still writes it. Format: VTKHDF 2.0, temporal PolyData, a vertex per particle.
+//
+// Invariant: the file is complete and readable at any moment. Rows of an output are appended past the
+// end that the superblock names, then new metadata, and when all of that is on the disk one write of
+// 48 bytes makes both valid. Nothing that an older superblock points to is ever written again, so a
+// reader that has the file open keeps a consistent view. A kill loses at most the output being written.
+// Price: the metadata of each output stays in the file (about 0.1 MB at 1000 outputs of 10 fields).
+
+#include <string>
+
+#include "io/row_order.hpp"
+#include "io/vtkhdf_state.hpp"
+
+namespace moraine {
+
+class ParticleSeries {
+  public:
+    /// Goes on with the file if there is one (InputError if it is something else); else the first
+    /// append makes it. Collective.
+    ParticleSeries(const Comm& comm, std::string path);
+
+    /// Drops the outputs later than `time` [s]. Collective.
+    void truncate_to(double time);
+
+    /// One output. Rows of all columns: my blocks (ascending by key) in order. Two components become
+    /// three, the last zero. Arrays `rank` and `block_key` are added. A field may be new or gone since
+    /// the last output: where it was not written it reads as NaN, or 0 of integers. Throws MachineError
+    /// on all ranks if the disk fails; the earlier outputs stay. Collective.
+    void append(double time, std::span<const BlockRow> my_blocks, const Column& position,
+                std::span<const Column> fields);
+
+    /// Times of the outputs in the file [s]; rank 0 knows them, others get none. Not collective.
+    std::vector<double> times() const;
+
+  private:
+    struct Plan;
+
+    Plan plan(std::int64_t rows) const;
+    void write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns, std::int64_t rows) const;
+    void record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns);
+    void commit(vtkhdf::SeriesState next, vtkhdf::Address from, const std::string& path);
+
+    const Comm& comm_;
+    std::string path_;
+    vtkhdf::SeriesState state_;  ///< rank 0's is the true one
+};
+
+}  // namespace moraine
