@@ -61,6 +61,10 @@ struct RunClock {
     std::int64_t round = 0;  ///< partitions made
 };
 
+/// What can be asked of all ranks, as bits of Agreement::stop.
+inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
+inline constexpr std::uint32_t ask_checkpoint = 2;  ///< the wall clock: checkpoint
+
 /// What the last look at the balance found, for the records.
 struct BalanceLook {
     bool repartitioned = false;
@@ -107,7 +111,10 @@ class Simulation {
 
     const Scene& scene() const { return scene_; }
     const RunClock<Dim>& clock() const { return clock_; }
+    /// Counts of the finished epochs.
     const RunCounts& counts() const { return counts_; }
+    /// With those of the epoch under way.
+    RunCounts counts_so_far() const;
     const Ledger<Dim>& ledger() const { return ledger_; }
     const BalanceLook& last_look() const { return look_; }
     const Agreement& agreement() const { return agreed_; }

@@ -42,10 +42,17 @@ void Simulation<Space, Real, Dim>::begin_epoch(const FiledBlocks& filed) {
 template <class Space, class Real, int Dim>
 void Simulation<Space, Real, Dim>::end_epoch() {
     if (!halo_) return;
-    counts_.halo_bytes += halo_->bytes();
-    counts_.crossed_particles += migration_->crossed();
+    counts_ = counts_so_far();
     halo_.reset();
     migration_.reset();
+}
+
+template <class Space, class Real, int Dim>
+RunCounts Simulation<Space, Real, Dim>::counts_so_far() const {
+    RunCounts counts = counts_;
+    if (halo_) counts.halo_bytes += halo_->bytes();
+    if (migration_) counts.crossed_particles += migration_->crossed();
+    return counts;
 }
 
 /// A block's particles may have moved `wandered_` cells by the step before and less than one more in

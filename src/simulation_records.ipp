@@ -65,7 +65,8 @@ std::vector<double> Simulation<Space, Real, Dim>::column_volumes() const {
     each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) {
         const double at = std::floor((x[0] - scene_.min[0]) / scene_.cell);
         const auto column = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(columns.size() - 1)));
-        columns[column] += std::llround(static_cast<double>(p.volume[s]) / cell_volume * quanta);
+        const double volume = static_cast<double>(p.volume[s]) / cell_volume;
+        if (volume < 1e6) columns[column] += std::llround(volume * quanta);
     });
     comm_.sum(columns);
     std::vector<double> volumes;

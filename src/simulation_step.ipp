@@ -20,7 +20,10 @@ void Simulation<Space, Real, Dim>::start_agreement() {
 template <class Space, class Real, int Dim>
 double Simulation<Space, Real, Dim>::agree_on_dt() {
     phases_.time(Phase::agree, [&] { agreed_ = reduction_.finish(); });
-    if (agreed_.faults) report_faults();
+    if (agreed_.faults) {
+        halo_->finish(patch_->grid(), patch_->tile_of());  // leave no message behind
+        report_faults();
+    }
     clock_.signal = agreed_.signal;
     wandered_ += agreed_.moved;
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();

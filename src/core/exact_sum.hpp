@@ -34,10 +34,12 @@ struct Quantum {
         return {std::ldexp(1.0, 97 - exponent)};
     }
 
+    /// Not a number, or more than fits: nothing (the run's faults tell of it).
     MORAINE_HD ExactSum of(double value) const {
         using std::floor;
         const double two64 = 18446744073709551616.0;
         const double quanta = floor(value * scale + 0.5);
+        if (!(quanta < two64 * two64 / 4 && quanta > -two64 * two64 / 4)) return {};
         const double high = floor(quanta / two64);
         ExactSum s;
         s.high = static_cast<std::int64_t>(high);

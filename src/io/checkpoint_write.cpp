@@ -18,15 +18,24 @@ H5Id space_of(const std::vector<hsize_t>& extent) {
             H5Sclose, "cannot make a data space"};
 }
 
+/// Times of writing are left out: equal runs make equal files.
+H5Id creation_list(hid_t kind) {
+    H5Id list(H5Pcreate(kind), H5Pclose, "cannot make a property list");
+    h5_check(H5Pset_obj_track_times(list, false), "cannot make a property list");
+    return list;
+}
+
 H5Id new_group(hid_t file, const char* name) {
-    return {H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "cannot make a group"};
+    return {H5Gcreate2(file, name, H5P_DEFAULT, creation_list(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose,
+            "cannot make a group"};
 }
 
 void write_dataset(hid_t group, const std::string& name, hid_t type, const std::vector<hsize_t>& extent,
                    const void* data) {
     const H5Id space = space_of(extent);
-    const H5Id set(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-                   "cannot make dataset " + name);
+    const H5Id set(
+        H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, creation_list(H5P_DATASET_CREATE), H5P_DEFAULT),
+        H5Dclose, "cannot make dataset " + name);
     h5_check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "cannot write dataset " + name);
 }
 
@@ -62,7 +71,7 @@ struct WriteValue {
 /// Space for a column, not yet written; returns where it is in the file.
 std::int64_t reserve_column(hid_t group, const Column& column, std::int64_t rows) {
     const H5Id space = space_of({static_cast<hsize_t>(rows), static_cast<hsize_t>(column.components)});
-    const H5Id plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "cannot make a property list");
+    const H5Id plist = creation_list(H5P_DATASET_CREATE);
     h5_check(H5Pset_layout(plist, H5D_CONTIGUOUS), "cannot set a layout");
     h5_check(H5Pset_alloc_time(plist, H5D_ALLOC_TIME_EARLY), "cannot set a layout");
     h5_check(H5Pset_fill_time(plist, H5D_FILL_TIME_NEVER), "cannot set a layout");
@@ -82,7 +91,8 @@ std::vector<std::int64_t> lay_out(const std::string& path, const CheckpointHeade
     const H5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
     // From version 1.8 of the format on, metadata carries checksums.
     h5_check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "cannot set the format version");
-    H5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "cannot create the file");
+    H5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation_list(H5P_FILE_CREATE), access), H5Fclose,
+              "cannot create the file");
     const std::uint64_t sum = checkpoint::checksum(header, order.blocks);
     write_attribute(file, "checksum", H5T_NATIVE_UINT64, &sum);
     write_attribute(file, "format_version", H5T_NATIVE_INT64, &checkpoint::format_version);

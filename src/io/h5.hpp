@@ -23,7 +23,7 @@ class H5Id {
 
     H5Id() = default;
     /// Throws H5Failure(`what`) if `id` is none.
-    H5Id(hid_t id, Close close, const std::string& what) : id_(id), close_(close) {
+    H5Id(hid_t id, Close closer, const std::string& what) : id_(id), close_(closer) {
         if (id < 0) throw H5Failure(what);
     }
     ~H5Id() {

@@ -58,7 +58,8 @@ void Progress::say(const ProgressState& state, double wall_now) {
     const double eta = (end_time_ - state.time) * wall / (state.time - start_time_);
     const double speed = (state.particle_steps - said_particle_steps_) / (wall_now - said_wall_);
     const std::string line = progress_line(state, end_time_, eta, speed);
-    fmt::print(out_, style_ == Style::terminal ? "\r\x1b[K{}" : "{}\n", line);
+    fmt::print(out_, "{}{}{}", style_ == Style::terminal ? "\r\x1b[K" : "", line,
+               style_ == Style::terminal ? "" : "\n");
     std::fflush(out_);
     said_time_ = state.time;
     said_wall_ = wall_now;

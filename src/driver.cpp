@@ -1,0 +1,26 @@
+#include "driver.hpp"
+
+#include "driver.ipp"
+
+namespace moraine {
+
+namespace {
+
+template <class Real>
+void run_precision(const Scene& scene, const Options& options, const Comm& comm) {
+    if (scene.dimensions == 2)
+        Driver<Host, Real, 2>(scene, options, comm).run();
+    else
+        Driver<Host, Real, 3>(scene, options, comm).run();
+}
+
+}  // namespace
+
+void run_scene(const Scene& scene, const Options& options, const Comm& comm) {
+    if (scene.precision == Precision::double_)
+        run_precision<double>(scene, options, comm);
+    else
+        run_precision<float>(scene, options, comm);
+}
+
+}  // namespace moraine

@@ -1,0 +1,163 @@
+// Definitions of driver.hpp.
+
+#include <chrono>
+
+#include "picture.hpp"
+#include "store.hpp"
+#include "summary.hpp"
+
+namespace moraine {
+
+namespace {
+
+double wall_clock() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// The first multiple of the interval that is still to come at time t.
+std::int64_t next_multiple(double interval, double t) {
+    std::int64_t k = 1;
+    if (interval > 0) k = std::max<std::int64_t>(1, static_cast<std::int64_t>(t / interval));
+    while (interval > 0 && static_cast<double>(k) * interval <= t) ++k;
+    return k;
+}
+
+}  // namespace
+
+template <class Space, class Real, int Dim>
+Driver<Space, Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm)
+    : scene_(scene),
+      options_(options),
+      comm_(comm),
+      directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
+      sim_(scene, comm) {}
+
+template <class Space, class Real, int Dim>
+double Driver<Space, Real, Dim>::wall() const {
+    return wall_clock() - start_wall_;
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::begin() {
+    start_wall_ = wall_clock();
+    const bool restarting = !options_.restart.empty();
+    RunClaim claim = options_.overwrite ? RunClaim::overwrite : RunClaim::fresh;
+    if (restarting && !options_.overwrite) claim = RunClaim::resume;
+    check_run_directory(comm_, directory_, claim);
+    if (restarting) {
+        const CheckpointReader file(comm_, options_.restart);
+        load(sim_, file, options_.restart);
+    } else {
+        sim_.seed();
+    }
+    if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
+        fmt::print(stderr, "{}\n", sim_.trigger().notice());
+    claim_run_directory(comm_, directory_, claim);
+    const RunClock<Dim>& clock = sim_.clock();
+    open_records(restarting ? std::optional(clock.time) : std::nullopt, clock.step);
+    next_output_ = next_multiple(scene_.output.interval, clock.time);
+    next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
+    progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
+                                           wall());
+    if (!restarting) output();
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
+    std::optional<ResumeAfter> resume;
+    if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
+    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", HistoryRow<Dim>::columns(), resume);
+    balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
+    series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
+    if (resume_time) series_->truncate_to(*resume_time);
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::run() {
+    begin();
+    try {
+        while (sim_.clock().time < scene_.end) advance();
+        sim_.conclude();
+        if (last_output_step_ != sim_.clock().step) output();
+    } catch (const PhysicsError&) {
+        progress_->clear();
+        output();
+        finish();
+        throw;
+    }
+    finish();
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::advance() {
+    if (stop_requested) sim_.ask(ask_stop);
+    const double due = scene_.output.checkpoint_wall_interval;
+    if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
+    const double before = wall_clock();
+    sim_.step();
+    sim_.balance();
+    stepping_ += wall_clock() - before;
+    after_step();
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::after_step() {
+    const RunClock<Dim>& clock = sim_.clock();
+    const double interval = scene_.output.interval;
+    const double checkpoint_interval = scene_.output.checkpoint_interval;
+    if (interval > 0 && clock.time >= static_cast<double>(next_output_) * interval) {
+        sim_.conclude();
+        output();
+    }
+    if (clock.step % scene_.balance.interval == 0) record_balance();
+    const bool due =
+        checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;
+    const std::uint32_t asked = sim_.agreement().stop;
+    if (due || asked) checkpoint();
+    if (asked & ask_stop) {
+        finish();
+        throw Stopped(fmt::format("Stopped by a signal at step {} (t = {:.6g} s). Go on with --restart {}/{}?",
+                                  clock.step, clock.time, directory_, checkpoint_name(clock.step)));
+    }
+    const double mean = static_cast<double>(sim_.agreement().count_sum) / comm_.size();
+    progress_->report({clock.step, clock.time, sim_.counts().particle_steps,
+                       mean > 0 ? static_cast<double>(sim_.agreement().count) / mean : 1},
+                      wall());
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::output() {
+    sim_.phases().time(Phase::output, [&] {
+        history_->row(observe(sim_, comm_).values());
+        Picture<Space, Real, Dim>(sim_).append_to(*series_);
+    });
+    last_output_step_ = sim_.clock().step;
+    next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::checkpoint() {
+    if (last_checkpoint_step_ == sim_.clock().step) return;
+    sim_.phases().time(Phase::output, [&] {
+        sim_.conclude();
+        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step));
+    });
+    last_checkpoint_step_ = sim_.clock().step;
+    last_checkpoint_wall_ = wall();
+    next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, sim_.clock().time);
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::record_balance() {
+    balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
+}
+
+template <class Space, class Real, int Dim>
+void Driver<Space, Real, Dim>::finish() {
+    const RunClock<Dim>& clock = sim_.clock();
+    progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, wall(), stepping_));
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "Results are in {}\n", directory_);
+}
+
+}  // namespace moraine

@@ -1,0 +1,100 @@
+// moraine: the command line. `run` a scene, or `check` it; exit codes say who can mend what went wrong.
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <csignal>
+
+#include "comm/comm.hpp"
+#include "core/error.hpp"
+#include "driver.hpp"
+#include "io/check.hpp"
+#include "io/options.hpp"
+#include "io/scene.hpp"
+#include "version.hpp"
+
+namespace moraine {
+
+volatile bool stop_requested = false;
+
+namespace {
+
+enum Exit { done = 0, internal_error = 1, input_wrong = 2, physics_wrong = 3, machine_failed = 4, stopped = 5 };
+
+/// What one error must do: an exit code, and its words, once.
+int tell(const Comm& comm, int code, const std::string& words) {
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", words);
+    return code;
+}
+
+/// Input is read by every rank on its own; they agree on the first thing wrong. Collective.
+Scene read_agreed(const Comm& comm, const Options& options) {
+    Scene scene;
+    std::string wrong;
+    try {
+        std::vector<std::string> sets = options.sets;
+        if (!options.partitioner.empty()) sets.push_back("balance.partitioner=\"" + options.partitioner + "\"");
+        scene = read_scene(options.scene, sets);
+    } catch (const InputError& e) {
+        wrong = e.what();
+    }
+    comm.agree_no_error<InputError>(wrong);
+    return scene;
+}
+
+void execute(const Options& options, const Comm& comm) {
+    if (options.device == "cuda")
+        throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");
+    const Scene scene = read_agreed(comm, options);
+    if (options.command == "check") {
+        if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));
+        return;
+    }
+    run_scene(scene, options, comm);
+}
+
+int run_program(int argc, char** argv) {
+    const Comm comm(MPI_COMM_WORLD);
+    try {
+        const Options options = parse_options(argc, argv);
+        if (options.command == "version") {
+            if (comm.is_root()) fmt::print("moraine {} ({})\n", version_text, commit_text);
+        } else if (options.command == "help") {
+            if (comm.is_root()) fmt::print("{}", help_text());
+        } else {
+            execute(options, comm);
+        }
+        return done;
+    } catch (const InputError& e) {
+        return tell(comm, input_wrong, e.what());
+    } catch (const PhysicsError& e) {
+        return tell(comm, physics_wrong, e.what());
+    } catch (const Stopped& e) {
+        return tell(comm, stopped, e.what());
+    } catch (const MachineError& e) {
+        return tell(comm, machine_failed, e.what());
+    } catch (const std::exception& e) {
+        // Not the same on all ranks: nobody may wait for this one.
+        fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), e.what());
+        MPI_Abort(MPI_COMM_WORLD, internal_error);
+        return internal_error;
+    }
+}
+
+extern "C" void request_stop(int) {
+    stop_requested = true;
+}
+
+}  // namespace
+
+}  // namespace moraine
+
+int main(int argc, char** argv) {
+    std::signal(SIGTERM, moraine::request_stop);
+    std::signal(SIGUSR1, moraine::request_stop);
+    int provided = 0;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks
+    const int code = moraine::run_program(argc, argv);
+    MPI_Finalize();
+    return code;
+}

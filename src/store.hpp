@@ -1,0 +1,140 @@
+#pragma once
+// A simulation to and from its checkpoint. Both collective.
+
+#include <bit>
+
+#include "io/checkpoint.hpp"
+#include "io/scene_identity.hpp"
+#include "simulation.hpp"
+
+namespace moraine {
+
+/// A column in the terms of the files. Positions are fixed point, ids and bodies whole numbers.
+inline Column file_column(const ColumnBytes& c, const std::byte* data) {
+    Column column;
+    column.name = c.name;
+    column.unit = c.unit.empty() ? "-" : c.unit;
+    const bool whole = c.name == "id" || c.name == "body" || c.name == "position";
+    column.type = c.scalar_bytes == 2   ? Column::Type::u16
+                  : c.scalar_bytes == 4 ? (whole ? Column::Type::u32 : Column::Type::f32)
+                                        : (whole ? Column::Type::u64 : Column::Type::f64);
+    column.components = static_cast<int>(c.row_bytes / c.scalar_bytes);
+    column.data = data;
+    return column;
+}
+
+/// This rank's blocks as rows of a file, keys ascending.
+inline std::vector<BlockRow> block_rows(const FiledBlocks& filed) {
+    std::vector<BlockRow> rows;
+    for (std::size_t b = 0; b < filed.key.size(); ++b)
+        rows.push_back({filed.key[b], static_cast<std::int64_t>(filed.count[b])});
+    return rows;
+}
+
+/// Names of the parts of a ledger, and the parts.
+template <int Dim, class F>
+void each_ledger_entry(Ledger<Dim>& ledger, const F& f) {
+    f("work", ledger.work);
+    f("lost_mass", ledger.lost_mass);
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const std::string axis(1, "xyz"[a]);
+        f("impulse_" + axis, ledger.impulse[a]);
+        f("lost_momentum_" + axis, ledger.lost_momentum[a]);
+        f("lost_pull_" + axis, ledger.lost_pull[a]);
+    }
+}
+
+template <int Dim>
+CheckpointHeader clock_header(const RunClock<Dim>& c) {
+    CheckpointHeader h;
+    h["step"] = c.step;
+    h["round"] = c.round;
+    h["clock"] =
+        std::vector<double>{c.time, c.dt, c.signal, c.mass_cutoff, c.quantum_scale, c.start_strain, c.start_mass};
+    h["pull"] = std::vector<double>(c.pull.begin(), c.pull.end());
+    h["start_momentum"] = std::vector<double>(c.start_momentum.begin(), c.start_momentum.end());
+    return h;
+}
+
+template <int Dim>
+RunClock<Dim> clock_of(const CheckpointReader& file) {
+    RunClock<Dim> c;
+    c.step = file.get<std::int64_t>("step");
+    c.round = file.get<std::int64_t>("round");
+    const auto& clock = file.get<std::vector<double>>("clock");
+    const auto& pull = file.get<std::vector<double>>("pull");
+    const auto& momentum = file.get<std::vector<double>>("start_momentum");
+    if (clock.size() != 7 || pull.size() != Dim || momentum.size() != Dim)
+        throw InputError("The checkpoint does not hold a run of this many dimensions. Is it of another scene?");
+    c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
+    c.start_strain = clock[5], c.start_mass = clock[6];
+    std::copy(pull.begin(), pull.end(), c.pull.begin());
+    std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());
+    return c;
+}
+
+/// Filed state only; after conclude().
+template <class Space, class Real, int Dim>
+void save(Simulation<Space, Real, Dim>& sim, const Comm& comm, const std::string& path) {
+    CheckpointHeader header = clock_header(sim.clock());
+    header["scene"] = identity_text(sim.scene());
+    header["state_hash"] = std::bit_cast<std::int64_t>(sim.state_hash());
+    header["partitioner"] = std::string(sim.partitioner().name());
+    header["partitioner_state"] = sim.partitioner().state();
+    Ledger<Dim> ledger = sim.ledger();
+    header["lost_count"] = comm.sum(ledger.lost_count);
+    each_ledger_entry(ledger, [&](const std::string& name, ExactSum& mine) {
+        ExactSum sum;
+        for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine})) sum.add(s);
+        header["ledger_" + name] = std::vector<std::int64_t>{sum.high, std::bit_cast<std::int64_t>(sum.low)};
+    });
+
+    const FiledBlocks filed = sim.patch().filed();
+    std::vector<std::vector<std::byte>> rows;
+    std::vector<Column> columns;
+    for (const ColumnBytes& c : sim.patch().particles.columns()) {
+        rows.emplace_back(padded(c.row_bytes * filed.slot.size()));
+        gather_rows({c}, filed.slot, rows.back().data());
+        columns.push_back(file_column(c, rows.back().data()));
+    }
+    write_checkpoint(comm, path, header, block_rows(filed), columns);
+}
+
+/// Throws InputError if the file is of another scene or its particles are not those that were stored.
+template <class Space, class Real, int Dim>
+void load(Simulation<Space, Real, Dim>& sim, const CheckpointReader& file, const std::string& path) {
+    const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
+    if (!difference.empty())
+        throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
+                                     path, difference));
+    std::vector<Key> keys;
+    std::vector<std::int64_t> counts;
+    for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);
+    Ledger<Dim> ledger;
+    ledger.lost_count = file.get<std::int64_t>("lost_count");
+    each_ledger_entry(ledger, [&](const std::string& name, ExactSum& entry) {
+        const auto& words = file.get<std::vector<std::int64_t>>("ledger_" + name);
+        if (words.size() == 2) entry.high = words[0], entry.low = std::bit_cast<std::uint64_t>(words[1]);
+    });
+    std::vector<std::int64_t> state;
+    if (file.get<std::string>("partitioner") == sim.partitioner().name())
+        state = file.get<std::vector<std::int64_t>>("partitioner_state");
+    const auto read = [&](const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
+                          std::span<const std::uint32_t> slots) {
+        std::vector<RowRange> mine;
+        for (const auto& [start, count] : ranges) mine.push_back({start, count});
+        for (const ColumnBytes& c : sim.patch().particles.columns()) {
+            std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
+            file.read_rows(file_column(c, nullptr), mine, rows.data());
+            scatter_rows({c}, slots, rows.data());
+        }
+    };
+    sim.restore(keys, counts, clock_of<Dim>(file), ledger, state, read);
+    if (std::bit_cast<std::int64_t>(sim.state_hash()) != file.get<std::int64_t>("state_hash"))
+        throw InputError(
+            fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "
+                        "Restart from an earlier checkpoint?",
+                        path));
+}
+
+}  // namespace moraine

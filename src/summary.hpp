@@ -1,0 +1,133 @@
+#pragma once
+// balance.csv and summary.json: how the run went.
+
+#include <omp.h>
+
+#include "history.hpp"
+#include "io/records_summary.hpp"
+#include "simulation.hpp"
+#include "version.hpp"
+
+namespace moraine {
+
+/// One row of balance.csv. What travelled and the seconds are since the row before.
+struct BalanceRow {
+    double step = 0, time = 0;
+    double particles_min = 0, particles_mean = 0, particles_max = 0, imbalance = 1;
+    double blocks = 0, halo_bytes = 0, migrated_particles = 0, migrated_blocks = 0, crossed_particles = 0;
+    std::array<double, Phases::count> seconds_mean{}, seconds_max{};
+    double repartitioned = 0, planned_imbalance = 0, loses = 0, lost = 0, migration = 0;
+
+    static std::vector<std::string> columns() {
+        std::vector<std::string> names{
+            "step",   "time_s",     "particles_min",      "particles_mean",  "particles_max",    "imbalance",
+            "blocks", "halo_bytes", "migrated_particles", "migrated_blocks", "crossed_particles"};
+        for (const char* phase : Phases::names) {
+            names.push_back(std::string(phase) + "_mean_s");
+            names.push_back(std::string(phase) + "_max_s");
+        }
+        for (const char* n : {"repartitioned", "planned_imbalance", "loses_s_per_step", "lost_s", "migration_s"})
+            names.push_back(n);
+        return names;
+    }
+
+    std::vector<double> values() const {
+        std::vector<double> v{step,   time,       particles_min,      particles_mean,  particles_max,    imbalance,
+                              blocks, halo_bytes, migrated_particles, migrated_blocks, crossed_particles};
+        for (std::size_t k = 0; k < Phases::count; ++k) v.insert(v.end(), {seconds_mean[k], seconds_max[k]});
+        v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration});
+        return v;
+    }
+};
+
+/// `reported` and `reported_seconds` are the counts of the row before, and are moved on. Collective.
+template <class Space, class Real, int Dim>
+BalanceRow balance_row(Simulation<Space, Real, Dim>& sim, const Comm& comm, RunCounts& reported,
+                       std::array<double, Phases::count>& reported_seconds) {
+    const RunCounts now = sim.counts_so_far();
+    BalanceRow row;
+    row.step = static_cast<double>(sim.clock().step);
+    row.time = sim.clock().time;
+    const double mine = static_cast<double>(sim.patch().count());
+    row.particles_min = comm.min(mine);
+    row.particles_max = comm.max(mine);
+    row.particles_mean = static_cast<double>(comm.sum(sim.patch().count())) / comm.size();
+    row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
+    std::vector<std::int64_t> sums{sim.patch().tiles_in_use(), now.halo_bytes - reported.halo_bytes,
+                                   now.migrated_particles - reported.migrated_particles,
+                                   now.migrated_blocks - reported.migrated_blocks,
+                                   now.crossed_particles - reported.crossed_particles};
+    comm.sum(sums);
+    row.blocks = static_cast<double>(sums[0]);
+    row.halo_bytes = static_cast<double>(sums[1]);
+    row.migrated_particles = static_cast<double>(sums[2]);
+    row.migrated_blocks = static_cast<double>(sums[3]);
+    row.crossed_particles = static_cast<double>(sums[4]);
+    for (std::size_t k = 0; k < Phases::count; ++k) {
+        const double seconds = sim.phases().all()[k] - reported_seconds[k];
+        row.seconds_mean[k] = comm.sum(seconds) / comm.size();
+        row.seconds_max[k] = comm.max(seconds);
+    }
+    const BalanceLook& look = sim.last_look();
+    row.repartitioned = look.repartitioned;
+    row.planned_imbalance = look.terms.plan.total > 0 ? look.terms.plan.imbalance() : 0;
+    row.loses = look.terms.loses;
+    row.lost = look.terms.lost;
+    row.migration = look.terms.migration;
+    reported = now;
+    reported_seconds = sim.phases().all();
+    return row;
+}
+
+/// Filed state only. Collective.
+template <class Space, class Real, int Dim>
+Json summarize(Simulation<Space, Real, Dim>& sim, const Comm& comm, double wall, double stepping) {
+    const Scene& scene = sim.scene();
+    const RunCounts counts = sim.counts_so_far();
+    const HistoryRow<Dim> last = observe(sim, comm);
+    std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
+                                   counts.clamped_boxes};
+    comm.sum(sums);
+    const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
+    const std::vector<double> momentum(last.totals.momentum.begin(), last.totals.momentum.end());
+    const std::vector<double> momentum_error(last.momentum_error.begin(), last.momentum_error.end());
+    const std::string hash = fmt::format("{:016x}", sim.state_hash());
+    const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
+    return Json::Named{
+        {"version", version_text},
+        {"commit", commit_text},
+        {"scene", scene.name},
+        {"title", scene.title},
+        {"device", "cpu"},
+        {"precision", sizeof(Real) == 8 ? "double" : "single"},
+        {"ranks", comm.size()},
+        {"threads", omp_get_max_threads()},
+        {"partitioner", sim.partitioner().name()},
+        {"particles", last.particles},
+        {"steps", sim.clock().step},
+        {"simulated_time_s", sim.clock().time},
+        {"wall_s", comm.max(wall)},
+        {"stepping_s", comm.max(stepping)},
+        {"particle_steps_per_s", speed},
+        {"imbalance_mean", counts.steps > 0 ? counts.imbalance_sum / steps : 1.0},
+        {"imbalance_max", counts.imbalance_max},
+        {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
+        {"repartitions", counts.repartitions},
+        {"migrated_particles", sums[0]},
+        {"crossed_particles", sums[1]},
+        {"halo_bytes", sums[2]},
+        {"clamped_boxes", sums[3]},
+        {"lost_particles", last.lost_particles},
+        {"state_hash", hash},
+        {"mass_kg", last.totals.mass},
+        {"momentum", momentum},
+        {"momentum_error", momentum_error},
+        {"energies_J", Json::Named{{"kinetic", last.totals.kinetic},
+                                   {"strain", last.totals.strain},
+                                   {"potential", last.potential},
+                                   {"dissipated", last.dissipated}}},
+        {"front_m", last.front},
+    };
+}
+
+}  // namespace moraine

@@ -1,0 +1,130 @@
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "core/error.hpp"
+#include "io/h5.hpp"
+#include "io/sample_rows.hpp"
+#include "io/test_folder.hpp"
+#include "io/vtkhdf.hpp"
+
+using namespace moraine;
+
+namespace {
+
+void append_sample(const Comm& comm, ParticleSeries& series, double time, std::int64_t rows_per_block) {
+    const auto all = sample::blocks(30, rows_per_block);
+    const sample::Part part(all, comm.rank(), comm.size(), static_cast<std::uint64_t>(rows_per_block));
+    const auto columns = part.columns();
+    const Column fields[] = {columns[0], columns[2]};
+    series.append(time, part.blocks, columns[1], fields);
+}
+
+std::int64_t rows_of(std::int64_t rows_per_block) {
+    std::int64_t rows = 0;
+    for (const BlockRow& block : sample::blocks(30, rows_per_block)) rows += block.count;
+    return rows;
+}
+
+/// Through the library: the last output's ids count up, its numbers are those of the ids.
+bool last_output_is(const std::string& path, std::size_t outputs, std::int64_t rows) {
+    const auto state = vtkhdf::read_state(path);
+    if (state.steps.size() != outputs || state.steps.back().rows != rows) return false;
+    const H5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "file");
+    const H5Id set(H5Dopen2(file, "VTKHDF/Points", H5P_DEFAULT), H5Dclose, "set");
+    const H5Id space(H5Dget_space(set), H5Sclose, "space");
+    const hsize_t start[] = {static_cast<hsize_t>(state.steps.back().first_chunk * state.chunk_rows), 0};
+    const hsize_t count[] = {static_cast<hsize_t>(rows), 3};
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+    const H5Id memory(H5Screate_simple(2, count, nullptr), H5Sclose, "space");
+    std::vector<double> points(static_cast<std::size_t>(3 * rows));
+    if (H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, points.data()) < 0) return false;
+    for (std::size_t r = 0; r < points.size() / 3; ++r)
+        if (points[3 * r] != sample::number(r, 0) || points[3 * r + 1] != sample::number(r, 1) ||
+            points[3 * r + 2] != 0)
+            return false;
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE("outputs of any size and distribution read back through the HDF5 library") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    ParticleSeries series(comm, folder / "p.vtkhdf");
+    std::size_t outputs = 0;
+    for (const std::int64_t rows : {400, 390, 0, 1, 700, 400}) {
+        append_sample(comm, series, 0.5 * static_cast<double>(outputs), rows);
+        ++outputs;
+        if (comm.is_root()) CHECK(last_output_is(folder / "p.vtkhdf", outputs, rows_of(rows)));
+        comm.barrier();
+    }
+}
+
+TEST_CASE("an output changes nothing before the old end but the superblock, so a kill cannot tear the file") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    ParticleSeries series(comm, path);
+    append_sample(comm, series, 0, 200);
+    for (int k = 1; k < 140; ++k) {  // more chunks than one node of the tree holds
+        const std::string before = content_of(path);
+        comm.barrier();
+        append_sample(comm, series, k, 200);
+        if (k % 20 == 0) series.truncate_to(k - 1);
+        const std::string after = content_of(path);
+        comm.barrier();
+        REQUIRE(after.size() >= before.size());
+        CHECK(after.compare(48, before.size() - 48, before, 48) == 0);
+        if (comm.is_root() && k % 20 == 5) {
+            // All of the new bytes without the switch: the old outputs.
+            set_content(folder / "torn", before.substr(0, 48) + after.substr(48));
+            CHECK(last_output_is(folder / "torn", vtkhdf::read_state(path).steps.size() - 1, rows_of(200)));
+        }
+    }
+}
+
+TEST_CASE("a series goes on after a cut as if it had never gone further") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    {
+        ParticleSeries series(comm, path);
+        for (int k = 0; k < 5; ++k) append_sample(comm, series, 0.1 * k, 300);
+    }
+    {
+        ParticleSeries series(comm, path);
+        series.truncate_to(0.2);
+        if (comm.is_root()) CHECK(series.times() == std::vector<double>{0, 0.1, 0.2});
+        append_sample(comm, series, 7, 123);
+        if (comm.is_root()) CHECK(series.times() == std::vector<double>{0, 0.1, 0.2, 7});
+    }
+    if (comm.is_root()) CHECK(last_output_is(path, 4, rows_of(123)));
+    ParticleSeries series(comm, path);
+    series.truncate_to(-1);
+    CHECK(!std::filesystem::exists(path));
+    comm.barrier();
+    append_sample(comm, series, 8, 50);
+    if (comm.is_root()) CHECK(last_output_is(path, 1, rows_of(50)));
+}
+
+TEST_CASE("a file that is no series is refused and left alone") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    if (comm.is_root()) set_content(folder / "p.vtkhdf", "mine");
+    comm.barrier();
+    CHECK_THROWS_AS(ParticleSeries(comm, folder / "p.vtkhdf"), InputError);
+    CHECK(content_of(folder / "p.vtkhdf") == "mine");
+}
+
+TEST_CASE("a series that cannot be written fails on all ranks") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    ParticleSeries nowhere(comm, folder / "absent/p.vtkhdf");
+    CHECK_THROWS_AS(append_sample(comm, nowhere, 0, 20), MachineError);
+    ParticleSeries series(comm, folder / "p.vtkhdf");
+    append_sample(comm, series, 0, 20);
+    if (comm.is_root()) std::filesystem::remove(folder / "p.vtkhdf");
+    comm.barrier();
+    CHECK_THROWS_AS(append_sample(comm, series, 1, 20), MachineError);
+}
