@@ -90,7 +90,7 @@ void Simulation<Space, Real, Dim>::p2g(std::span<const std::int32_t> blocks) {
 
 template <class Space, class Real, int Dim>
 void Simulation<Space, Real, Dim>::nodes(const Round& round) {
-    const std::span<const std::int32_t> needed = patch_->needed_nodes();
+    const std::span<const std::int32_t> needed = patch_->node_blocks();
     impulse_.resize(needed.size() * Dim);
     const SolveNodes<Real, Dim> kernel{method_.context.walls,
                                        patch_->table(),
@@ -114,7 +114,7 @@ void Simulation<Space, Real, Dim>::g2p(const Round& round) {
                                        method_.tpic,     method_.flip,      static_cast<Real>(clock_.dt),
                                        patch_->moves(),  patch_->leavers(), patch_->shuffled(),
                                        patch_->outcome()};
-    phases_.time(Phase::g2p, [&] { method_.kernels.g2p(transfer_call(patch_->occupied()), gather); });
+    phases_.time(Phase::g2p, [&] { method_.kernels.g2p(transfer_call(patch_->blocks()), gather); });
 }
 
 /// Books what the round did: work, impulses, faults; and what the next agreement must know.
@@ -125,7 +125,7 @@ void Simulation<Space, Real, Dim>::account(const Round& round) {
         own_ = Agreement{};
         offences_.clear();
     }
-    for (std::int32_t b : patch_->occupied()) {
+    for (std::int32_t b : patch_->blocks()) {
         const BlockOutcome& out = patch_->outcome(b);
         own_.signal = std::max(own_.signal, out.signal);
         own_.moved = std::max(own_.moved, out.moved);

@@ -11,6 +11,7 @@
 #include "comm/epoch.hpp"
 #include "core/filing.hpp"
 #include "core/particles.hpp"
+#include "core/storage.hpp"
 
 namespace moraine {
 
@@ -46,10 +47,11 @@ class Patch {
     BlockOutcome* outcome() { return outcome_.data(); }
     const BlockOutcome& outcome(int block) const { return outcome_[static_cast<std::size_t>(block)]; }
 
-    std::span<const std::int32_t> boundary() const { return boundary_.span(); }  ///< occupied ones
+    /// Lists of blocks for the kernels, which skip empty ones.
+    std::span<const std::int32_t> boundary() const { return boundary_.span(); }
     std::span<const std::int32_t> interior() const { return interior_.span(); }
-    std::span<const std::int32_t> occupied() const { return all_.span(); }
-    std::span<const std::int32_t> needed_nodes() const { return needed_.span(); }
+    std::span<const std::int32_t> blocks() const { return every_.span().first(tables_.own.size()); }
+    std::span<const std::int32_t> node_blocks() const { return every_.span().first(tables_.node_key.size()); }
 
     /// New particles' slots; the caller fills them.
     std::vector<std::uint32_t> take_slots(std::size_t n);
@@ -93,7 +95,8 @@ class Patch {
     std::uint64_t reordered_ = 0;  ///< particles whose list place no longer follows memory
 
     Array<std::int32_t> tile_of_, node_of_;
-    Array<std::int32_t> boundary_, interior_, all_, needed_;
+    Array<std::int32_t> boundary_, interior_, every_;
+    Array<std::uint32_t> used_, place_;
     Array<Real> tiles_, nodes_;
     std::int64_t occupied_ = 0;
 };

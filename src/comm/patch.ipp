@@ -52,9 +52,13 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const FiledBlocks
     Space::scan(n, counts.data(), first_.data());
     slot_.assign(filed.slot);
     cell_first_.resize(n * (Block<Dim>::cells + 1));
-    leavers_.assign(n, 0);
-    shuffled_.assign(n, 0);
-    outcome_.assign(n, BlockOutcome{});
+    boundary_.assign(tables_.boundary);
+    interior_.assign(tables_.interior);
+    every_.resize(std::max(n, tables_.node_key.size()));
+    for (std::size_t b = 0; b < every_.size(); ++b) every_[b] = static_cast<std::int32_t>(b);
+    leavers_.resize(n);
+    shuffled_.resize(n);
+    outcome_.resize(n);
     moves_.resize(slot_.size());
     Space::launch(own(), [this](int block) { count_cells(block); });
     assign_storage();
@@ -66,7 +70,8 @@ void Patch<Space, Real, Dim>::count_cells(int block) {
     std::uint32_t* first = cell_first_.data() + static_cast<std::size_t>(block) * (Block<Dim>::cells + 1);
     std::fill_n(first, Block<Dim>::cells + 1, 0u);
     const auto* position = particles.view().position;
-    for (std::uint32_t k = first_[static_cast<std::size_t>(block)]; k < first_[static_cast<std::size_t>(block) + 1]; ++k) {
+    for (std::uint32_t k = first_[static_cast<std::size_t>(block)]; k < first_[static_cast<std::size_t>(block) + 1];
+         ++k) {
         int cell = 0;
         for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(position[slot_[k]][a]);
         ++first[cell + 1];
@@ -119,54 +124,37 @@ void Patch<Space, Real, Dim>::make_lists(const std::vector<Leaver>& ghost_leaver
                                             shuffled_.data(), next_count_.data()});
     const std::uint32_t total = Space::scan(n, next_count_.data(), next_first_.data());
     next_slot_.resize(total);
-    Space::launch(own(), FillNextList<Dim>{table(), list(), moves_.data(), leaver_first_.data(), leaver_.data(),
-                                           shuffled_.data(), next_first_.data(), next_slot_.data(), cell_first_.data()});
+    Space::launch(
+        own(), FillNextList<Dim>{table(), list(), moves_.data(), leaver_first_.data(), leaver_.data(), shuffled_.data(),
+                                 next_first_.data(), next_slot_.data(), cell_first_.data()});
     reordered_ += leaver_.size();
     slot_.swap(next_slot_);
     first_.swap(next_first_);
     moves_.resize(slot_.size());
-    leavers_.assign(n, 0);  // the gather visits occupied blocks only
-    shuffled_.assign(n, 0);
     assign_storage();
 }
 
 /// Tiles go to occupied blocks, node values to the node blocks that those touch; ghosts come first.
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::assign_storage() {
-    const auto ghosts = static_cast<std::int32_t>(tables_.ghost.size());
-    tile_of_.resize(static_cast<std::size_t>(own() + ghosts));
-    std::vector<std::uint8_t> touched(tables_.node_key.size(), 0);
-    std::vector<std::int32_t> all;
-    for (int b = 0; b < own(); ++b) {
-        const bool here = first_[static_cast<std::size_t>(b) + 1] > first_[static_cast<std::size_t>(b)];
-        tile_of_[static_cast<std::size_t>(b)] = here ? ghosts + static_cast<std::int32_t>(all.size()) : -1;
-        if (!here) continue;
-        all.push_back(b);
-        for (int delta = 0; delta < Block<Dim>::corners; ++delta)
-            touched[static_cast<std::size_t>(
-                tables_.node_block[static_cast<std::size_t>(b * Block<Dim>::corners + delta)])] = 1;
-    }
-    for (std::int32_t g = 0; g < ghosts; ++g) tile_of_[static_cast<std::size_t>(own() + g)] = -1;
-    occupied_ = static_cast<std::int64_t>(all.size());
-    const auto tile_reals = static_cast<std::size_t>(power<Dim>(tile_side(width_)) * node_reals);
-    tiles_.resize((all.size() + static_cast<std::size_t>(ghosts)) * tile_reals);
+    const BlockTable<Dim> t = table();
+    const auto blocks = static_cast<std::size_t>(t.own);
+    const auto node_blocks = static_cast<std::size_t>(t.node_blocks);
+    tile_of_.resize(blocks + static_cast<std::size_t>(t.ghosts));
+    node_of_.resize(node_blocks);
+    used_.resize(std::max(blocks, node_blocks));
+    place_.resize(used_.size() + 1);
 
-    std::vector<std::int32_t> needed;
-    node_of_.resize(touched.size());
-    for (std::size_t c = 0; c < touched.size(); ++c) {
-        node_of_[c] = touched[c] ? static_cast<std::int32_t>(needed.size()) : -1;
-        if (touched[c]) needed.push_back(static_cast<std::int32_t>(c));
-    }
-    nodes_.resize(needed.size() * static_cast<std::size_t>(Block<Dim>::cells * node_reals));
-    needed_.assign(needed);
-    all_.assign(all);
-    const auto here = [this](std::int32_t b) { return tile_of_[static_cast<std::size_t>(b)] >= 0; };
-    std::vector<std::int32_t> part;
-    std::copy_if(tables_.boundary.begin(), tables_.boundary.end(), std::back_inserter(part), here);
-    boundary_.assign(part);
-    part.clear();
-    std::copy_if(tables_.interior.begin(), tables_.interior.end(), std::back_inserter(part), here);
-    interior_.assign(part);
+    Space::launch(t.own, MarkOccupied<Dim>{list(), used_.data()});
+    occupied_ = Space::scan(blocks, used_.data(), place_.data());
+    Space::launch(t.own + t.ghosts, PlaceTiles{t.own, t.ghosts, used_.data(), place_.data(), tile_of_.data()});
+    Space::launch(t.node_blocks, MarkNeeded<Dim>{t, tile_of_.data(), used_.data()});
+    const std::int64_t needed = Space::scan(node_blocks, used_.data(), place_.data());
+    Space::launch(t.node_blocks, PlaceTiles{t.node_blocks, 0, used_.data(), place_.data(), node_of_.data()});
+
+    const int tile_reals = power<Dim>(tile_side(width_)) * node_reals;
+    tiles_.resize(static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals));
+    nodes_.resize(static_cast<std::size_t>(needed * Block<Dim>::cells * node_reals));
 }
 
 template <class Space, class Real, int Dim>

@@ -49,6 +49,8 @@ struct SolveNodes {
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
         const int c = chosen[item];
+        for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
+        if (grid.node_of[c] < 0) return;
         const bool border = table.node_border[c] != 0;
         team.each(Block<Dim>::cells, [&](int n) {
             scratch.sums[2 * n] = scratch.sums[2 * n + 1] = Quad<Real>::zero();
@@ -62,7 +64,6 @@ struct SolveNodes {
             team.each(Block<Dim>::cells, [&](int n) { add_tile_node(n, delta, source, tile, scratch); });
             team.sync();
         }
-        for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
         team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, scratch); });
     }
 

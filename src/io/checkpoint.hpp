@@ -4,10 +4,10 @@
 //   /header/<key>            what the run knows: numbers, text, short lists
 //   /blocks/key, /count      blocks in key order
 //   /particles/<column>      rows in key order of blocks, list order within a block
-//   attribute `checksum`     FNV-1a of header and blocks
+//   a seal                   checksum of all but the rows (checkpoint_format.hpp)
 //
-// The content does not depend on the ranks that wrote it. Metadata of HDF5 carries its own checksums;
-// the rows are covered by the caller's state hash, kept in the header and recomputed at load.
+// The bytes do not depend on the ranks that wrote it. The rows are covered by the caller's state hash,
+// kept in the header and recomputed at load.
 // Rank 0 lays the file out, then every rank writes its slice of each column at its place (disk_file.hpp
 // says why not MPI-IO). The file has a temporary name until all of it is on the disk.
 
@@ -61,6 +61,7 @@ class CheckpointReader {
     void read_rows(const Column& shape, std::span<const RowRange> mine, std::byte* rows) const;
 
   private:
+    void read_tables();
     [[noreturn]] void missing(const std::string& what) const;
 
     const Comm& comm_;

@@ -89,12 +89,9 @@ std::vector<std::int64_t> lay_out(const std::string& path, const CheckpointHeade
                                   std::span<const Column> columns) {
     const H5Quiet quiet;
     const H5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make a property list");
-    // From version 1.8 of the format on, metadata carries checksums.
     h5_check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "cannot set the format version");
     H5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation_list(H5P_FILE_CREATE), access), H5Fclose,
               "cannot create the file");
-    const std::uint64_t sum = checkpoint::checksum(header, order.blocks);
-    write_attribute(file, "checksum", H5T_NATIVE_UINT64, &sum);
     write_attribute(file, "format_version", H5T_NATIVE_INT64, &checkpoint::format_version);
     {
         const H5Id group = new_group(file, "header");
@@ -117,6 +114,10 @@ std::vector<std::int64_t> lay_out(const std::string& path, const CheckpointHeade
         for (const Column& column : columns) places.push_back(reserve_column(group, column, order.rows));
     }
     file.close("cannot write the file");
+    std::vector<checkpoint::Region> regions;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+        if (order.rows > 0) regions.push_back({places[c], order.rows * columns[c].row_bytes()});
+    checkpoint::seal(path, regions);
     return places;
 }
 

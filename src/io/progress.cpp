@@ -72,7 +72,7 @@ void Progress::report(const ProgressState& state, double wall_now) {
 
 void Progress::finish(const ProgressState& state, double wall_now) {
     if (style_ == Style::silent) return;
-    if (wall_now > said_wall_) say(state, wall_now);
+    if (state.time > said_time_) say(state, wall_now);
     if (style_ == Style::terminal) fmt::print(out_, "\n");
     std::fflush(out_);
 }

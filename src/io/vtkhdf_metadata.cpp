@@ -68,13 +68,26 @@ Address put_array(Region& region, SeriesArray& array, const SeriesState& state) 
     return region.put(dataset(ElementType::of(array.type), extent, {tree, state.chunk_rows}, attributes));
 }
 
-Address put_steps(Region& region, const SeriesState& state) {
+/// Sizes of the parts, and the part of each step: steps of one size share theirs, as they share their
+/// vertices. (VTK 9.3 begins to read the vertices at the number of the part; later versions do not.)
+struct Parts {
+    std::vector<std::int64_t> rows;
+    std::vector<std::int64_t> of_step;
+
+    explicit Parts(const SeriesState& state) {
+        for (const SeriesStep& step : state.steps) {
+            if (rows.empty() || rows.back() != step.rows) rows.push_back(step.rows);
+            of_step.push_back(static_cast<std::int64_t>(rows.size()) - 1);
+        }
+    }
+};
+
+Address put_steps(Region& region, const SeriesState& state, const Parts& parts) {
     const auto n = static_cast<std::int64_t>(state.steps.size());
     std::vector<double> times;
-    std::vector<std::int64_t> first_rows, parts;
+    std::vector<std::int64_t> first_rows;
     for (const SeriesStep& step : state.steps) {
         first_rows.push_back(step.first_chunk * state.chunk_rows);
-        parts.push_back(static_cast<std::int64_t>(times.size()));
         times.push_back(step.time);
     }
     const auto arrays = static_cast<int>(state.arrays.size());
@@ -84,7 +97,7 @@ Address put_steps(Region& region, const SeriesState& state) {
     Links data_offsets;
     for (std::size_t a = 1; a < state.arrays.size(); ++a) data_offsets.push_back({state.arrays[a].name, rows});
     return region.put(group({{"Values", region.put_list(times, {n})},
-                             {"PartOffsets", region.put_list(parts, {n})},
+                             {"PartOffsets", region.put_list(parts.of_step, {n})},
                              {"NumberOfParts", region.put_list(std::vector<std::int64_t>(times.size(), 1), {n})},
                              {"PointOffsets", rows},
                              {"CellOffsets", cells},
@@ -97,16 +110,15 @@ Address put_steps(Region& region, const SeriesState& state) {
 
 std::vector<std::byte> metadata(SeriesState& state, Address at, Address& root) {
     Region region(at);
-    const auto n = static_cast<std::int64_t>(state.steps.size());
-    std::vector<std::int64_t> rows;
-    for (const SeriesStep& step : state.steps) rows.push_back(step.rows);
+    const Parts parts(state);
+    const auto n = static_cast<std::int64_t>(parts.rows.size());
     const Address points = put_array(region, state.arrays[0], state);
     Links data;
     for (std::size_t a = 1; a < state.arrays.size(); ++a)
         data.push_back({state.arrays[a].name, put_array(region, state.arrays[a], state)});
-    const Address counts = region.put_list(rows, {n}, 3);
+    const Address counts = region.put_list(parts.rows, {n}, 3);
     const Address numbers = region.put(dataset({}, {state.vertices_count}, {state.vertices, 0}, {}, 2));
-    const Address zeros = region.put_list(std::vector<std::int64_t>(rows.size()), {n}, 3);
+    const Address zeros = region.put_list(std::vector<std::int64_t>(parts.rows.size()), {n}, 3);
     const Address none = region.put(dataset({}, {0}, {}, {}));
     const Address vertices = region.put(group({{"NumberOfCells", counts},
                                                {"NumberOfConnectivityIds", counts},
@@ -117,7 +129,7 @@ std::vector<std::byte> metadata(SeriesState& state, Address at, Address& root) {
         {{"NumberOfCells", zeros}, {"NumberOfConnectivityIds", zeros}, {"Connectivity", none}, {"Offsets", zeros}}, {},
         3));
     const std::int64_t version[] = {2, 0};
-    const Address steps = put_steps(region, state);
+    const Address steps = put_steps(region, state, parts);
     const Address top =
         region.put(group({{"NumberOfPoints", counts},
                           {"Points", points},

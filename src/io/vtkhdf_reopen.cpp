@@ -112,9 +112,12 @@ SeriesState read_state(const std::string& path) {
     const auto times = read_list<double>(file, "VTKHDF/Steps/Values", H5T_NATIVE_DOUBLE);
     const auto first = read_list<std::int64_t>(file, "VTKHDF/Steps/PointOffsets", H5T_NATIVE_INT64);
     const auto rows = read_list<std::int64_t>(file, "VTKHDF/NumberOfPoints", H5T_NATIVE_INT64);
-    if (times.empty() || first.size() != times.size() || rows.size() != times.size()) throw H5Failure(damaged);
-    for (std::size_t s = 0; s < times.size(); ++s)
-        state.steps.push_back({times[s], rows[s], first[s] / state.chunk_rows});
+    const auto part = read_list<std::size_t>(file, "VTKHDF/Steps/PartOffsets", H5T_NATIVE_HSIZE);
+    if (times.empty() || first.size() != times.size() || part.size() != times.size()) throw H5Failure(damaged);
+    for (std::size_t s = 0; s < times.size(); ++s) {
+        if (part[s] >= rows.size()) throw H5Failure(damaged);
+        state.steps.push_back({times[s], rows[part[s]], first[s] / state.chunk_rows});
+    }
     const H5Id vertices = open(file, "VTKHDF/Vertices/Connectivity");
     state.vertices_count = static_cast<std::int64_t>(extent_of(vertices)[0]);
     state.vertices = H5Dget_offset(vertices);

@@ -1,6 +1,6 @@
-#include "core/morton.hpp"
-
 #include <doctest/doctest.h>
+
+#include "core/morton.hpp"
 
 using namespace moraine;
 

@@ -1,0 +1,16 @@
+#pragma once
+// What must hold between the keys of a scene before it can run; each key alone has been checked by
+// scene_values.hpp.
+
+#include "core/scene.hpp"
+#include "io/scene_error.hpp"
+
+namespace moraine {
+
+/// Domain, walls, balance, output and bodies. Throws InputError. Not collective.
+void check_scene(const Scene& scene, const Places& places);
+
+/// Bodies: inside the domain, not empty, not one in another (by their particles).
+void check_bodies(const Scene& scene, const Places& places);
+
+}  // namespace moraine

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/scene_check.hpp"
+#include "io/seed.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr char axis_name[] = "xyz";
+
+
+void check_form(const Scene& scene, const BodySpec& body, const Places& places) {
+    const std::string path = "body." + body.name;
+    const bool prism = body.shape == BodyShape::polygon;
+    if (prism && scene.dimensions == 3 && !places.has(path + ".z"))
+        refuse(places.of(path), path + ".z is missing", "a polygon in 3-D is a prism along z", "Add z = [0, 1]?");
+    if (prism && scene.dimensions == 2 && places.has(path + ".z"))
+        refuse(places.of(path + ".z"), path + ".z is not used", "the scene has 2 dimensions", "Remove it?");
+    if (body.shape == BodyShape::box)
+        for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+            if (!(body.max[a] > body.min[a]))
+                refuse(places.of(path + ".max"), fmt::format("{} has no length along {}", path, axis_name[a]),
+                       fmt::format("min {}, max {}", body.min[a], body.max[a]), "Are they exchanged?");
+    if (prism && !(measure_of(body, scene.dimensions) > 0))
+        refuse(places.of(path + ".points"), path + " has no area", "its points lie on a line", "Move one of them?");
+}
+
+using Point = std::array<double, 2>;
+
+double turn(const Point& a, const Point& b, const Point& c) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+}
+
+/// Edges that cross would make area and inside disagree.
+void check_crossings(const BodySpec& body, const Places& places) {
+    const std::size_t n = body.points.size();
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 2; j < n; ++j) {
+            const Point &a = body.points[i], &b = body.points[i + 1], &c = body.points[j], &d = body.points[(j + 1) % n];
+            if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
+                refuse(places.of("body." + body.name + ".points"), fmt::format("body.{} crosses itself", body.name),
+                       fmt::format("the edges after points {} and {}", i + 1, j + 1), "Put the points in order?");
+        }
+}
+
+void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, const Places& places) {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+        const double slack = 1e-9 * (scene.max[a] - scene.min[a]);
+        if (e.lower[a] < scene.min[a] - slack || e.upper[a] > scene.max[a] + slack)
+            refuse(places.of("body." + body.name),
+                   fmt::format("body.{} reaches from {} to {} along {}", body.name, e.lower[a], e.upper[a],
+                               axis_name[a]),
+                   fmt::format("the domain from {} to {}", scene.min[a], scene.max[a]),
+                   "Move the body or widen domain.min, domain.max?");
+    }
+}
+
+Extent extent_of_seeds(const std::vector<Seed>& seeds) {
+    Extent e{seeds.front().x, seeds.front().x};
+    for (const Seed& s : seeds)
+        for (std::size_t a = 0; a < 3; ++a) {
+            e.lower[a] = std::min(e.lower[a], s.x[a]);
+            e.upper[a] = std::max(e.upper[a], s.x[a]);
+        }
+    return e;
+}
+
+bool may_touch(const Extent& a, const Extent& b, int dimensions) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions); ++k)
+        if (a.upper[k] < b.lower[k] || b.upper[k] < a.lower[k]) return false;
+    return true;
+}
+
+void refuse_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b,
+                    const std::vector<Seed>& seeds_of_a) {
+    const BodySpec& other = scene.bodies[b];
+    const auto found = std::find_if(seeds_of_a.begin(), seeds_of_a.end(),
+                                    [&](const Seed& s) { return is_inside(other, scene.dimensions, s.x); });
+    if (found == seeds_of_a.end()) return;
+    const std::string& name = scene.bodies[std::max(a, b)].name;
+    refuse(places.of("body." + name),
+           fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+           fmt::format("both have ({})", fmt::join(found->x.begin(), found->x.begin() + scene.dimensions, ", ")),
+           "Move or shrink one of them?");
+}
+
+/// Each pair, both ways: a thin body may pass between the other's particles.
+void check_overlaps(const Scene& scene, const Places& places) {
+    const std::size_t n = scene.bodies.size();
+    if (n < 2) return;
+    std::vector<Extent> extents;
+    std::vector<std::vector<Seed>> seeds(n);
+    for (std::size_t b = 0; b < n; ++b) {
+        const BodySeeds body(scene, static_cast<int>(b));
+        if (scene.bodies[b].shape == BodyShape::table) {
+            body.fill(0, body.rows(), body.rows(), seeds[b]);
+            extents.push_back(extent_of_seeds(seeds[b]));
+        } else {
+            extents.push_back(extent_of(scene.bodies[b], scene.dimensions));
+        }
+    }
+    const auto seeds_of = [&](std::size_t b) -> const std::vector<Seed>& {
+        const BodySeeds body(scene, static_cast<int>(b));
+        if (seeds[b].empty()) body.fill(0, body.rows(), 1, seeds[b]);
+        return seeds[b];
+    };
+    for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (may_touch(extents[a], extents[b], scene.dimensions)) {
+                refuse_overlap(scene, places, a, b, seeds_of(a));
+                refuse_overlap(scene, places, b, a, seeds_of(b));
+            }
+}
+
+}  // namespace
+
+void check_bodies(const Scene& scene, const Places& places) {
+    if (scene.bodies.empty())
+        refuse(places.of("body"), "the scene has no body", "nothing would move", "Write one as [[body]]?");
+    if (scene.bodies.size() > 65535)
+        refuse(places.of("body"), fmt::format("{} bodies", scene.bodies.size()), "at most 65535",
+               "Put particles of one material into one table?");
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodySpec& body = scene.bodies[b];
+        if (body.shape != BodyShape::table) {
+            check_form(scene, body, places);
+            if (body.shape == BodyShape::polygon) check_crossings(body, places);
+            check_extent(scene, body, extent_of(body, scene.dimensions), places);
+        }
+        const BodySeeds seeds(scene, static_cast<int>(b));
+        std::int64_t particles = 0;
+        for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);
+        if (particles == 0)
+            refuse(places.of("body." + body.name), fmt::format("body.{} has no particles", body.name),
+                   "it is smaller than their spacing", "Use a smaller domain.cell or more particles_per_cell?");
+    }
+    check_overlaps(scene, places);
+}
+
+}  // namespace moraine

@@ -1,0 +1,76 @@
+#include <doctest/doctest.h>
+
+#include "io/test_folder.hpp"
+#include "io/vtkhdf_state.hpp"
+
+using namespace moraine;
+using namespace moraine::vtkhdf;
+
+namespace {
+
+std::string text_of(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// 5000 outputs of one or two chunks; the second array lacks every third output.
+SeriesState long_series() {
+    SeriesState state;
+    state.chunk_rows = 1024;
+    state.arrays = {{"Points", "m", Column::Type::f64, 3}, {"stage", "", Column::Type::u8, 1}};
+    for (int k = 0; k < 5000; ++k) {
+        const std::int64_t rows = k % 4 == 0 ? 1500 : 10;
+        state.steps.push_back({0.01 * k, rows, state.next_chunk()});
+        for (std::int64_t c = state.steps.back().first_chunk; c < state.next_chunk(); ++c) {
+            const auto at = static_cast<Address>(100000 * (c + 1));
+            state.arrays[0].chunks.push_back({c, at});
+            if (k % 3 != 1) state.arrays[1].chunks.push_back({c, at + 50000});
+        }
+    }
+    state.vertices = 48;
+    state.vertices_count = 1501;
+    return state;
+}
+
+}  // namespace
+
+TEST_CASE("the HDF5 library finds every chunk of a long series, and none where none was written") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    SeriesState state = long_series();
+    // Two commits, the second of which uses full nodes of the first again.
+    Address root = 0;
+    const Address at = 1 << 20;
+    std::string file(at, '\0');
+    auto later = state;
+    for (auto& array : state.arrays) array.chunks.resize(array.chunks.size() - 5);
+    file += text_of(metadata(state, at, root));
+    for (std::size_t a = 0; a < 2; ++a) {
+        later.arrays[a].full_nodes = state.arrays[a].full_nodes;
+        CHECK(state.arrays[a].full_nodes.size() == state.arrays[a].chunks.size() / node_entries);
+    }
+    file.resize((file.size() + 7) / 8 * 8);
+    file += text_of(metadata(later, file.size(), root));
+    file.resize(std::size_t(100000) * later.arrays[0].chunks.size() + 200000);  // where the last chunk ends
+    file.replace(0, superblock_bytes, text_of(superblock(root, file.size())));
+    set_content(folder / "p.vtkhdf", file);
+
+    const SeriesState read = read_state(folder / "p.vtkhdf");
+    CHECK(read.end == file.size());
+    CHECK(read.vertices == 48);
+    REQUIRE(read.steps.size() == later.steps.size());
+    CHECK(read.steps.back().time == later.steps.back().time);
+    CHECK(read.steps.back().first_chunk == later.steps.back().first_chunk);
+    REQUIRE(read.arrays.size() == 2);
+    for (std::size_t a = 0; a < 2; ++a) {
+        CHECK(read.arrays[a].name == later.arrays[a].name);
+        CHECK(read.arrays[a].unit == later.arrays[a].unit);
+        CHECK(read.arrays[a].type == later.arrays[a].type);
+        CHECK(read.arrays[a].components == later.arrays[a].components);
+        REQUIRE(read.arrays[a].chunks.size() == later.arrays[a].chunks.size());
+        bool same = true;
+        for (std::size_t c = 0; c < read.arrays[a].chunks.size(); ++c)
+            same = same && read.arrays[a].chunks[c].index == later.arrays[a].chunks[c].index &&
+                   read.arrays[a].chunks[c].at == later.arrays[a].chunks[c].at;
+        CHECK(same);
+    }
+}
