@@ -8,8 +8,8 @@
 //
 // The bytes do not depend on the ranks that wrote it. The rows are covered by the caller's state hash,
 // kept in the header and recomputed at load.
-// Rank 0 lays the file out, then every rank writes its slice of each column at its place (disk_file.hpp
-// says why not MPI-IO). The file has a temporary name until all of it is on the disk.
+// Rank 0 lays the file out (hdf5_image.hpp), then every rank writes its slice of each column at its place
+// (disk_file.hpp says why not MPI-IO). The file has a temporary name until all of it is on the disk.
 
 #include <map>
 #include <string>

@@ -3,7 +3,7 @@
 //
 // The seal stands behind the end of the HDF5 file (readers of HDF5 ignore it) and covers every byte that
 // is not a particle's: where the rows are, FNV-1a of all the rest, and of the seal itself. It is checked
-// before the HDF5 library sees the file: version 1.10 has crashed at exit after refusing damaged metadata.
+// before the HDF5 library sees the file, so that damaged metadata never reaches it.
 // Cut, torn or flipped files are thus known without it.
 
 #include <hdf5.h>

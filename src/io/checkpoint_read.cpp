@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "io/checkpoint.hpp"
 #include "io/checkpoint_format.hpp"
 #include "io/disk_file.hpp"
 #include "io/h5.hpp"

@@ -1,14 +1,17 @@
 #include "io/scene.hpp"
 
 #include <fmt/format.h>
+#include <toml++/toml.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
-#include <toml++/toml.h>
 
+#include "core/error.hpp"
 #include "io/scene_check.hpp"
 #include "io/scene_error.hpp"
 #include "io/scene_names.hpp"
@@ -23,8 +26,8 @@ toml::table parse_file(const std::string& path) {
     std::ostringstream text;
     if (file) text << file.rdbuf();
     if (!file || file.bad() || std::filesystem::is_directory(path))
-        refuse(path, "the scene cannot be read", std::filesystem::is_directory(path) ? "it is a directory" : std::strerror(errno),
-               "Is the path right?");
+        refuse(path, "the scene cannot be read",
+               std::filesystem::is_directory(path) ? "it is a directory" : std::strerror(errno), "Is the path right?");
     try {
         return toml::parse(text.str(), path);
     } catch (const toml::parse_error& error) {
@@ -146,7 +149,7 @@ class Reader {
         for (const MaterialSpec& material : scene_.materials) names.push_back(material.name);
         const auto found = std::find(names.begin(), names.end(), wanted);
         if (found == names.end())
-            refuse(places_.of(path + ".material"), fmt::format("{}.material = {}", path, quoted(wanted)),
+            refuse(places_.of(path + ".material"), fmt::format("{}.material = {}", path, quote(wanted)),
                    "there is no such material", names.empty() ? "Write one as [[material]]?" : suggest(wanted, names));
         body.material = static_cast<int>(found - names.begin());
         scene_.bodies.push_back(std::move(body));
@@ -169,6 +172,8 @@ class Reader {
 
 }  // namespace
 
-Scene read_scene(const std::string& path, const std::vector<std::string>& sets) { return Reader(path, sets).read(); }
+Scene read_scene(const std::string& path, const std::vector<std::string>& sets) {
+    return Reader(path, sets).read();
+}
 
 }  // namespace moraine

@@ -14,7 +14,9 @@ constexpr char axis_name[] = "xyz";
 constexpr double side_of_block = 4;  // cells
 
 /// Cells along an axis, not rounded.
-double cells(const Scene& scene, std::size_t a) { return (scene.max[a] - scene.min[a]) / scene.cell; }
+double cells(const Scene& scene, std::size_t a) {
+    return (scene.max[a] - scene.min[a]) / scene.cell;
+}
 
 /// The domain's upper end if it had `count` cells, in words.
 std::string end_for(const Scene& scene, std::size_t a, double count) {
@@ -49,13 +51,13 @@ void check_domain(const Scene& scene, const Places& places) {
 void check_axes(const Scene& scene, const Places& places) {
     for (std::size_t a = 0; a < 3; ++a) {
         if (scene.periodic[a] && static_cast<int>(a) >= scene.dimensions)
-            refuse(places.of("domain.periodic"), "the axis z is not there", "the scene has 2 dimensions",
-                   "Remove it?");
+            refuse(places.of("domain.periodic"), "the axis z is not there", "the scene has 2 dimensions", "Remove it?");
         for (std::size_t s = 0; s < 2; ++s)
             if (scene.periodic[a] && places.has(fmt::format("wall.{}-{}", axis_name[a], s == 0 ? "min" : "max")))
                 refuse(places.of(fmt::format("wall.{}-{}", axis_name[a], s == 0 ? "min" : "max")),
                        fmt::format("wall {}-{} stands on a periodic axis", axis_name[a], s == 0 ? "min" : "max"),
-                       "a periodic axis has no ends", fmt::format("Remove it, or {} from domain.periodic?", axis_name[a]));
+                       "a periodic axis has no ends",
+                       fmt::format("Remove it, or {} from domain.periodic?", axis_name[a]));
     }
     if (scene.balance.axis >= scene.dimensions)
         refuse(places.of("balance.axis"), "balance.axis = \"z\"", "the scene has 2 dimensions", "Did you mean \"x\"?");
@@ -65,7 +67,7 @@ void check_fields(const Scene& scene, const Places& places) {
     const std::vector<std::string> valid = output_field_names(scene);
     for (const std::string& field : scene.output.fields)
         if (std::find(valid.begin(), valid.end(), field) == valid.end())
-            refuse(places.of("output.fields"), fmt::format("output.fields has {}", quoted(field)),
+            refuse(places.of("output.fields"), fmt::format("output.fields has {}", quote(field)),
                    "no such field in this scene", suggest(field, valid));
 }
 

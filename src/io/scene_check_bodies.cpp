@@ -11,7 +11,6 @@ namespace {
 
 constexpr char axis_name[] = "xyz";
 
-
 void check_form(const Scene& scene, const BodySpec& body, const Places& places) {
     const std::string path = "body." + body.name;
     const bool prism = body.shape == BodyShape::polygon;
@@ -39,7 +38,8 @@ void check_crossings(const BodySpec& body, const Places& places) {
     const std::size_t n = body.points.size();
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 2; j < n; ++j) {
-            const Point &a = body.points[i], &b = body.points[i + 1], &c = body.points[j], &d = body.points[(j + 1) % n];
+            const Point &a = body.points[i], &b = body.points[i + 1], &c = body.points[j],
+                        &d = body.points[(j + 1) % n];
             if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
                 refuse(places.of("body." + body.name + ".points"), fmt::format("body.{} crosses itself", body.name),
                        fmt::format("the edges after points {} and {}", i + 1, j + 1), "Put the points in order?");
@@ -50,11 +50,11 @@ void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, con
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
         const double slack = 1e-9 * (scene.max[a] - scene.min[a]);
         if (e.lower[a] < scene.min[a] - slack || e.upper[a] > scene.max[a] + slack)
-            refuse(places.of("body." + body.name),
-                   fmt::format("body.{} reaches from {} to {} along {}", body.name, e.lower[a], e.upper[a],
-                               axis_name[a]),
-                   fmt::format("the domain from {} to {}", scene.min[a], scene.max[a]),
-                   "Move the body or widen domain.min, domain.max?");
+            refuse(
+                places.of("body." + body.name),
+                fmt::format("body.{} reaches from {} to {} along {}", body.name, e.lower[a], e.upper[a], axis_name[a]),
+                fmt::format("the domain from {} to {}", scene.min[a], scene.max[a]),
+                "Move the body or widen domain.min, domain.max?");
     }
 }
 
@@ -81,8 +81,7 @@ void refuse_overlap(const Scene& scene, const Places& places, std::size_t a, std
                                     [&](const Seed& s) { return is_inside(other, scene.dimensions, s.x); });
     if (found == seeds_of_a.end()) return;
     const std::string& name = scene.bodies[std::max(a, b)].name;
-    refuse(places.of("body." + name),
-           fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+    refuse(places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
            fmt::format("both have ({})", fmt::join(found->x.begin(), found->x.begin() + scene.dimensions, ", ")),
            "Move or shrink one of them?");
 }

@@ -61,9 +61,11 @@ std::string suggest(const std::string& word, std::span<const std::string> candid
     return fmt::format("Use {}{}?", candidates.size() > 1 ? "one of " : "", listed(candidates));
 }
 
-std::string listed(std::span<const std::string> words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string listed(std::span<const std::string> words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
 
-std::string quoted(const std::string& text) {
+std::string quote(const std::string& text) {
     std::string out = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') out += '\\';
@@ -72,6 +74,8 @@ std::string quoted(const std::string& text) {
     return out + '"';
 }
 
-std::string shortest(double x) { return fmt::format("{}", x); }
+std::string shortest(double x) {
+    return fmt::format("{}", x);
+}
 
 }  // namespace moraine

@@ -42,7 +42,7 @@ std::string suggest(const std::string& word, std::span<const std::string> candid
 std::string listed(std::span<const std::string> words);
 
 /// "a \"b\"" as TOML writes it.
-std::string quoted(const std::string& text);
+std::string quote(const std::string& text);
 
 /// The shortest decimal number that reads back as x.
 std::string shortest(double x);

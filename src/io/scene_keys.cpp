@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "io/scene_error.hpp"
@@ -17,7 +18,7 @@ void append(std::vector<SceneKey>& keys, const std::vector<KeyRow<Target>>& rows
 
 std::vector<std::string> in_quotes(const std::vector<std::string>& words) {
     std::vector<std::string> out;
-    for (const std::string& word : words) out.push_back(quoted(word));
+    for (const std::string& word : words) out.push_back(quote(word));
     return out;
 }
 
@@ -35,6 +36,8 @@ SceneKey parameter_key(const LawInfo& law, const Parameter& parameter) {
     key.range = {parameter.lower, parameter.upper, parameter.open, parameter.open};
     key.only = {law.name};
     key.meaning = std::string(parameter.meaning) + ".";
+    if (std::isalpha(static_cast<unsigned char>(key.meaning[1])))  // a word, not a symbol
+        key.meaning[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(key.meaning[0])));
     return key;
 }
 

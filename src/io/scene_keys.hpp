@@ -59,14 +59,14 @@ struct SceneKey {
 
 /// A value of the file, checked against its key; the members that its type names are set.
 struct KeyValue {
-    std::string text;                            ///< text, name, choice
-    int choice = -1;                             ///< choice: position in the list
-    double real = 0;                             ///< real
-    std::int64_t integer = 0;                    ///< integer
-    std::vector<double> numbers;                 ///< vector, pair, per_axis
-    std::vector<int> axes;                       ///< axes: 0, 1, 2
-    std::vector<std::string> words;              ///< words
-    std::vector<std::array<double, 2>> points;   ///< points
+    std::string text;                           ///< text, name, choice
+    int choice = -1;                            ///< choice: position in the list
+    double real = 0;                            ///< real
+    std::int64_t integer = 0;                   ///< integer
+    std::vector<double> numbers;                ///< vector, pair, per_axis
+    std::vector<int> axes;                      ///< axes: 0, 1, 2
+    std::vector<std::string> words;             ///< words
+    std::vector<std::array<double, 2>> points;  ///< points
 
     Triple triple() const;
 };

@@ -152,18 +152,20 @@ const std::vector<KeyRow<FacedWall>> walls{
       .choices = {"none", "no-slip", "free-slip", "friction", "open"},
       .meaning = "open: what leaves is counted and gone; none: a particle that gets there ends the run."},
      [](W& w, const V& v) { w.wall.kind = static_cast<WallKind>(v.choice); }},
-    {{.table = "wall",
-      .name = "friction",
-      .range = from_zero,
-      .only = {"friction"},
-      .meaning = "Coulomb coefficient."},
+    {{.table = "wall", .name = "friction", .range = from_zero, .only = {"friction"}, .meaning = "Coulomb coefficient."},
      [](W& w, const V& v) { w.wall.friction = v.real; }},
 };
 
 }  // namespace
 
-const std::vector<KeyRow<MaterialSpec>>& material_rows() { return materials; }
-const std::vector<KeyRow<BodySpec>>& body_rows() { return bodies; }
-const std::vector<KeyRow<FacedWall>>& wall_rows() { return walls; }
+const std::vector<KeyRow<MaterialSpec>>& material_rows() {
+    return materials;
+}
+const std::vector<KeyRow<BodySpec>>& body_rows() {
+    return bodies;
+}
+const std::vector<KeyRow<FacedWall>>& wall_rows() {
+    return walls;
+}
 
 }  // namespace moraine

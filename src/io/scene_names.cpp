@@ -45,7 +45,8 @@ std::vector<std::string> valid_names(const toml::table& table, const std::string
 
 std::string suggestion_for(const std::string& name, const std::string& path, const std::vector<std::string>& valid) {
     const std::string prefix = path.empty() ? "" : path + ".";
-    if (const std::string near = nearest(name, valid); !near.empty()) return fmt::format("Did you mean {}{}?", prefix, near);
+    if (const std::string near = nearest(name, valid); !near.empty())
+        return fmt::format("Did you mean {}{}?", prefix, near);
     std::vector<std::string> elsewhere;
     for (const SceneKey& key : all_scene_keys())
         if (edit_distance(key.name, name) <= static_cast<int>(name.size()) / 4) elsewhere.push_back(full_name(key));
@@ -108,7 +109,9 @@ class NameCheck {
 
 }  // namespace
 
-void refuse_unknown_keys(const toml::table& root, const std::string& file) { NameCheck(file).table(root, "", ""); }
+void refuse_unknown_keys(const toml::table& root, const std::string& file) {
+    NameCheck(file).table(root, "", "");
+}
 
 std::string label_of(const toml::table& table, const std::string& list, int number) {
     return table[label_of_list(list)].value_or(std::to_string(number));

@@ -1,8 +1,9 @@
 #pragma once
 // Keys and tables of a scene that nobody knows: each is refused with the nearest valid key.
 
-#include <string>
 #include <toml++/toml.h>
+
+#include <string>
 
 namespace moraine {
 

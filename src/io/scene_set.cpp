@@ -57,12 +57,13 @@ toml::table& listed_member(toml::table& root, const std::string& list, const std
         }
         if (list == "wall") {
             toml::table wall = std::move(*parse_value("{}", place).get("v")->as_table());
-            put(wall, label, parse_value(quoted(name), place));
+            put(wall, label, parse_value(quote(name), place));
             items->push_back(std::move(wall));
             return *items->back().as_table();
         }
     }
-    refuse(place, fmt::format("there is no {} {}", list, quoted(name)), names.empty() ? "the scene has none" : "no such " + label,
+    refuse(place, fmt::format("there is no {} {}", list, quote(name)),
+           names.empty() ? "the scene has none" : "no such " + label,
            names.empty() ? fmt::format("Write one as [[{}]]?", list) : suggest(name, names));
 }
 
@@ -85,14 +86,15 @@ void apply_set(toml::table& root, const std::string& assignment, const std::stri
     std::size_t next = 0;
     if (!label_of_list(parts[0]).empty()) {
         if (parts.size() < 3)
-            refuse(place, fmt::format("{} is a list", parts[0]), "it has one table per " + label_of_list(parts[0]),
-                   fmt::format("Write {}.{}.KEY=VALUE?", parts[0], label_of_list(parts[0]) == "face" ? "FACE" : "NAME"));
+            refuse(
+                place, fmt::format("{} is a list", parts[0]), "it has one table per " + label_of_list(parts[0]),
+                fmt::format("Write {}.{}.KEY=VALUE?", parts[0], label_of_list(parts[0]) == "face" ? "FACE" : "NAME"));
         table = &listed_member(root, parts[0], parts[1], place);
         next = 2;
     }
     for (; next + 1 < parts.size(); ++next) table = &member(*table, parts[next], place);
     toml::table value = parse_value(text, place);
-    put(*table, parts.back(), value.empty() ? parse_value(quoted(text), place) : std::move(value));
+    put(*table, parts.back(), value.empty() ? parse_value(quote(text), place) : std::move(value));
 }
 
 }  // namespace moraine

@@ -5,8 +5,9 @@
 // the tables of a list. VALUE is TOML, else a string. The value carries "--set KEY=VALUE" as its place,
 // so that a wrong one is reported there and checked like any other.
 
-#include <string>
 #include <toml++/toml.h>
+
+#include <string>
 
 namespace moraine {
 

@@ -84,8 +84,7 @@ std::string name(const toml::node& node, const KeyContext& c) {
     const std::string text = string(node, c);
     const auto plain = [](unsigned char ch) { return std::isalnum(ch) || ch == '_' || ch == '-'; };
     if (text.empty() || !std::all_of(text.begin(), text.end(), plain))
-        refuse(c.place, fmt::format("{} = {}", c.path, quoted(text)), "must be letters, digits, _ and -",
-               "Rename it?");
+        refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be letters, digits, _ and -", "Rename it?");
     return text;
 }
 
@@ -93,7 +92,7 @@ int choice(const toml::node& node, const KeyContext& c, const std::vector<std::s
     const std::string text = string(node, c);
     const auto found = std::find(choices.begin(), choices.end(), text);
     if (found == choices.end())
-        refuse(c.place, fmt::format("{} = {}", c.path, quoted(text)), "must be one of " + listed(choices),
+        refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be one of " + listed(choices),
                suggest(text, choices));
     return static_cast<int>(found - choices.begin());
 }
@@ -122,8 +121,7 @@ std::vector<double> per_axis(const toml::node& node, const KeyContext& c) {
 std::vector<double> pair(const toml::node& node, const KeyContext& c) {
     const std::vector<double> ends = numbers(node, c, 2);
     if (!(ends[0] < ends[1]))
-        refuse(c.place, fmt::format("{} = {}", c.path, text_of(node)), "must be two rising numbers",
-               "Exchange them?");
+        refuse(c.place, fmt::format("{} = {}", c.path, text_of(node)), "must be two rising numbers", "Exchange them?");
     return ends;
 }
 

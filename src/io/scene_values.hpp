@@ -2,8 +2,9 @@
 // One TOML value against its key: type, range, choices. Wrong ones are refused with the expected type,
 // the place and a suggestion.
 
-#include <string>
 #include <toml++/toml.h>
+
+#include <string>
 
 #include "io/scene_error.hpp"
 #include "io/scene_keys.hpp"

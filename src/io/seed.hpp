@@ -55,7 +55,9 @@ class BodySeeds {
     ParticleTable table_;
 };
 
-inline std::int64_t seed_rows(const Scene& scene, int body) { return BodySeeds(scene, body).rows(); }
+inline std::int64_t seed_rows(const Scene& scene, int body) {
+    return BodySeeds(scene, body).rows();
+}
 
 inline std::int64_t seed_count(const Scene& scene, int body, std::int64_t first_row, std::int64_t last_row) {
     return BodySeeds(scene, body).count(first_row, last_row);

@@ -42,7 +42,7 @@ double number(const std::string& text, const std::string& place, const std::stri
     const char* end = text.data() + text.size();
     const auto result = std::from_chars(text.data(), end, value);
     if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value))
-        refuse(place, fmt::format("{} = {}", column, quoted(text)), "must be a finite number",
+        refuse(place, fmt::format("{} = {}", column, quote(text)), "must be a finite number",
                "Is the decimal sign a point and the separator a comma?");
     return value;
 }
@@ -54,7 +54,7 @@ std::vector<std::size_t> read_header(const std::vector<std::string>& words, cons
     for (const std::string& word : words) {
         const auto found = std::find(names.begin(), names.end(), word);
         if (found == names.end())
-            refuse(place, fmt::format("column {}", quoted(word)), "must be one of " + listed(names),
+            refuse(place, fmt::format("column {}", quote(word)), "must be one of " + listed(names),
                    suggest(word, names));
         columns.push_back(static_cast<std::size_t>(found - names.begin()));
         if (std::count(columns.begin(), columns.end(), columns.back()) > 1)
@@ -108,14 +108,15 @@ Columns read_h5(const std::string& path, const std::vector<std::string>& names) 
             if (H5Lexists(file, now.c_str(), H5P_DEFAULT) > 0) data[c] = read_dataset(file, now);
         }
     } catch (const H5Failure& failure) {
-        refuse(path, now.empty() ? "the table cannot be read" : fmt::format("dataset {}", quoted(now)), failure.what(),
+        refuse(path, now.empty() ? "the table cannot be read" : fmt::format("dataset {}", quote(now)), failure.what(),
                now.empty() ? "Is body.file right?" : "Write it as a list of numbers?");
     }
     return data;
 }
 
 /// The columns that are there have one length, and x, y, z are there.
-void check_columns(const Columns& data, const std::vector<std::string>& names, int dimensions, const std::string& path) {
+void check_columns(const Columns& data, const std::vector<std::string>& names, int dimensions,
+                   const std::string& path) {
     for (std::size_t c = 0; c < names.size(); ++c) {
         if (static_cast<int>(c) < dimensions && data[c].empty())
             refuse(path, fmt::format("no {} of any particle", names[c]), "columns x, y and in 3-D z are needed",
@@ -150,8 +151,7 @@ ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
     const std::string path = table_path(scene, body);
     const std::vector<std::string>& names = column_names(scene.dimensions);
     const bool csv = path.ends_with(".csv");
-    if (!csv && !path.ends_with(".h5"))
-        refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
+    if (!csv && !path.ends_with(".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
     std::vector<int> line_of;
     const Columns data = csv ? read_csv(path, names, line_of) : read_h5(path, names);
     check_columns(data, names, scene.dimensions, path);

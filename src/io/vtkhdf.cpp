@@ -174,7 +174,7 @@ void ParticleSeries::commit(vtkhdf::SeriesState next, Address from, const std::s
     DiskFile file(path, DiskFile::Mode::append);
     file.write(bytes, static_cast<std::int64_t>(at));
     file.sync();
-    file.write(vtkhdf::superblock(root, next.end), 0);
+    file.write(hdf5::superblock(root, next.end), 0);
     file.sync();
     state_ = std::move(next);
 }

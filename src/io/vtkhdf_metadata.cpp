@@ -4,34 +4,9 @@
 
 namespace moraine::vtkhdf {
 
+using namespace hdf5;
+
 namespace {
-
-/// Pieces one after the other, on multiples of 8 bytes.
-class Region {
-  public:
-    explicit Region(Address at) : at_(at) {}
-
-    Address put(const std::vector<std::byte>& piece) {
-        bytes_.zeros((8 - bytes_.size() % 8) % 8);
-        const Address here = at_ + bytes_.size();
-        bytes_.raw(piece.data(), piece.size());
-        return here;
-    }
-
-    template <class T>
-    Address put_list(const std::vector<T>& list, std::vector<std::int64_t> extent, int links = 1) {
-        const ElementType type{
-            std::is_floating_point_v<T> ? ElementType::Kind::real : ElementType::Kind::signed_integer, sizeof(T)};
-        const Address values = put(Bytes().raw(list.data(), list.size() * sizeof(T)).get());
-        return put(dataset(type, extent, {values, 0}, {}, links));
-    }
-
-    const std::vector<std::byte>& get() const { return bytes_.get(); }
-
-  private:
-    Address at_;
-    Bytes bytes_;
-};
 
 /// The tree of an array's chunks, bottom up. Full leaves of earlier commits are used again.
 Address put_tree(Region& region, SeriesArray& array, std::int64_t chunk_rows) {

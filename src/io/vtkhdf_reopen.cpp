@@ -92,10 +92,10 @@ std::vector<std::string> names_in(hid_t file, const char* path) {
 }
 
 Address end_in(const std::string& path) {
-    std::array<std::byte, superblock_bytes> head{};
+    std::array<std::byte, hdf5::superblock_bytes> head{};
     std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(head.data()), head.size());
-    const Address end = end_of_file(head);
-    if (end == nowhere) throw H5Failure(damaged);
+    const Address end = hdf5::end_of_file(head);
+    if (end == hdf5::nowhere) throw H5Failure(damaged);
     return end;
 }
 

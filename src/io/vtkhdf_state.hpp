@@ -8,9 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "io/vtkhdf_image.hpp"
+#include "io/hdf5_image.hpp"
 
 namespace moraine::vtkhdf {
+
+using hdf5::Address;
+using hdf5::Chunk;
 
 struct SeriesArray {
     std::string name;
@@ -32,10 +35,10 @@ struct SeriesStep {
 struct SeriesState {
     std::int64_t chunk_rows = 0;
     std::vector<SeriesStep> steps;
-    std::vector<SeriesArray> arrays;  ///< Points first
-    Address vertices = nowhere;       ///< 0, 1, 2, ...: connectivity and offsets of the vertices of every step
+    std::vector<SeriesArray> arrays;   ///< Points first
+    Address vertices = hdf5::nowhere;  ///< 0, 1, 2, ...: connectivity and offsets of the vertices of every step
     std::int64_t vertices_count = 0;
-    Address end = superblock_bytes;  ///< of what is committed
+    Address end = hdf5::superblock_bytes;  ///< of what is committed
 
     std::int64_t chunks_of(std::int64_t rows) const { return (rows + chunk_rows - 1) / chunk_rows; }
     std::int64_t next_chunk() const {

@@ -53,6 +53,8 @@ def reader_of(path):
 
 
 def times_of(reader):
+    if reader.GetNumberOfSteps() == 1:  # VTK tells no times of a single step
+        return [0.0]
     key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
     return list(reader.GetOutputInformation(0).Get(key) or [])
 

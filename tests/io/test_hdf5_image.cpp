@@ -4,6 +4,7 @@
 #include "io/vtkhdf_state.hpp"
 
 using namespace moraine;
+using namespace moraine::hdf5;
 using namespace moraine::vtkhdf;
 
 namespace {

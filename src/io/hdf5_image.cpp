@@ -1,10 +1,10 @@
-#include "io/vtkhdf_image.hpp"
+#include "io/hdf5_image.hpp"
 
 #include <bit>
 #include <cstring>
 #include <limits>
 
-namespace moraine::vtkhdf {
+namespace moraine::hdf5 {
 
 namespace {
 
@@ -177,12 +177,13 @@ std::vector<std::byte> dataset(const ElementType& type, const std::vector<std::i
     Header header;
     header.message(dataspace_message, dataspace(extent, chunked));
     header.message(datatype_message, datatype(type));
-    const Bytes fill = nan_or_zero(type);
-    header.message(fill_value, Bytes()
-                                   .number(3, 1)
-                                   .number(chunked ? 0x2b : 0x2a, 1)
-                                   .number(fill.size(), 4)
-                                   .raw(fill.get().data(), fill.size()));
+    Bytes fill;
+    fill.number(3, 1).number(chunked ? 0x2b : 0x0a, 1);
+    if (chunked) {
+        const Bytes value = nan_or_zero(type);
+        fill.number(value.size(), 4).raw(value.get().data(), value.size());
+    }
+    header.message(fill_value, fill);
     Bytes where;
     where.number(3, 1).number(chunked ? 2 : 1, 1);
     if (chunked) {
@@ -197,6 +198,21 @@ std::vector<std::byte> dataset(const ElementType& type, const std::vector<std::i
     header.message(layout, where);
     header.attributes(attributes);
     return header.finish(links);
+}
+
+Address Region::put(const std::vector<std::byte>& piece) {
+    bytes_.zeros((8 - bytes_.size() % 8) % 8);
+    const Address here = end();
+    bytes_.raw(piece.data(), piece.size());
+    return here;
+}
+
+Address Region::put_values(const ElementType& type, const std::vector<std::int64_t>& extent, const void* values,
+                           int links) {
+    std::size_t size = static_cast<std::size_t>(type.bytes);
+    for (const std::int64_t n : extent) size *= static_cast<std::size_t>(n);
+    const Address at = put(Bytes().raw(values, size).get());
+    return put(dataset(type, extent, {at, 0}, {}, links));
 }
 
 std::vector<std::byte> chunk_node(const ChunkShape& shape, int level, std::span<const Chunk> children,
@@ -231,4 +247,4 @@ Address end_of_file(std::span<const std::byte> bytes) {
     return end;
 }
 
-}  // namespace moraine::vtkhdf
+}  // namespace moraine::hdf5

@@ -1,25 +1,27 @@
 #pragma once
-// The few structures of the HDF5 file format that a growing time series needs, as bytes.
+// The few structures of the HDF5 file format that our files need, as bytes in memory.
 //
-// Why not the HDF5 library: it changes its metadata in place, so a program killed between two of its
-// writes leaves a file that nobody can open. Here new metadata is appended, and becomes valid when the
-// superblock (48 bytes at the start, one write) points to it: a switch that happens or does not.
+// Why not let the HDF5 library write: it changes its metadata in place, so a program killed between two
+// of its writes leaves a time series that nobody can open; and version 1.10 crashes at exit once the
+// disk was full. Here all metadata is made in memory, written behind the rows, and becomes valid when
+// the superblock (48 bytes at the start, one write) points to it: a switch that happens or does not.
 //
 // Format: "HDF5 File Format Specification Version 2.0" (The HDF Group), sections II.A superblock
 // version 2, III.A.1 B-tree version 1, IV.A.1.b object header version 2, IV.A.2 messages. Readable by
-// the library from 1.8 on.
+// the library from 1.8 on; our own files are read with it.
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "io/columns.hpp"
 
-namespace moraine::vtkhdf {
+namespace moraine::hdf5 {
 
 using Address = std::uint64_t;  ///< in the file [byte]
 inline constexpr Address nowhere = ~Address(0);
@@ -74,6 +76,33 @@ std::vector<std::byte> group(const Links& members, const std::vector<Attribute>&
 std::vector<std::byte> dataset(const ElementType& type, const std::vector<std::int64_t>& extent, const Storage& storage,
                                const std::vector<Attribute>& attributes, int links = 1);
 
+/// Pieces of metadata one after the other, on multiples of 8 bytes, to be written at `at`.
+class Region {
+  public:
+    explicit Region(Address at) : at_(at) {}
+
+    Address put(const std::vector<std::byte>& piece);
+
+    /// A dataset and its values.
+    Address put_values(const ElementType& type, const std::vector<std::int64_t>& extent, const void* values,
+                       int links = 1);
+    template <class T>
+    Address put_list(const std::vector<T>& list, const std::vector<std::int64_t>& extent, int links = 1) {
+        using Kind = ElementType::Kind;
+        const Kind kind = std::is_floating_point_v<T> ? Kind::real
+                          : std::is_signed_v<T>       ? Kind::signed_integer
+                                                      : Kind::unsigned_integer;
+        return put_values({kind, sizeof(T)}, extent, list.data(), links);
+    }
+
+    Address end() const { return at_ + bytes_.size(); }
+    const std::vector<std::byte>& get() const { return bytes_.get(); }
+
+  private:
+    Address at_;
+    Bytes bytes_;
+};
+
 /// A chunk begins at row `index * chunk_rows`.
 struct Chunk {
     std::int64_t index = 0;
@@ -98,4 +127,4 @@ std::vector<std::byte> superblock(Address root, Address end_of_file);
 /// End of file that a superblock names; `nowhere` if these bytes are none.
 Address end_of_file(std::span<const std::byte> superblock_bytes);
 
-}  // namespace moraine::vtkhdf
+}  // namespace moraine::hdf5

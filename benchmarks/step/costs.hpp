@@ -1,0 +1,22 @@
+#pragma once
+// The cost of a block on one core, for balance.weight = "cost":
+//
+//   T = a particles + c cells + d blocks      least squares of the relative error over the cost cases
+//
+// cells are counted as the weight counts them: min(particles, cells of a block).
+
+#include <string>
+#include <vector>
+
+#include "balance/weight.hpp"
+#include "step/children.hpp"
+
+namespace moraine {
+
+/// Whole picoseconds.
+CostModel fit_costs(const std::vector<ChildResult>& cases);
+
+/// The fit and its error in each case, as a table.
+std::string cost_table(const CostModel& model, const std::vector<Case>& names, const std::vector<ChildResult>& cases);
+
+}  // namespace moraine

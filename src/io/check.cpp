@@ -1,0 +1,141 @@
+#include "io/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/block.hpp"
+#include "core/material/laws.hpp"
+#include "core/morton.hpp"
+#include "core/position.hpp"
+#include "core/shape.hpp"
+#include "io/seed.hpp"
+
+namespace moraine {
+namespace {
+
+/// Block of a particle, wrapped along periodic axes as in the run.
+template <class Real, int Dim>
+Key block_of(const Scene& scene, double offset, const Triple& x) {
+    BlockPosition<Dim> position;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        position[a] = place<Real>((x[a] - scene.min[a]) / scene.cell + offset).block;
+        const auto count = static_cast<std::int32_t>(std::lround((scene.max[a] - scene.min[a]) / scene.cell / 4));
+        if (scene.periodic[a]) position[a] = (position[a] % count + count) % count;
+    }
+    return Morton<Dim>::encode(position);
+}
+
+using BlockOf = Key (*)(const Scene&, double offset, const Triple& x);
+
+BlockOf choose_block_of(const Scene& scene) {
+    const bool single = scene.precision == Precision::single_;
+    if (scene.dimensions == 2) return single ? block_of<float, 2> : block_of<double, 2>;
+    return single ? block_of<float, 3> : block_of<double, 3>;
+}
+
+double norm(const Triple& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+void sort_unique(std::vector<Key>& keys) {
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+/// Adds one body, a few rows at a time so that the memory stays small. Returns its top speed [m/s].
+double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& keys) {
+    const BodySeeds seeds(scene, body);
+    const std::int64_t rows = seeds.rows();
+    const std::int64_t total = seeds.count(0, rows);
+    const double offset = stencil_of(scene.shape).offset();
+    const BlockOf block = choose_block_of(scene);
+    const std::int64_t stretch = scene.bodies[static_cast<std::size_t>(body)].shape == BodyShape::table ? 65536 : 1;
+    std::vector<Key> mine;
+    std::vector<Seed> some;
+    double speed = 0;
+    for (std::int64_t row = 0; row < rows; row += stretch) {
+        some.clear();
+        seeds.fill(row, std::min(rows, row + stretch), total, some);
+        for (const Seed& s : some) {
+            p.mass += s.mass;
+            speed = std::max(speed, norm(s.velocity));
+            const Key key = block(scene, offset, s.x);
+            if (mine.empty() || mine.back() != key) mine.push_back(key);
+        }
+        if (mine.size() > 1000000) sort_unique(mine);
+    }
+    p.particles += total;
+    keys.insert(keys.end(), mine.begin(), mine.end());
+    return speed;
+}
+
+std::string bytes_text(double bytes) {
+    if (bytes < 1e9) return fmt::format("{:.1f} MB", bytes / 1e6);
+    return fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+}  // namespace
+
+Prediction predict(const Scene& scene) {
+    Prediction p;
+    std::vector<Key> keys;
+    p.dt = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const double speed = add_body(scene, static_cast<int>(b), p, keys);
+        const MaterialSpec& material = scene.materials[static_cast<std::size_t>(scene.bodies[b].material)];
+        const double wave =
+            std::sqrt(find_law(material.law)->wave_modulus(material.parameters.data()) / material.density);
+        p.dt = std::min(p.dt, scene.cfl * scene.cell / (wave + speed));
+        p.max_speed = std::max(p.max_speed, speed);
+        p.max_wave_speed = std::max(p.max_wave_speed, wave);
+    }
+    sort_unique(keys);
+    p.blocks = static_cast<std::int64_t>(keys.size());
+    if (scene.dt > 0) p.dt = scene.dt;
+    p.steps = std::ceil(scene.end / p.dt);
+    return p;
+}
+
+double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
+    const double real = scene.precision == Precision::single_ ? 4 : 8;
+    const int d = scene.dimensions;
+    const int stress = d == 2 ? 4 : 6;
+    int history = 0;
+    bool left_stretch = false;
+    for (const MaterialSpec& material : scene.materials) {
+        const LawInfo& law = *find_law(material.law);
+        history = std::max(history, law.history);
+        left_stretch = left_stretch || law.uses_left_stretch;
+    }
+    int reals = 2 * d + stress + 3 + history;
+    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) reals += d * d;
+    if (left_stretch) reals += stress;
+    if (scene.shape == Shape::gimp_contiguous) reals += d;
+    const double particle = reals * real + 8 + 2 + 12;
+
+    const double tile = std::pow(tile_side(stencil_of(scene.shape).width), d) * (1 + 2 * d) * real;
+    const double nodes = std::pow(4, d) * 2 * d * 2 * real;
+    return (static_cast<double>(p.particles) * particle + static_cast<double>(p.blocks) * (tile + nodes)) / ranks;
+}
+
+std::string check_report(const Scene& scene, int ranks) {
+    const Prediction p = predict(scene);
+    std::string text = fmt::format("{}: good\n", scene.path);
+    if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
+    text += fmt::format("particles  {}\n", p.particles);
+    text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
+    text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
+    text += fmt::format("dt         {:.4g} s ({})\n", p.dt,
+                        scene.dt > 0 ? std::string("fixed")
+                                     : fmt::format("cfl {}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
+                                                   scene.cfl, p.max_wave_speed, p.max_speed));
+    text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
+    text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
+                        ranks == 1 ? "" : "s");
+    return text;
+}
+
+}  // namespace moraine

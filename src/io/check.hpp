@@ -1,0 +1,36 @@
+#pragma once
+// What a run will need, said before it starts: particles, blocks, dt, steps, memory.
+//
+// Particles and blocks are exact at the start. dt is cfl h / (c + |v|) with the elastic wave speed
+// c = sqrt(M / density) and the speeds of the start; a flow that speeds up takes more steps.
+
+#include <cstdint>
+#include <string>
+
+#include "core/scene.hpp"
+
+namespace moraine {
+
+struct Prediction {
+    std::int64_t particles = 0;
+    std::int64_t blocks = 0;  ///< occupied at the start
+    double mass = 0;          ///< [kg]
+    double dt = 0;            ///< [s]
+    double steps = 0;
+    double max_speed = 0;       ///< at the start [m/s]
+    double max_wave_speed = 0;  ///< [m/s]
+};
+
+/// Not collective. Throws InputError if a table of particles is bad.
+Prediction predict(const Scene& scene);
+
+/// Of one of `ranks` ranks, above an empty run [B]. With R bytes per real and d dimensions:
+///   particle: position, velocity d R each; stress (4 or 6) R; volume, mass, ln J R each; id 8; body 2;
+///             list 12; each scalar of the laws R; APIC and TPIC d^2 R; b (4 or 6) R; stretch of GIMP d R
+///   block:    tile (4 + w - 1)^d (1 + 2 d) R; nodes 4^d 2 d 2 R;   w: width of the stencil
+double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
+
+/// What `moraine check` prints.
+std::string check_report(const Scene& scene, int ranks);
+
+}  // namespace moraine

@@ -1,0 +1,29 @@
+#pragma once
+// The command line: what to do, with which scene, and how; nothing about the physics but --set.
+
+#include <string>
+#include <vector>
+
+namespace moraine {
+
+struct Options {
+    std::string command;  ///< run, check, version, help
+    std::string scene;    ///< path
+    std::string output;   ///< directory; empty: runs/<scene name>
+    bool overwrite = false;
+    std::vector<std::string> sets;   ///< KEY=VALUE
+    std::string device = "auto";     ///< cpu, cuda, auto
+    std::string transport = "auto";  ///< auto, host, nccl, peer, mpi
+    std::string partitioner;         ///< empty: the scene's
+    std::string restart;             ///< checkpoint; empty: from the start
+    bool quiet = false;
+    int ranks = 1;  ///< check: to predict memory for
+};
+
+/// Throws InputError. Not collective: every rank has the same arguments.
+Options parse_options(int argc, const char* const* argv);
+
+/// What --help prints.
+std::string help_text();
+
+}  // namespace moraine
