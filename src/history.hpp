@@ -14,9 +14,10 @@ struct HistoryRow {
     std::int64_t step = 0;
     double time = 0, dt = 0;
     Totals<Dim> totals;
-    double potential = 0;   ///< -sum m g . (x - domain.min) [J]
-    double dissipated = 0;  ///< work of the stresses less what is stored [J]
-    double front = 0;       ///< see front_of [m]
+    double potential = 0;    ///< -sum m g . (x - domain.min) [J]
+    double dissipated = 0;   ///< work of the stresses less what is stored [J]
+    double unaccounted = 0;  ///< start energy less all of the above: transfer, friction on walls, what left [J]
+    double front = 0;        ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
@@ -27,7 +28,8 @@ struct HistoryRow {
             for (int a = 0; a < Dim; ++a) names.push_back(name + "_" + "xyz"[a] + "_" + unit);
         };
         per_axis("momentum", "kg_m_s");
-        for (const char* n : {"kinetic_J", "strain_J", "potential_J", "dissipated_J", "front_m", "max_x_m"})
+        for (const char* n :
+             {"kinetic_J", "strain_J", "potential_J", "dissipated_J", "unaccounted_J", "front_m", "max_x_m"})
             names.push_back(n);
         per_axis("centre", "m");
         for (const char* n : {"max_speed_m_s", "min_J", "max_J"}) names.push_back(n);
@@ -42,7 +44,7 @@ struct HistoryRow {
         std::vector<double> v{static_cast<double>(step), time, dt, static_cast<double>(particles), totals.mass};
         const auto add = [&](const std::array<double, Dim>& x) { v.insert(v.end(), x.begin(), x.end()); };
         add(totals.momentum);
-        v.insert(v.end(), {totals.kinetic, totals.strain, potential, dissipated, front, totals.max_x});
+        v.insert(v.end(), {totals.kinetic, totals.strain, potential, dissipated, unaccounted, front, totals.max_x});
         std::array<double, Dim> centre = totals.centre;
         for (double& x : centre) x /= totals.mass > 0 ? totals.mass : 1;
         add(centre);
@@ -79,15 +81,16 @@ HistoryRow<Dim> observe(Simulation<Space, Real, Dim>& sim, const Comm& comm) {
     row.lost_particles = comm.sum(ledger.lost_count);
     row.lost_mass = sim.sum_of(ledger.lost_mass);
     row.front = front_of(sim.column_volumes(), scene);
+    row.potential = sim.potential_energy(row.totals);
     row.dissipated = sim.sum_of(ledger.work) - (row.totals.strain - clock.start_strain);
     for (std::size_t a = 0; a < Dim; ++a) {
-        row.potential -= scene.gravity[a] * (row.totals.centre[a] - row.totals.mass * scene.min[a]);
         row.wall_impulse[a] = sim.sum_of(ledger.impulse[a]);
         const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(ledger.lost_pull[a]);
         row.gravity_impulse[a] = clock.start_mass * clock.pull[a] - unfelt;
         row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(ledger.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
     }
+    row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
     return row;
 }
 

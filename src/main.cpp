@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 #include <mpi.h>
+#include <omp.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdlib>
 
 #include "comm/comm.hpp"
 #include "core/error.hpp"
@@ -42,6 +45,18 @@ Scene read_agreed(const Comm& comm, const Options& options) {
     return scene;
 }
 
+/// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
+/// that wait for a core that another rank spins on are slower than none. Collective.
+void choose_threads() {
+    if (std::getenv("OMP_NUM_THREADS")) return;
+    MPI_Comm here = MPI_COMM_NULL;
+    int ranks = 1;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+    MPI_Comm_size(here, &ranks);
+    MPI_Comm_free(&here);
+    omp_set_num_threads(std::max(1, omp_get_num_procs() / ranks));
+}
+
 void execute(const Options& options, const Comm& comm) {
     if (options.device == "cuda")
         throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");
@@ -50,6 +65,7 @@ void execute(const Options& options, const Comm& comm) {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));
         return;
     }
+    choose_threads();
     run_scene(scene, options, comm);
 }
 

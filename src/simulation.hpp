@@ -58,7 +58,8 @@ struct RunClock {
     double start_strain = 0;         ///< stored energy at the start [J]
     std::array<double, Dim> start_momentum{};
     double start_mass = 0;
-    std::int64_t round = 0;  ///< partitions made
+    double start_energy = 0;  ///< kinetic, stored and potential [J]
+    std::int64_t round = 0;   ///< partitions made
 };
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
@@ -136,6 +137,8 @@ class Simulation {
     Totals<Dim> totals() const;
     /// Hash of the state; `with_lists` includes each particle's block and place in its list. Collective.
     std::uint64_t state_hash(bool with_lists = false) const;
+    /// -sum m g . (x - domain.min) [J]
+    double potential_energy(const Totals<Dim>& totals) const;
     /// Exact sum over ranks of a ledger entry. Collective.
     double sum_of(const ExactSum& mine) const;
     /// Volume per column of cells along x, over the domain [m3]. Collective.

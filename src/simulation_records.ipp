@@ -57,6 +57,14 @@ Totals<Dim> Simulation<Space, Real, Dim>::totals() const {
 }
 
 template <class Space, class Real, int Dim>
+double Simulation<Space, Real, Dim>::potential_energy(const Totals<Dim>& totals) const {
+    double energy = 0;
+    for (std::size_t a = 0; a < Dim; ++a)
+        energy -= scene_.gravity[a] * (totals.centre[a] - totals.mass * scene_.min[a]);
+    return energy;
+}
+
+template <class Space, class Real, int Dim>
 std::vector<double> Simulation<Space, Real, Dim>::column_volumes() const {
     const double cell_volume = std::pow(scene_.cell, Dim);
     const double quanta = std::ldexp(1.0, 30);  // per cell volume: 2^33 full cells fit in a column

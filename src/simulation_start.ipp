@@ -142,6 +142,7 @@ void Simulation<Space, Real, Dim>::seed() {
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
     clock_.start_strain = start.strain;
+    clock_.start_energy = start.kinetic + start.strain + potential_energy(start);
 }
 
 /// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.

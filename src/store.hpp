@@ -49,8 +49,8 @@ CheckpointHeader clock_header(const RunClock<Dim>& c) {
     CheckpointHeader h;
     h["step"] = c.step;
     h["round"] = c.round;
-    h["clock"] =
-        std::vector<double>{c.time, c.dt, c.signal, c.mass_cutoff, c.quantum_scale, c.start_strain, c.start_mass};
+    h["clock"] = std::vector<double>{c.time,          c.dt,           c.signal,     c.mass_cutoff,
+                                     c.quantum_scale, c.start_strain, c.start_mass, c.start_energy};
     h["pull"] = std::vector<double>(c.pull.begin(), c.pull.end());
     h["start_momentum"] = std::vector<double>(c.start_momentum.begin(), c.start_momentum.end());
     return h;
@@ -64,10 +64,10 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     const auto& clock = file.get<std::vector<double>>("clock");
     const auto& pull = file.get<std::vector<double>>("pull");
     const auto& momentum = file.get<std::vector<double>>("start_momentum");
-    if (clock.size() != 7 || pull.size() != Dim || momentum.size() != Dim)
+    if (clock.size() != 8 || pull.size() != Dim || momentum.size() != Dim)
         throw InputError("The checkpoint does not hold a run of this many dimensions. Is it of another scene?");
     c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
-    c.start_strain = clock[5], c.start_mass = clock[6];
+    c.start_strain = clock[5], c.start_mass = clock[6], c.start_energy = clock[7];
     std::copy(pull.begin(), pull.end(), c.pull.begin());
     std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());
     return c;

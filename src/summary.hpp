@@ -125,7 +125,8 @@ Json summarize(Simulation<Space, Real, Dim>& sim, const Comm& comm, double wall,
         {"energies_J", Json::Named{{"kinetic", last.totals.kinetic},
                                    {"strain", last.totals.strain},
                                    {"potential", last.potential},
-                                   {"dissipated", last.dissipated}}},
+                                   {"dissipated", last.dissipated},
+                                   {"unaccounted", last.unaccounted}}},
         {"front_m", last.front},
     };
 }

@@ -38,7 +38,7 @@ po::options_description run_options(Options& o) {
     options.add_options()("output", po::value(&o.output)->value_name("DIR"),
                           "where results go (default: runs/<scene name>)")("overwrite", po::bool_switch(&o.overwrite),
                                                                            "replace a run that is there")(
-        "set", po::value(&o.sets)->value_name("KEY=VALUE")->composing(),
+        "set", po::value(&o.sets)->value_name("KEY=VALUE"),
         "change a key of the scene; material.NAME.key and body.NAME.key address tables; again for more")(
         "device", po::value(&o.device)->value_name("NAME"), "auto, cpu, cuda (default: auto)")(
         "transport", po::value(&o.transport)->value_name("NAME"), "auto, host, nccl, peer, mpi (default: auto)")(
@@ -50,7 +50,7 @@ po::options_description run_options(Options& o) {
 
 po::options_description check_options(Options& o) {
     po::options_description options("check");
-    options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE")->composing(), "as in run")(
+    options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
         "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
     return options;
 }

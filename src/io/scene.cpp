@@ -40,7 +40,7 @@ class Reader {
   public:
     Reader(const std::string& path, const std::vector<std::string>& sets)
         : file_(path), root_(parse_file(path)), places_(path) {
-        for (const std::string& assignment : sets) apply_set(root_, assignment, file_);
+        for (const std::string& assignment : sets) apply_set(root_, assignment);
     }
 
     Scene read() {

@@ -125,8 +125,8 @@ void check_bodies(const Scene& scene, const Places& places) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
         if (body.shape != BodyShape::table) {
-            check_form(scene, body, places);
             if (body.shape == BodyShape::polygon) check_crossings(body, places);
+            check_form(scene, body, places);
             check_extent(scene, body, extent_of(body, scene.dimensions), places);
         }
         const BodySeeds seeds(scene, static_cast<int>(b));

@@ -74,11 +74,11 @@ std::string label_of_list(const std::string& table) {
     return table == "material" || table == "body" || table == "structure" ? "name" : "";
 }
 
-void apply_set(toml::table& root, const std::string& assignment, const std::string& file) {
+void apply_set(toml::table& root, const std::string& assignment) {
     const std::string place = "--set " + assignment;
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
-        refuse(place, "no key", "must be KEY=VALUE, for a key of " + file, "Did you mean --set time.end=1?");
+        refuse(place, "no key", "must be KEY=VALUE", "Did you mean --set time.end=1?");
     const std::vector<std::string> parts = split(assignment.substr(0, equals));
     const std::string text = assignment.substr(equals + 1);
 

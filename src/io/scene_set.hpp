@@ -11,9 +11,8 @@
 
 namespace moraine {
 
-/// Throws InputError if the assignment has no KEY= or names a table that is not there. `file` is the
-/// scene's, for messages.
-void apply_set(toml::table& root, const std::string& assignment, const std::string& file);
+/// Throws InputError if the assignment has no KEY= or names a table that is not there.
+void apply_set(toml::table& root, const std::string& assignment);
 
 /// "name" or "face": the key by which the tables of this list are addressed; empty: not a list.
 std::string label_of_list(const std::string& table);

@@ -108,6 +108,21 @@ TEST_CASE("a series goes on after a cut as if it had never gone further") {
     if (comm.is_root()) CHECK(last_output_is(path, 1, rows_of(50)));
 }
 
+TEST_CASE("what follows a cut is found, not what was cut off") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    ParticleSeries series(comm, path);
+    for (int k = 0; k < 10; ++k) append_sample(comm, series, k, 300);  // more than a node of chunks
+    const auto end = comm.broadcast(comm.is_root() ? std::to_string(vtkhdf::read_state(path).end) : "");
+    series.truncate_to(1);
+    for (int k = 2; k < 10; ++k) append_sample(comm, series, k, 300);
+    if (!comm.is_root()) return;
+    const auto state = vtkhdf::read_state(path);
+    for (const auto& chunk : state.arrays[0].chunks)
+        CHECK((chunk.at >= std::stoull(end)) == (chunk.index >= state.steps[2].first_chunk));
+}
+
 TEST_CASE("a file that is no series is refused and left alone") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

@@ -14,8 +14,8 @@ namespace moraine::verification {
 struct Film {
     double depth = 1;         ///< H [m]
     double density = 1000;    ///< [kg/m3]
-    double pull = 2;          ///< g sin(theta) [m/s2]
-    double press = 5;         ///< g cos(theta) [m/s2]
+    double pull = 8;          ///< g sin(theta) [m/s2]
+    double press = 6;         ///< g cos(theta) [m/s2]
     double consistency = 0;   ///< K [Pa s^n]
     double yield_stress = 0;  ///< [Pa]
     double exponent = 1;      ///< n [-]

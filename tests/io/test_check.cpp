@@ -1,0 +1,58 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "io/check.hpp"
+#include "io/scene_text.hpp"
+
+using namespace moraine;
+
+TEST_CASE("the prediction counts particles and mass exactly, and occupied blocks") {
+    const Prediction p = predict(read_scene(inputs_folder() + "/slurry_runout.toml"));
+    CHECK(p.particles == 20000);
+    CHECK(p.mass == doctest::Approx(75000).epsilon(1e-12));
+    // 100 x 50 cells, filed half a cell further: cells 0 to 100 and 0 to 50, in blocks of 4.
+    CHECK(p.blocks == 26 * 13);
+}
+
+TEST_CASE("the prediction's step is that of the wave and the speed of the start, or fixed") {
+    const double c = std::sqrt(2.5e5 * 0.505 / (1.495 * 0.01) / 1500);
+    const std::string path = inputs_folder() + "/slurry_runout.toml";
+    const Prediction p = predict(read_scene(path, {"body.reservoir.velocity=[3.0, 4.0]"}));
+    CHECK(p.dt == doctest::Approx(0.5 * 0.1 / (c + 5)));
+    CHECK(p.steps == std::ceil(20 / p.dt));
+    CHECK(predict(read_scene(path, {"time.dt=1e-3"})).steps == 20000);
+}
+
+TEST_CASE("a periodic axis has no block beyond its end") {
+    const std::string path = inputs_folder() + "/slurry_runout.toml";
+    const std::vector<std::string> full{"domain.max=[10.0, 7.5]", "domain.cell=0.125", "wall.x-min.kind=none"};
+    CHECK(predict(read_scene(path, full)).blocks == 21 * 11);
+    const std::string text = replaced(replaced(good_scene, "max = [4.0, 2.0]", "max = [0.8, 2.0]\nperiodic = [\"x\"]"),
+                                      "max = [1.0, 1.0]", "max = [0.8, 1.0]");
+    const Scene scene = read_text(text.substr(0, text.find("[[body]]\nname = \"disk\"")));
+    CHECK(predict(scene).blocks == 2 * 3);
+}
+
+TEST_CASE("memory follows particles, precision and ranks") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    const Scene scene = read_scene(path, {"domain.cell=0.2", "balance.interval=10"});
+    const Prediction p = predict(scene);
+    const double one = bytes_per_rank(scene, p, 1);
+    // position, velocity, stress, volume, mass, ln J; id, body, list; the law's scalars
+    CHECK(one / static_cast<double>(p.particles) > 24 + 24 + 48 + 24 + 8 + 2 + 12);
+    CHECK(one / static_cast<double>(p.particles) < 260);
+    CHECK(bytes_per_rank(scene, p, 4) == doctest::Approx(one / 4));
+    const Scene apic = read_scene(path, {"domain.cell=0.2", "numerics.transfer=apic"});
+    CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
+    const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
+    CHECK(bytes_per_rank(single, p, 1) < 0.6 * one);
+}
+
+TEST_CASE("the report names all that a run will need") {
+    const std::string report = check_report(read_scene(inputs_folder() + "/elastic_bar.toml"), 4);
+    for (const char* word : {"particles  800", "blocks", "dt", "steps", "memory", "4 ranks"}) {
+        CAPTURE(word);
+        CHECK(report.find(word) != std::string::npos);
+    }
+}

@@ -1,0 +1,111 @@
+#include <doctest/doctest.h>
+
+#include "io/scene_check.hpp"
+#include "io/scene_text.hpp"
+
+using namespace moraine;
+
+namespace {
+
+bool says(const std::string& words, const std::string& part) {
+    INFO(words);
+    CHECK(words.find(part) != std::string::npos);
+    return words.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a domain that is not a whole number of cells is refused") {
+    CHECK(said_of("max = [4.0, 2.0]", "max = [4.0, 2.03]") ==
+          "scene.toml:6: the domain has 20.3 cells along y (must be a whole number: walls lie on nodes). Did you mean "
+          "domain.max = 2 along y?");
+    CHECK(
+        said_of("max = [4.0, 2.0]", "max = [4.0, -2.0]").starts_with("scene.toml:6: the domain has no length along y"));
+}
+
+TEST_CASE("rounding of lengths is not an error") {
+    CHECK(said_about(good_scene, {"domain.max=[4.2, 2.1]", "domain.cell=0.1"}).empty());
+    CHECK(said_about(good_scene, {"domain.min=[-0.3, 0.0]", "domain.max=[4.2, 2.1]"}).empty());
+}
+
+TEST_CASE("a periodic length that is not whole blocks is refused") {
+    CHECK(said_of_set("domain.periodic=[\"x\"]").empty());
+    CHECK(said_about(good_scene, {"domain.periodic=[\"x\"]", "domain.max=[4.2, 2.0]"}) ==
+          "--set domain.periodic=[\"x\"]: the periodic axis x has 42 cells (must be whole blocks of 4 cells). Did you "
+          "mean domain.max = 4.4 along x?");
+}
+
+TEST_CASE("a wall on a periodic axis is refused") {
+    says(said_of_set("domain.periodic=[\"y\"]"), "scene.toml:32: wall y-min stands on a periodic axis");
+}
+
+TEST_CASE("an axis that the scene has not is refused") {
+    says(said_of_set("domain.periodic=[\"z\"]"), "the axis z is not there");
+    says(said_of_set("balance.axis=z"), "balance.axis = \"z\" (the scene has 2 dimensions)");
+    says(said_of("face = \"y-min\"", "face = \"z-min\""), "scene.toml:32: wall.z-min is not there");
+}
+
+TEST_CASE("a domain that is too large for keys is refused") {
+    says(said_of_set("domain.cell=1e-9"), "4e+09 cells along x");
+}
+
+TEST_CASE("an output field that is not there is refused") {
+    CHECK(said_of("fields = [\"velocity\"]", "fields = [\"velocty\"]") ==
+          "scene.toml:12: output.fields has \"velocty\" (no such field in this scene). Did you mean velocity?");
+    CHECK(said_of_set("output.fields=[\"stress\", \"pressure\", \"body\"]").empty());
+}
+
+TEST_CASE("a body outside the domain is refused") {
+    CHECK(said_of("max = [1.0, 1.0]", "max = [1.0, 2.5]") ==
+          "scene.toml:20: body.block reaches from 0 to 2.5 along y (the domain from 0 to 2). Move the body or widen "
+          "domain.min, domain.max?");
+    says(said_of("center = [2.0, 1.0]", "center = [3.9, 1.0]"), "scene.toml:26: body.disk reaches from 3.4 to 4.4");
+}
+
+TEST_CASE("bodies that overlap are refused") {
+    says(said_of("center = [2.0, 1.0]", "center = [1.2, 1.0]"), "scene.toml:26: body.disk overlaps body.block");
+}
+
+TEST_CASE("bodies may touch") {
+    CHECK(said_of("shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5",
+                  "shape = \"box\"\nmin = [1.0, 0.0]\nmax = [2.0, 1.0]")
+              .empty());
+}
+
+TEST_CASE("a thin body between the particles of another is an overlap") {
+    says(said_of("shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5",
+                 "shape = \"box\"\nmin = [0.5, 0.0]\nmax = [0.51, 1.5]"),
+         "overlaps");
+}
+
+TEST_CASE("the order of the bodies does not hide an overlap") {
+    const std::string thin_first =
+        replaced(good_scene, "min = [0.0, 0.0]\nmax = [1.0, 1.0]", "min = [0.5, 0.0]\nmax = [0.51, 1.0]");
+    says(said_about(replaced(thin_first, "shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5",
+                             "shape = \"box\"\nmin = [0.0, 0.0]\nmax = [1.0, 1.5]")),
+         "body.disk overlaps body.block");
+}
+
+TEST_CASE("a body without particles is refused") {
+    says(said_of("radius = 0.5", "radius = 0.001"), "scene.toml:26: body.disk has no particles");
+    const std::string no_body = good_scene.substr(0, good_scene.find("[[body]]"));
+    says(said_about(no_body), "the scene has no body");
+}
+
+TEST_CASE("a box without length is refused") {
+    says(said_of("max = [1.0, 1.0]", "max = [0.0, 1.0]"), "body.block has no length along x");
+}
+
+TEST_CASE("a polygon that crosses itself, or has no area, is refused") {
+    const std::string disk = "shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5";
+    const std::string polygon = "shape = \"polygon\"\npoints = ";
+    CHECK(said_of(disk, polygon + "[[2, 0], [3, 0], [3, 1], [2, 1]]").empty());
+    says(said_of(disk, polygon + "[[2, 0], [3, 1], [3, 0], [2, 1]]"), "scene.toml:30: body.disk crosses itself");
+    says(said_of(disk, polygon + "[[2, 0], [3, 0], [2.5, 0]]"), "body.disk has no area");
+    says(said_of(disk, polygon + "[[2, 0], [3, 0]]"), "body.disk.points has 2 points");
+    says(said_of(disk, "z = [0, 1]\n" + polygon + "[[2, 0], [3, 0], [3, 1]]"), "body.disk.z is not used");
+}
+
+TEST_CASE("geostatic stress needs weight") {
+    says(said_about(good_scene, {"gravity=[0, 0]", "body.block.geostatic.surface=1"}), "gravity is zero");
+}

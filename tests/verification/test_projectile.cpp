@@ -1,0 +1,95 @@
+// E6: a body flies freely over ten thousand cells on its exact path, unstressed, whatever the method.
+#include "verification/drive.hpp"
+#include "verification/exact_projectile.hpp"
+
+using namespace moraine;
+using namespace moraine::verification;
+
+namespace {
+
+constexpr double young = 1e4;  ///< [Pa]; wave speed 3.7 m/s
+constexpr Projectile projectile{.velocity = {6, 2}, .gravity = {0.3, -0.9}};
+
+struct Flight {
+    double place;   ///< largest error along an axis over the path's length
+    double stress;  ///< largest component over E
+    double cells;   ///< crossed along x
+};
+
+Scene flight_scene(const Choice& choice) {
+    Scene scene;
+    scene.dimensions = 2;
+    scene.cell = 0.1;
+    scene.max = {1.6, 1.6, 0};
+    make_periodic(scene, 0);
+    make_periodic(scene, 1);
+    choose(scene, choice);
+    scene.dt = 0.005;
+    for (std::size_t a = 0; a < 2; ++a) scene.gravity[a] = projectile.gravity[a];
+    scene.materials.push_back(material("linear-elastic", 1000, {{"young", young}, {"poisson", 0.3}}));
+    BodySpec body;
+    body.min = {0.33, 0.71, 0};
+    body.max = {0.63, 1.01, 0};
+    body.velocity = {projectile.velocity[0], projectile.velocity[1], 0};
+    scene.bodies.push_back(body);
+    return scene;
+}
+
+/// Until 1000 m, 10 000 cells, along x; with the velocity given at -dt/2, or at 0.
+template <class Real>
+Flight fly(const Choice& choice, bool leap_frog = true) {
+    const Scene scene = flight_scene(choice);
+    Run<Real> run(scene);
+    if (leap_frog)
+        run.start_with([&](const auto& p, std::uint32_t s, const auto&) {
+            for (int a = 0; a < 2; ++a)
+                p.velocity[s][a] = static_cast<Real>(projectile.velocity_at(static_cast<std::size_t>(a), -scene.dt / 2));
+        });
+    while (projectile.path(0, run.time()) < 1000.1) run.steps(500);
+    const double t = run.time();
+    const double length = std::hypot(projectile.path(0, t), projectile.path(1, t));
+    Flight flight;
+    flight.place = run.largest([&](const auto&, std::uint32_t, const auto& X, const auto& x) {
+        double most = 0;
+        for (std::size_t a = 0; a < 2; ++a) {
+            const double lead = leap_frog ? 0 : projectile.lead(a, t, scene.dt);
+            const double error = std::remainder(x[a] - X[a] - projectile.path(a, t) - lead, scene.max[a]);
+            most = std::max(most, std::fabs(error));
+        }
+        return most;
+    });
+    flight.place /= length;
+    flight.stress = run.largest([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
+        double most = 0;
+        for (int k = 0; k < 4; ++k) most = std::max(most, std::fabs(double(p.stress[s][k])) / young);
+        return most;
+    });
+    flight.cells = projectile.path(0, t) / scene.cell;
+    return flight;
+}
+
+template <class Real>
+void check(const Choice& choice, double place_gate, double stress_gate, bool leap_frog = true) {
+    const Flight f = fly<Real>(choice, leap_frog);
+    MESSAGE(fmt::format("E6 {} {}{}: {:.0f} cells, place {:.1e} of the path, stress {:.1e} E", choice.name,
+                        sizeof(Real) == 8 ? "double" : "single", leap_frog ? "" : ", v given at t = 0", f.cells,
+                        f.place, f.stress));
+    CHECK(f.cells >= 1e4);
+    CHECK(f.place <= place_gate);
+    CHECK(f.stress <= stress_gate);
+}
+
+}  // namespace
+
+TEST_CASE("explore") {
+    for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic})
+        for (Transfer transfer : {Transfer::flip, Transfer::pic, Transfer::apic, Transfer::tpic}) 
+        for (StressUpdate u : {StressUpdate::usl, StressUpdate::usf, StressUpdate::musl}) {
+            std::string name = fmt::format("shape {} transfer {} update {}", (int)shape, (int)transfer, (int)u);
+            auto t0 = std::chrono::steady_clock::now();
+            try { check<double>({name.c_str(), shape, transfer, u}, 1e-12, 1e-12); } catch (const std::exception& e) { MESSAGE(name << e.what()); }
+            try { if (u == StressUpdate::usl) check<float>({name.c_str(), shape, transfer, u}, 1e-5, 1); } catch (const std::exception& e) { MESSAGE(name << e.what()); }
+            MESSAGE(std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count());
+        }
+    check<double>(quadratic_flip_usl, 1e-12, 1e-12, false);
+}
