@@ -75,22 +75,32 @@ Sym<Real, Dim> Simulation<Space, Real, Dim>::geostatic_stress(const BodySpec& bo
     return stress;
 }
 
-/// This rank's part of every body: rows are divided evenly, whoever will own them.
+/// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
+/// so that a seed needs memory only until it is a particle.
 template <class Space, class Real, int Dim>
 FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
+    std::vector<std::pair<Key, std::uint32_t>> placed;
     std::vector<Seed> seeds;
     for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
-        const std::int64_t rows = seed_rows(scene_, body);
-        const std::int64_t first = rows * comm_.rank() / comm_.size();
-        const std::int64_t last = rows * (comm_.rank() + 1) / comm_.size();
-        const std::int64_t count = comm_.sum(seed_count(scene_, body, first, last));
-        seed_body(scene_, body, first, last, count, seeds);
+        const BodySeeds part(scene_, body);
+        const std::int64_t first = part.rows() * comm_.rank() / comm_.size();
+        const std::int64_t last = part.rows() * (comm_.rank() + 1) / comm_.size();
+        const std::int64_t mine = part.count(first, last);
+        const std::int64_t total = comm_.sum(mine);
+        patch_->particles.reserve(placed.size() + static_cast<std::size_t>(mine));
+        placed.reserve(placed.size() + static_cast<std::size_t>(mine));
+        const std::int64_t step = std::max<std::int64_t>(1, (last - first) / 32);
+        for (std::int64_t row = first; row < last; row += step) {
+            seeds.clear();
+            part.fill(row, std::min(row + step, last), total, seeds);
+            const std::vector<std::uint32_t> slots = patch_->take_slots(seeds.size());
+            for (std::size_t k = 0; k < seeds.size(); ++k)
+                placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);
+        }
     }
-    const std::vector<std::uint32_t> slots = patch_->take_slots(seeds.size());
-    std::vector<std::pair<Key, std::uint32_t>> placed;
-    for (std::size_t k = 0; k < seeds.size(); ++k) placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);
     std::sort(placed.begin(), placed.end());
     FiledBlocks filed;
+    filed.slot.reserve(placed.size());
     for (const auto& [key, slot] : placed) {
         if (filed.key.empty() || filed.key.back() != key) {
             filed.key.push_back(key);

@@ -62,6 +62,10 @@ class Particles {
         each_column([&](const char*, const char*, auto& column, std::size_t) { column.resize(n); });
     }
 
+    void reserve(std::size_t n) {
+        each_column([&](const char*, const char*, auto& column, std::size_t) { column.reserve(n); });
+    }
+
     ParticleView<Real, Dim> view() {
         ParticleView<Real, Dim> v{};
         v.id = id_.data(), v.body = body_.data(), v.position = position_.data(), v.velocity = velocity_.data();

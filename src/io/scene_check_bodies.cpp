@@ -58,13 +58,31 @@ void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, con
     }
 }
 
-Extent extent_of_seeds(const std::vector<Seed>& seeds) {
-    Extent e{seeds.front().x, seeds.front().x};
-    for (const Seed& s : seeds)
-        for (std::size_t a = 0; a < 3; ++a) {
-            e.lower[a] = std::min(e.lower[a], s.x[a]);
-            e.upper[a] = std::max(e.upper[a], s.x[a]);
-        }
+/// Calls f(seeds) for a part of the body at a time, so that the memory stays small, until it returns true.
+template <class F>
+void each_part(const Scene& scene, std::size_t body, const F& f) {
+    const BodySeeds all(scene, static_cast<int>(body));
+    const std::int64_t rows = all.rows();
+    const std::int64_t step = scene.bodies[body].shape == BodyShape::table ? rows : 1;
+    std::vector<Seed> seeds;
+    for (std::int64_t row = 0; row < rows; row += step) {
+        seeds.clear();
+        all.fill(row, row + step, 1, seeds);
+        if (f(seeds)) return;
+    }
+}
+
+Extent extent_in(const Scene& scene, std::size_t body) {
+    if (scene.bodies[body].shape != BodyShape::table) return extent_of(scene.bodies[body], scene.dimensions);
+    Extent e{scene.max, scene.min};
+    each_part(scene, body, [&](const std::vector<Seed>& seeds) {
+        for (const Seed& s : seeds)
+            for (std::size_t a = 0; a < 3; ++a) {
+                e.lower[a] = std::min(e.lower[a], s.x[a]);
+                e.upper[a] = std::max(e.upper[a], s.x[a]);
+            }
+        return false;
+    });
     return e;
 }
 
@@ -74,16 +92,19 @@ bool may_touch(const Extent& a, const Extent& b, int dimensions) {
     return true;
 }
 
-void refuse_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b,
-                    const std::vector<Seed>& seeds_of_a) {
-    const BodySpec& other = scene.bodies[b];
-    const auto found = std::find_if(seeds_of_a.begin(), seeds_of_a.end(),
-                                    [&](const Seed& s) { return is_inside(other, scene.dimensions, s.x); });
-    if (found == seeds_of_a.end()) return;
-    const std::string& name = scene.bodies[std::max(a, b)].name;
-    refuse(places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
-           fmt::format("both have ({})", fmt::join(found->x.begin(), found->x.begin() + scene.dimensions, ", ")),
-           "Move or shrink one of them?");
+/// Refuses a particle of body a in body b.
+void check_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b) {
+    each_part(scene, a, [&](const std::vector<Seed>& seeds) {
+        const auto found = std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) {
+            return is_inside(scene.bodies[b], scene.dimensions, s.x);
+        });
+        if (found == seeds.end()) return false;
+        const std::string& name = scene.bodies[std::max(a, b)].name;
+        refuse(
+            places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+            fmt::format("both have ({:.6g})", fmt::join(found->x.begin(), found->x.begin() + scene.dimensions, ", ")),
+            "Move or shrink one of them?");
+    });
 }
 
 /// Each pair, both ways: a thin body may pass between the other's particles.
@@ -91,26 +112,12 @@ void check_overlaps(const Scene& scene, const Places& places) {
     const std::size_t n = scene.bodies.size();
     if (n < 2) return;
     std::vector<Extent> extents;
-    std::vector<std::vector<Seed>> seeds(n);
-    for (std::size_t b = 0; b < n; ++b) {
-        const BodySeeds body(scene, static_cast<int>(b));
-        if (scene.bodies[b].shape == BodyShape::table) {
-            body.fill(0, body.rows(), body.rows(), seeds[b]);
-            extents.push_back(extent_of_seeds(seeds[b]));
-        } else {
-            extents.push_back(extent_of(scene.bodies[b], scene.dimensions));
-        }
-    }
-    const auto seeds_of = [&](std::size_t b) -> const std::vector<Seed>& {
-        const BodySeeds body(scene, static_cast<int>(b));
-        if (seeds[b].empty()) body.fill(0, body.rows(), 1, seeds[b]);
-        return seeds[b];
-    };
+    for (std::size_t b = 0; b < n; ++b) extents.push_back(extent_in(scene, b));
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (may_touch(extents[a], extents[b], scene.dimensions)) {
-                refuse_overlap(scene, places, a, b, seeds_of(a));
-                refuse_overlap(scene, places, b, a, seeds_of(b));
+                check_overlap(scene, places, a, b);
+                check_overlap(scene, places, b, a);
             }
 }
 

@@ -18,6 +18,7 @@ void append(std::vector<SceneKey>& keys, const std::vector<KeyRow<Target>>& rows
 
 std::vector<std::string> in_quotes(const std::vector<std::string>& words) {
     std::vector<std::string> out;
+    out.reserve(words.size());
     for (const std::string& word : words) out.push_back(quote(word));
     return out;
 }

@@ -44,15 +44,15 @@ struct KeyRange {
 };
 
 struct SceneKey {
-    std::string table = "";  ///< "", "domain", "body", "body.wave", ...
-    std::string name = "";
+    std::string table = {};  ///< "", "domain", "body", "body.wave", ...
+    std::string name = {};
     KeyType type = KeyType::real;
     std::string unit = "-";
     std::optional<std::string> standard = {};  ///< default as TOML; none: required; empty: may be absent
     KeyRange range = {};
     std::vector<std::string> choices = {};
     std::vector<std::string> only = {};  ///< values of the table's selector that use the key; empty: all
-    std::string meaning = "";
+    std::string meaning = {};
 
     bool required() const { return !standard; }
 };

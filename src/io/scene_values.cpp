@@ -81,7 +81,7 @@ std::string string(const toml::node& node, const KeyContext& c) {
 }
 
 std::string name(const toml::node& node, const KeyContext& c) {
-    const std::string text = string(node, c);
+    std::string text = string(node, c);
     const auto plain = [](unsigned char ch) { return std::isalnum(ch) || ch == '_' || ch == '-'; };
     if (text.empty() || !std::all_of(text.begin(), text.end(), plain))
         refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be letters, digits, _ and -", "Rename it?");
@@ -105,8 +105,8 @@ const toml::array& array(const toml::node& node, const KeyContext& c) {
 std::vector<double> numbers(const toml::node& node, const KeyContext& c, int count) {
     const toml::array& list = array(node, c);
     if (static_cast<int>(list.size()) != count)
-        refuse(c.place, fmt::format("{} has {} numbers", c.path, list.size()), "must be " + type_text(c.key),
-               fmt::format("Give {}?", count));
+        refuse(c.place, fmt::format("{} has {} number{}", c.path, list.size(), list.size() == 1 ? "" : "s"),
+               "must be " + type_text(c.key), fmt::format("Give {}?", count));
     std::vector<double> out;
     for (const toml::node& item : list)
         out.push_back(c.key.type == KeyType::per_axis ? static_cast<double>(integer(item, c)) : real(item, c));
@@ -119,7 +119,7 @@ std::vector<double> per_axis(const toml::node& node, const KeyContext& c) {
 }
 
 std::vector<double> pair(const toml::node& node, const KeyContext& c) {
-    const std::vector<double> ends = numbers(node, c, 2);
+    std::vector<double> ends = numbers(node, c, 2);
     if (!(ends[0] < ends[1]))
         refuse(c.place, fmt::format("{} = {}", c.path, text_of(node)), "must be two rising numbers", "Exchange them?");
     return ends;

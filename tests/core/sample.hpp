@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <type_traits>
 #include <vector>
 
 #include "comm/patch.hpp"
@@ -132,7 +133,8 @@ struct Sample {
 inline std::array<double, 2> shape_at(moraine::Shape shape, double d, double half) {
     const double r = std::fabs(d);
     const double sign = d < 0 ? -1 : 1;
-    if (shape == moraine::Shape::linear) return r < 1 ? std::array{1 - r, -sign} : std::array{0.0, 0.0};
+    // At its kinks a hat has the slope of the side above.
+    if (shape == moraine::Shape::linear) return d >= -1 && d < 1 ? std::array{1 - r, -sign} : std::array{0.0, 0.0};
     if (shape == moraine::Shape::quadratic) {
         if (r < 0.5) return {0.75 - r * r, -2 * d};
         return r < 1.5 ? std::array{0.5 * (1.5 - r) * (1.5 - r), sign * (r - 1.5)} : std::array{0.0, 0.0};
@@ -149,6 +151,10 @@ inline std::array<double, 2> shape_at(moraine::Shape shape, double d, double hal
     const auto hat = [](double y) { return std::max(0.0, 1 - std::fabs(y)); };
     return {(integral(d + half) - integral(d - half)) / (2 * half), (hat(d + half) - hat(d - half)) / (2 * half)};
 }
+
+/// A place or node index per axis, not deduced: array sizes and dimensions have different types.
+template <class T, int Dim>
+using PerAxis = std::type_identity_t<std::array<T, static_cast<std::size_t>(Dim)>>;
 
 struct AxisWeight {
     int node;
@@ -187,7 +193,8 @@ using Node = std::array<int, Dim>;
 
 /// Calls f(node, w, dw [1/cell] per axis, x_i - x_p [cells] per axis) for each node that the particle reaches.
 template <class Real, int Dim, class F>
-void each_weight(Sample<Real, Dim>& sample, std::uint32_t slot, const std::array<double, Dim>& x, const F& f) {
+void each_weight(Sample<Real, Dim>& sample, std::uint32_t slot, const PerAxis<double, Dim>& x,
+                 const F& f) {
     const ParticleView<Real, Dim> p = sample.patch.particles.view();
     std::array<std::vector<AxisWeight>, 3> axis;
     axis[2] = {{0, 1, 0, 0}};

@@ -39,7 +39,7 @@ TEST_CASE("a wrong type names the right one") {
           "inputs/reference.toml?");
     CHECK(said_of("max = [4.0, 2.0]", "max = 4.0").starts_with("scene.toml:6: domain.max is the number 4"));
     CHECK(said_of("min = [0.0, 0.0]", "min = [0.0]") ==
-          "scene.toml:5: domain.min has 1 numbers (must be one number for each dimension [m]). Give 2?");
+          "scene.toml:5: domain.min has 1 number (must be one number for each dimension [m]). Give 2?");
     CHECK(said_of("[time]\nend = 1.0\ncfl = 0.4", "time = 1.0").find("scene.toml:8: domain.time is not a key") == 0);
     CHECK(said_about("material = 1\n" + good_scene).find("TOML") != std::string::npos);
     CHECK(said_of("[[wall]]", "[wall]").starts_with("scene.toml:32: wall is a table (must be a list of tables)"));
