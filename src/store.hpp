@@ -10,7 +10,7 @@
 namespace moraine {
 
 /// A column in the terms of the files. Positions are fixed point, ids and bodies whole numbers.
-inline Column file_column(const ColumnBytes& c, const std::byte* data) {
+inline Column file_column(const ColumnBytes& c) {
     Column column;
     column.name = c.name;
     column.unit = c.unit.empty() ? "-" : c.unit;
@@ -19,7 +19,13 @@ inline Column file_column(const ColumnBytes& c, const std::byte* data) {
                   : c.scalar_bytes == 4 ? (whole ? Column::Type::u32 : Column::Type::f32)
                                         : (whole ? Column::Type::u64 : Column::Type::f64);
     column.components = static_cast<int>(c.row_bytes / c.scalar_bytes);
-    column.data = data;
+    return column;
+}
+
+/// The same with its rows in list order, made when they are written. `slots` must outlive it.
+inline Column listed_column(const ColumnBytes& c, const std::vector<std::uint32_t>& slots) {
+    Column column = file_column(c);
+    column.make = [c, &slots](std::byte* rows) { gather_column(c, slots, rows); };
     return column;
 }
 
@@ -90,13 +96,8 @@ void save(Simulation<Space, Real, Dim>& sim, const Comm& comm, const std::string
     });
 
     const FiledBlocks filed = sim.patch().filed();
-    std::vector<std::vector<std::byte>> rows;
     std::vector<Column> columns;
-    for (const ColumnBytes& c : sim.patch().particles.columns()) {
-        rows.emplace_back(padded(c.row_bytes * filed.slot.size()));
-        gather_rows({c}, filed.slot, rows.back().data());
-        columns.push_back(file_column(c, rows.back().data()));
-    }
+    for (const ColumnBytes& c : sim.patch().particles.columns()) columns.push_back(listed_column(c, filed.slot));
     write_checkpoint(comm, path, header, block_rows(filed), columns);
 }
 
@@ -125,7 +126,7 @@ void load(Simulation<Space, Real, Dim>& sim, const CheckpointReader& file, const
         for (const auto& [start, count] : ranges) mine.push_back({start, count});
         for (const ColumnBytes& c : sim.patch().particles.columns()) {
             std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
-            file.read_rows(file_column(c, nullptr), mine, rows.data());
+            file.read_rows(file_column(c), mine, rows.data());
             scatter_rows({c}, slots, rows.data());
         }
     };

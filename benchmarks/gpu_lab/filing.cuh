@@ -116,7 +116,7 @@ __global__ void __launch_bounds__(32 * filing_warps) count_next(View<Real> v, Fi
 }
 
 /// next_first = prefix sum of next_count: one block of 1024 threads, each a stretch.
-inline __global__ void __launch_bounds__(1024) scan_counts(int n, const std::uint32_t* count, std::uint32_t* first) {
+static __global__ void __launch_bounds__(1024) scan_counts(int n, const std::uint32_t* count, std::uint32_t* first) {
     __shared__ std::uint32_t warp_sum[32];
     __shared__ std::uint32_t carried;
     if (threadIdx.x == 0) carried = 0;
@@ -210,7 +210,7 @@ __global__ void __launch_bounds__(256) permute(std::uint32_t n, const std::uint3
     else
         to[k] = from[slot[k]];
 }
-inline __global__ void __launch_bounds__(256) count_up(std::uint32_t n, std::uint32_t* slot) {
+static __global__ void __launch_bounds__(256) count_up(std::uint32_t n, std::uint32_t* slot) {
     const std::uint32_t k = blockIdx.x * 256 + threadIdx.x;
     if (k < n) slot[k] = k;
 }

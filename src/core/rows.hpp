@@ -20,12 +20,17 @@ inline std::size_t rows_bytes(const std::vector<ColumnBytes>& columns, std::size
     return sum;
 }
 
+/// Copies one column's rows at `slots` to `to`.
+inline void gather_column(const ColumnBytes& c, std::span<const std::uint32_t> slots, std::byte* to) {
+    for (std::size_t k = 0; k < slots.size(); ++k)
+        std::memcpy(to + k * c.row_bytes, c.data + slots[k] * c.row_bytes, c.row_bytes);
+}
+
 /// Copies the rows at `slots` to `to`; returns the end.
 inline std::byte* gather_rows(const std::vector<ColumnBytes>& columns, std::span<const std::uint32_t> slots,
                               std::byte* to) {
     for (const ColumnBytes& c : columns) {
-        for (std::size_t k = 0; k < slots.size(); ++k)
-            std::memcpy(to + k * c.row_bytes, c.data + slots[k] * c.row_bytes, c.row_bytes);
+        gather_column(c, slots, to);
         to += padded(c.row_bytes * slots.size());
     }
     return to;

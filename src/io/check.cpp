@@ -114,11 +114,14 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) reals += d * d;
     if (left_stretch) reals += stress;
     if (scene.shape == Shape::gimp_contiguous) reals += d;
-    const double particle = reals * real + 8 + 2 + 12;
+    const double particle = reals * real + 8 + 2 + 10 + 8 * d;
 
-    const double tile = std::pow(tile_side(stencil_of(scene.shape).width), d) * (1 + 2 * d) * real;
-    const double nodes = std::pow(4, d) * 2 * d * 2 * real;
-    return (static_cast<double>(p.particles) * particle + static_cast<double>(p.blocks) * (tile + nodes)) / ranks;
+    const double mine = static_cast<double>(p.blocks) / ranks;
+    const auto grown = [&](int layers) { return std::pow(std::pow(mine, 1.0 / d) + layers, d); };
+    const double tile = std::pow(tile_side(stencil_of(scene.shape).width), d) * node_reals * real;
+    const double nodes = std::pow(4, d) * node_reals * real;
+    const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
+    return static_cast<double>(p.particles) / ranks * particle + mine * tile + grown(1) * nodes + grown(2) * tables;
 }
 
 std::string check_report(const Scene& scene, int ranks) {

@@ -87,7 +87,7 @@ void write_checkpoint(const Comm& comm, const std::string& path, const Checkpoin
         std::unique_ptr<DiskFile> file;
         std::string trouble = words_of([&] { file = std::make_unique<DiskFile>(partial, DiskFile::Mode::append); });
         for (std::size_t c = 0; c < columns.size(); ++c) {
-            const auto rows = exchange.to_file(columns[c].data, columns[c].row_bytes());
+            const auto rows = exchange.to_file(columns[c]);
             if (trouble.empty())
                 trouble = words_of([&] {
                     file->write(rows,

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <type_traits>
 
@@ -22,6 +23,8 @@ struct Column {
     Type type = Type::f64;
     int components = 1;
     const std::byte* data = nullptr;
+    /// Where data is null: writes the rows when they are needed, so that one column is in memory at a time.
+    std::function<void(std::byte* rows)> make = {};
 
     static constexpr int bytes_of(Type type) {
         constexpr int sizes[] = {1, 2, 4, 8, 4, 8};
@@ -41,7 +44,8 @@ struct Column {
     /// `rows` points to the first of `components` numbers of the first row.
     template <class T>
     static Column of(std::string name, std::string unit, const T* rows, int components = 1) {
-        return {std::move(name), std::move(unit), type_of<T>(), components, reinterpret_cast<const std::byte*>(rows)};
+        return {
+            std::move(name), std::move(unit), type_of<T>(), components, reinterpret_cast<const std::byte*>(rows), {}};
     }
 
     int row_bytes() const { return components * bytes_of(type); }

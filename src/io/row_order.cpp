@@ -100,9 +100,17 @@ RowOrder::RowOrder(const Comm& comm, std::span<const RowRange> mine, std::int64_
     all_at_ = starts_of(all_count_);
 }
 
-std::vector<std::byte> RowOrder::to_file(const std::byte* rows, int row_bytes) const {
-    const RowType row(row_bytes);
-    const auto width = static_cast<std::size_t>(row_bytes);
+std::vector<std::byte> RowOrder::to_file(const Column& column) const {
+    const RowType row(column.row_bytes());
+    const auto width = static_cast<std::size_t>(column.row_bytes());
+    const auto my_rows = static_cast<std::size_t>(my_at_.back() + my_count_.back());
+    std::vector<std::byte> made;
+    if (!column.data && column.make) {
+        made.resize(my_rows * width);
+        column.make(made.data());
+        if (comm_.size() == 1) return made;
+    }
+    const std::byte* rows = column.data ? column.data : made.data();
     std::vector<std::byte> packed(static_cast<std::size_t>(packed_rows_) * width);
     MPI_Alltoallv(rows, my_count_.data(), my_at_.data(), row.get(), packed.data(), all_count_.data(), all_at_.data(),
                   row.get(), comm_.handle());

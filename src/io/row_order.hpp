@@ -36,7 +36,7 @@ class RowOrder {
     RowRange slice() const { return slice_; }
 
     /// My rows, in the order of my ranges, to the slice. Collective.
-    std::vector<std::byte> to_file(const std::byte* rows, int row_bytes) const;
+    std::vector<std::byte> to_file(const Column& column) const;
 
     /// The slice to my rows. Collective.
     void from_file(const std::byte* slice, int row_bytes, std::byte* rows) const;

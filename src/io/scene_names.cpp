@@ -62,7 +62,7 @@ class NameCheck {
         const std::vector<std::string> valid = valid_names(table, section);
         for (const auto& [key, node] : table) {
             const std::string name(key.str());
-            const std::string full = path.empty() ? name : path + "." + name;
+            const std::string full = path.empty() ? name : fmt::format("{}.{}", path, name);
             const std::string place = place_of(node, file_);
             if (full == "structure")
                 refuse(place, "structure is not supported yet", "this version has walls, but no rigid structures",
@@ -71,7 +71,7 @@ class NameCheck {
                 refuse(place, fmt::format("{} is not a key", full),
                        section == "material" ? "no such key, or not one of this law" : "no such key",
                        suggestion_for(name, path, valid));
-            const std::string inner = section.empty() ? name : section + "." + name;
+            const std::string inner = section.empty() ? name : fmt::format("{}.{}", section, name);
             if (path.empty() && !label_of_list(name).empty())
                 list(node, name);
             else if (is_table(inner))

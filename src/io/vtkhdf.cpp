@@ -118,7 +118,7 @@ void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::sp
     Address at = plan.at;
     for (const Column& column : columns) {
         const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(column.type));
-        std::vector<std::byte> slice = order.to_file(column.data, column.row_bytes());
+        std::vector<std::byte> slice = order.to_file(column);
         if (column.components == 2) slice = with_zero(slice, number_bytes);
         const auto row_bytes = components_in_file(column) * static_cast<std::int64_t>(number_bytes);
         if (trouble.empty())
@@ -182,12 +182,16 @@ void ParticleSeries::commit(vtkhdf::SeriesState next, Address from, const std::s
 void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
                             std::span<const Column> fields) {
     const FileOrder order = file_order(comm_, my_blocks);
-    std::vector<Key> keys;
-    for (const BlockRow& block : my_blocks) keys.insert(keys.end(), static_cast<std::size_t>(block.count), block.key);
-    const std::vector<std::uint32_t> ranks(keys.size(), static_cast<std::uint32_t>(comm_.rank()));
-    std::vector<Column> columns{position, Column::of("rank", "", ranks.data()),
-                                Column::of("block_key", "", keys.data())};
+    const auto per_block = [&](std::byte* rows, const auto& value_of) {
+        auto* at = reinterpret_cast<decltype(value_of(BlockRow{}))*>(rows);
+        for (const BlockRow& block : my_blocks) at = std::fill_n(at, block.count, value_of(block));
+    };
+    std::vector<Column> columns{position, {"rank", "", Column::Type::u32}, {"block_key", "", Column::Type::u64}};
     columns[0].name = "Points";
+    columns[1].make = [&](std::byte* rows) {
+        per_block(rows, [&](const BlockRow&) { return static_cast<std::uint32_t>(comm_.rank()); });
+    };
+    columns[2].make = [&](std::byte* rows) { per_block(rows, [](const BlockRow& block) { return block.key; }); };
     columns.insert(columns.end(), fields.begin(), fields.end());
 
     const Plan where = plan(order.rows);

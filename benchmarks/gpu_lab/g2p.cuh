@@ -1,0 +1,232 @@
+#pragma once
+// Grid to particles with the stress update: one thread per particle, 216 nodes in shared memory.
+//
+// Sums are nested: along a line x, then y, then z; 9 + 4 + 5/3 products of three per node instead of 18. The cell is
+// the top bits of the place, so no cell list is read. Ghost nodes behind walls are set once per tile by linear
+// extrapolation, v_-1 = 2 v_0 - v_1: the same as folding each particle's weights, and no particle asks for walls.
+// Narrow: v and dv of a node as a quad and a pair (6 reals) instead of two quads.
+
+#include "view.cuh"
+
+namespace lab {
+
+template <class Real>
+struct alignas(2 * sizeof(Real)) Pair {
+    Real e[2];
+};
+
+template <class Real, bool Narrow>
+struct NodeTile {
+    Quad<Real> velocity[tile_nodes];  ///< narrow: v and dv_x
+    Quad<Real> change[Narrow ? 1 : tile_nodes];
+    Pair<Real> rest[Narrow ? tile_nodes : 1];
+
+    __device__ __forceinline__ void get(int n, Real (&v)[3], Real (&dv)[3]) const {
+        const Quad<Real> q = load_row(velocity + n);
+        v[0] = q.e[0], v[1] = q.e[1], v[2] = q.e[2];
+        if constexpr (Narrow) {
+            const Pair<Real> r = rest[n];
+            dv[0] = q.e[3], dv[1] = r.e[0], dv[2] = r.e[1];
+        } else {
+            const Quad<Real> d = load_row(change + n);
+            dv[0] = d.e[0], dv[1] = d.e[1], dv[2] = d.e[2];
+        }
+    }
+    __device__ __forceinline__ void set(int n, const Real (&v)[3], const Real (&dv)[3]) {
+        if constexpr (Narrow) {
+            velocity[n] = {{v[0], v[1], v[2], dv[0]}};
+            rest[n] = {{dv[1], dv[2]}};
+        } else {
+            velocity[n] = {{v[0], v[1], v[2], Real(0)}};
+            change[n] = {{dv[0], dv[1], dv[2], Real(0)}};
+        }
+    }
+};
+
+template <class Real, bool Narrow>
+__device__ __forceinline__ void load_tile(const View<Real>& v, int b, NodeTile<Real, Narrow>& tile) {
+    for (int n = int(threadIdx.x); n < tile_nodes; n += int(blockDim.x)) {
+        const int x = n % side, y = n / side % side, z = n / (side * side);
+        const int corner = (x >> 2) | (y >> 2) << 1 | (z >> 2) << 2;
+        const int at = (x & 3) | (y & 3) << 2 | (z & 3) << 4;
+        const Quad<Real>* from = v.nodes + (std::size_t(v.node_block[b * 8 + corner]) * cells + at) * 2;
+        const Quad<Real> u = load_row(from), d = load_row(from + 1);
+        tile.set(n, {u.e[0], u.e[1], u.e[2]}, {d.e[0], d.e[1], d.e[2]});
+    }
+    __syncthreads();
+    if (!v.border[b]) return;
+    constexpr int stride[3] = {1, side, side * side};
+    for (int a = 0; a < 3; ++a)
+        for (int s = 0; s < 2; ++s) {
+            const int ghost = v.walls.plane[a][s] + (s == 0 ? -1 : 1) - (4 * v.position[b][a] - 1);
+            const int in = s == 0 ? 1 : -1;
+            if (!v.walls.fold[a][s] || ghost < 0 || ghost >= side || ghost + 2 * in < 0 || ghost + 2 * in >= side) continue;
+            for (int i = int(threadIdx.x); i < side * side; i += int(blockDim.x)) {
+                const int line = i % side * stride[(a + 1) % 3] + i / side * stride[(a + 2) % 3];
+                Real v0[3], d0[3], v1[3], d1[3];
+                tile.get(line + (ghost + in) * stride[a], v0, d0);
+                tile.get(line + (ghost + 2 * in) * stride[a], v1, d1);
+                for (int q = 0; q < 3; ++q) v0[q] = Real(2) * v0[q] - v1[q], d0[q] = Real(2) * d0[q] - d1[q];
+                tile.set(line + ghost * stride[a], v0, d0);
+            }
+            __syncthreads();
+        }
+}
+
+template <class Real>
+struct Gathered {
+    Real velocity[3], change[3], gradient[3][3];  ///< gradient[b][a] = dv_a / d(x_b / h)
+};
+
+template <class Real, bool Narrow>
+__device__ __forceinline__ Gathered<Real> gather(const NodeTile<Real, Narrow>& tile, const Place<Real>& x) {
+    Real w[3][3], dw[3][3];
+    int at = 0;
+#pragma unroll
+    for (int a = 2; a >= 0; --a) {
+        Quadratic::weights(fraction_of<Real>(x.u[a]), Real(0), w[a], dw[a]);
+        at = at * side + cell_of<Real>(x.u[a]);
+    }
+    Gathered<Real> g;
+#pragma unroll
+    for (int k = 0; k < 3; ++k) {
+        Real pv[3], pd[3], px[3], py[3];
+#pragma unroll
+        for (int j = 0; j < 3; ++j) {
+            Real lv[3], ld[3], lx[3];
+#pragma unroll
+            for (int i = 0; i < 3; ++i) {
+                Real v[3], d[3];
+                tile.get(at + i + side * (j + side * k), v, d);
+#pragma unroll
+                for (int q = 0; q < 3; ++q) {
+                    lv[q] = i == 0 ? w[0][0] * v[q] : fma(w[0][i], v[q], lv[q]);
+                    ld[q] = i == 0 ? w[0][0] * d[q] : fma(w[0][i], d[q], ld[q]);
+                    lx[q] = i == 0 ? dw[0][0] * v[q] : fma(dw[0][i], v[q], lx[q]);
+                }
+            }
+#pragma unroll
+            for (int q = 0; q < 3; ++q) {
+                pv[q] = j == 0 ? w[1][0] * lv[q] : fma(w[1][j], lv[q], pv[q]);
+                pd[q] = j == 0 ? w[1][0] * ld[q] : fma(w[1][j], ld[q], pd[q]);
+                px[q] = j == 0 ? w[1][0] * lx[q] : fma(w[1][j], lx[q], px[q]);
+                py[q] = j == 0 ? dw[1][0] * lv[q] : fma(dw[1][j], lv[q], py[q]);
+            }
+        }
+#pragma unroll
+        for (int q = 0; q < 3; ++q) {
+            g.velocity[q] = k == 0 ? w[2][0] * pv[q] : fma(w[2][k], pv[q], g.velocity[q]);
+            g.change[q] = k == 0 ? w[2][0] * pd[q] : fma(w[2][k], pd[q], g.change[q]);
+            g.gradient[0][q] = k == 0 ? w[2][0] * px[q] : fma(w[2][k], px[q], g.gradient[0][q]);
+            g.gradient[1][q] = k == 0 ? w[2][0] * py[q] : fma(w[2][k], py[q], g.gradient[1][q]);
+            g.gradient[2][q] = k == 0 ? dw[2][0] * pv[q] : fma(dw[2][k], pv[q], g.gradient[2][q]);
+        }
+    }
+    return g;
+}
+
+/// Stress, volume and history of one particle; what the step control must know. As update_point of src/core/stress.hpp,
+/// with the particle in registers.
+template <class Real>
+__device__ __forceinline__ void update_stress(const View<Real>& v, const Gathered<Real>& g, Real dt, Real mass,
+                                              Row<Real>& motion, Row<Real>& normal, Row<Real>& shear, Outcome& out) {
+    using std::exp;
+    Mat<Real, 3> dL;
+    const Real scale = dt * v.inverse_cell;
+#pragma unroll
+    for (int a = 0; a < 3; ++a)
+#pragma unroll
+        for (int b = 0; b < 3; ++b) dL(a, b) = scale * g.gradient[b][a];
+    PointState<Real, 3> state;
+    for (int q = 0; q < 3; ++q) state.stress[q] = normal.e[q], state.stress[3 + q] = shear.e[q];
+    state.history[0] = shear.w;
+    const Sym<Real, 3> before = state.stress;
+    const StrainIncrement<Real, 3> step = strain_increment(dL, dt);
+    state.ln_J = normal.w + step.volumetric;
+    v.law.update(step, state);
+    const Real J = exp(state.ln_J);
+    const Real volume = mass * v.inverse_density * J;
+    for (int q = 0; q < 3; ++q) normal.e[q] = state.stress[q], shear.e[q] = state.stress[3 + q];
+    normal.w = state.ln_J, shear.w = state.history[0], motion.w = volume;
+    out.work += 0.5 * double(volume * (contract(before, step.middle) + contract(state.stress, step.middle)));
+    const Vec<Real, 3> u = {{motion.e[0], motion.e[1], motion.e[2]}};
+    const float signal = float(signal_speed(v.law, state, u, J, v.inverse_density));
+    out.signal = signal > out.signal ? signal : out.signal;
+    if (!(step.stretch > Real(0))) out.faults |= step.stretch <= Real(0) ? fault_inverted : fault_nan;
+    if (!(signal < 1e30f) || !(contract(state.stress, state.stress) >= Real(0))) out.faults |= fault_nan;
+}
+
+/// New place; returns the move (src/core/g2p.hpp). Domain ends are walls here, not exits.
+template <class Real>
+__device__ __forceinline__ std::uint16_t advance_place(const View<Real>& v, const Real (&velocity)[3], Real dt,
+                                                       Place<Real>& x, Outcome& out) {
+    int code = 0, cell = 0;
+#pragma unroll
+    for (int a = 2; a >= 0; --a) {
+        Real step = dt * velocity[a] * v.inverse_cell;
+        const Real size = step < Real(0) ? -step : step;
+        if (!(size < Real(1))) out.faults |= size >= Real(1) ? fault_far : fault_nan, step = Real(0);
+        else out.moved = float(size) > out.moved ? float(size) : out.moved;
+        code = 3 * code + advance<Real>(x.u[a], step) + 1;
+        cell = 4 * cell + cell_of<Real>(x.u[a]);
+    }
+    return std::uint16_t(code * 64 + cell);
+}
+
+/// Block-wide outcome in a fixed order.
+template <int Threads>
+__device__ __forceinline__ void store_outcome(Outcome out, Outcome* to) {
+    __shared__ Outcome warp_out[Threads / 32];
+#pragma unroll
+    for (int d = 16; d > 0; d /= 2) {
+        out.work += __shfl_down_sync(0xffffffffu, out.work, d);
+        out.signal = fmaxf(out.signal, __shfl_down_sync(0xffffffffu, out.signal, d));
+        out.moved = fmaxf(out.moved, __shfl_down_sync(0xffffffffu, out.moved, d));
+    }
+    out.faults = __reduce_or_sync(0xffffffffu, out.faults);
+    if (threadIdx.x % 32 == 0) warp_out[threadIdx.x / 32] = out;
+    __syncthreads();
+    if (threadIdx.x != 0) return;
+    for (int w = 1; w < Threads / 32; ++w) {
+        out.work += warp_out[w].work;
+        out.signal = fmaxf(out.signal, warp_out[w].signal);
+        out.moved = fmaxf(out.moved, warp_out[w].moved);
+        out.faults |= warp_out[w].faults;
+    }
+    *to = out;
+}
+
+template <class Real, int Threads, int MinBlocks, bool Narrow>
+__global__ void __launch_bounds__(Threads, MinBlocks) g2p(const __grid_constant__ View<Real> v) {
+    __shared__ NodeTile<Real, Narrow> tile;
+    const int b = v.chosen();
+    const std::uint32_t begin = v.first[b], end = v.first[b + 1];
+    Outcome out{0, 0, 0, 0, 0};
+    if (begin == end) {
+        if (threadIdx.x == 0) v.outcome[b] = out;
+        return;
+    }
+    load_tile(v, b, tile);
+    const Real dt = Real(*v.dt);
+#pragma unroll 1
+    for (std::uint32_t k = begin + threadIdx.x; k < end; k += Threads) {
+        const std::uint32_t s = v.slot[k];
+        Place<Real> x = load_row(v.p.place + s);
+        Row<Real> motion = load_row(v.p.motion + s), normal = load_row(v.p.normal + s), shear = load_row(v.p.shear + s);
+        const Gathered<Real> g = gather(tile, x);
+#pragma unroll
+        for (int q = 0; q < 3; ++q) {
+            const Real full = motion.e[q] + g.change[q];
+            motion.e[q] = fma(v.flip, full - g.velocity[q], g.velocity[q]);
+        }
+        v.moves[k] = advance_place(v, g.velocity, dt, x, out);
+        store_row(v.p.place + s, x);
+        update_stress(v, g, dt, x.mass, motion, normal, shear, out);
+        store_row(v.p.motion + s, motion);
+        store_row(v.p.normal + s, normal);
+        store_row(v.p.shear + s, shear);
+    }
+    store_outcome<Threads>(out, v.outcome + b);
+}
+
+}  // namespace lab

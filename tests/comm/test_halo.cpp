@@ -1,0 +1,154 @@
+#include "comm/halo.hpp"
+
+#include "comm/patch.hpp"
+#include "comm/random_world.hpp"
+#include "core/host.hpp"
+#include "core/nodes.hpp"
+
+using namespace moraine;
+using moraine::test::World;
+
+namespace {
+
+template <class R, int D>
+struct Case {
+    using Real = R;
+    static constexpr int dim = D;
+};
+
+/// A rank's patch in a world: one particle in those occupied blocks that hold any in this run.
+template <class Real, int Dim>
+struct Share {
+    const World<Dim>& world;
+    Patch<Host, Real, Dim> patch;
+
+    Share(const World<Dim>& w, int rank) : world(w), patch({}, w.stencil.width) {
+        FiledBlocks filed;
+        for (const OccupiedBlock& b : w.occupied) {
+            if (b.owner != rank || mix(b.key) % 4 == 0) continue;
+            filed.key.push_back(b.key);
+            filed.count.push_back(1);
+            filed.slot.push_back(patch.take_slots(1)[0]);
+            for (int a = 0; a < Dim; ++a) patch.particles.view().position[filed.slot.back()][a] = 0;
+        }
+        patch.install(make_epoch<Dim>(w.topology(), w.domain, w.stencil, rank), filed);
+    }
+
+    /// Tiles with numbers that depend on block, node and round alone; whatever else there is, is not a number.
+    void fill_tiles(std::uint64_t round) {
+        const TileView<Real> grid = patch.grid();
+        const int nodes = power<Dim>(tile_side(world.stencil.width));
+        const auto tiles = static_cast<std::int64_t>(patch.tables().ghost.size()) + patch.tiles_in_use();
+        std::fill_n(grid.tiles, tiles * nodes * node_reals, std::numeric_limits<Real>::quiet_NaN());
+        for (int b = 0; b < patch.own(); ++b) {
+            if (grid.tile_of[b] < 0) continue;
+            Real* to = grid.tiles + grid.tile_of[b] * nodes * node_reals;
+            const std::uint64_t salt = mix(round ^ mix(patch.tables().own[static_cast<std::size_t>(b)]));
+            for (int k = 0; k < nodes * node_reals; ++k) {
+                const int q = k % node_reals;
+                const double number = static_cast<double>(mix(salt + static_cast<unsigned>(k)) >> 11) * 0x1p-53;
+                const bool used = q <= Dim || (q >= quad && q < quad + Dim);
+                to[k] = used ? static_cast<Real>(q == 0 ? number + 0.5 : number - 0.5) : Real(0);
+            }
+        }
+    }
+
+    std::array<ExactSum, Dim> solve() {
+        std::vector<ExactSum> impulse(patch.node_blocks().size() * Dim);
+        const SolveNodes<Real, Dim> kernel{make_walls<Real, Dim>(world.scene),
+                                           patch.table(),
+                                           patch.grid(),
+                                           patch.node_blocks().data(),
+                                           world.stencil.width,
+                                           world.stencil.origin,
+                                           NodeTask::solve,
+                                           Real(0.1),
+                                           {},
+                                           Real(0.2),
+                                           Real(0.01),
+                                           Quantum::for_largest(1),
+                                           impulse.data()};
+        Host::launch_teams(static_cast<std::int64_t>(patch.node_blocks().size()), kernel);
+        std::array<ExactSum, Dim> all{};
+        for (std::size_t k = 0; k < impulse.size(); ++k) all[k % Dim].add(impulse[k]);
+        return all;
+    }
+
+    /// The values at node n of the tile of own block b.
+    const Real* node(int b, int n) {
+        const int side = tile_side(world.stencil.width);
+        int corner = 0, at = 0;
+        for (int a = 0; a < Dim; ++a, n /= side) {
+            corner |= (n % side / 4) << a;
+            at |= (n % side % 4) << (2 * a);
+        }
+        const std::int32_t c = patch.table().node_block[b * Block<Dim>::corners + corner];
+        return patch.grid().nodes + (patch.grid().node_of[c] * Block<Dim>::cells + at) * node_reals;
+    }
+};
+
+template <class Real, int Dim>
+void same_nodes_as_one_rank(const Comm& comm, std::uint64_t seed) {
+    const World<Dim> world(seed, comm.size()), alone(seed, 1);
+    Share<Real, Dim> share(world, comm.rank()), whole(alone, 0);
+    HostTransport wire(comm, 1);
+    Halo<Real, Dim> halo(share.patch.tables(), wire, world.stencil.width);
+    for (std::uint64_t round = 0; round < 2; ++round) {
+        share.fill_tiles(round);
+        whole.fill_tiles(round);
+        halo.start(share.patch.grid());
+        halo.finish(share.patch.grid(), share.patch.tile_of());
+        const std::array<ExactSum, Dim> mine = share.solve(), all = whole.solve();
+        int different = 0;
+        for (int b = 0; b < share.patch.own(); ++b) {
+            if (share.patch.grid().tile_of[b] < 0) continue;
+            const int other = whole.patch.tables().find_own(share.patch.tables().own[static_cast<std::size_t>(b)]);
+            for (int n = 0; n < power<Dim>(tile_side(world.stencil.width)); ++n)
+                different += std::memcmp(share.node(b, n), whole.node(other, n), node_reals * sizeof(Real)) != 0;
+        }
+        CHECK(different == 0);
+        // Each node is counted by one rank only, or the impulses of all ranks would not add up to the bit.
+        for (std::size_t a = 0; a < Dim; ++a) {
+            ExactSum sum;
+            for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine[a]})) sum.add(s);
+            CHECK(sum.high == all[a].high);
+            CHECK(sum.low == all[a].low);
+        }
+    }
+    if (comm.size() == 1) CHECK(halo.bytes() == 0);
+}
+
+}  // namespace
+
+TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
+TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
+TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
+TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
+
+TEST_CASE_TEMPLATE("nodes are the same to the bit on any number of ranks, and each is counted once", C, Case<float, 2>,
+                   Case<double, 2>, Case<float, 3>, Case<double, 3>) {
+    const Comm comm(MPI_COMM_WORLD);
+    for (std::uint64_t seed = 0; seed < (C::dim == 2 ? 40 : 16); ++seed) {
+        CAPTURE(seed);
+        same_nodes_as_one_rank<typename C::Real, C::dim>(comm, seed);
+    }
+}
+
+TEST_CASE("a halo message holds an occupancy byte per tile and the shared nodes of those that exist") {
+    const Comm comm(MPI_COMM_WORLD);
+    const World<2> world(4, comm.size());
+    Share<double, 2> share(world, comm.rank());
+    HostTransport wire(comm, 1);
+    Halo<double, 2> halo(share.patch.tables(), wire, world.stencil.width);
+    share.fill_tiles(0);
+    halo.start(share.patch.grid());
+    halo.finish(share.patch.grid(), share.patch.tile_of());
+    std::int64_t expected = 0;
+    for (const PeerHalo& peer : share.patch.tables().peers) {
+        expected += static_cast<std::int64_t>(padded(peer.send.block.size()));
+        for (std::size_t t = 0; t < peer.send.block.size(); ++t)
+            if (share.patch.grid().tile_of[peer.send.block[t]] >= 0)
+                expected += (peer.send.first[t + 1] - peer.send.first[t]) * 5 * 8;
+    }
+    CHECK(halo.bytes() == expected);
+}
