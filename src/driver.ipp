@@ -1,6 +1,7 @@
 // Definitions of driver.hpp.
 
 #include <chrono>
+#include <filesystem>
 
 #include "picture.hpp"
 #include "store.hpp"
@@ -42,7 +43,11 @@ void Driver<Space, Real, Dim>::begin() {
     start_wall_ = wall_clock();
     const bool restarting = !options_.restart.empty();
     RunClaim claim = options_.overwrite ? RunClaim::overwrite : RunClaim::fresh;
-    if (restarting && !options_.overwrite) claim = RunClaim::resume;
+    std::error_code none;
+    const auto source = std::filesystem::path(options_.restart).parent_path();
+    if (restarting && !options_.overwrite &&
+        std::filesystem::equivalent(source.empty() ? "." : source, directory_, none))
+        claim = RunClaim::resume;
     check_run_directory(comm_, directory_, claim);
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
@@ -54,12 +59,12 @@ void Driver<Space, Real, Dim>::begin() {
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
     claim_run_directory(comm_, directory_, claim);
     const RunClock<Dim>& clock = sim_.clock();
-    open_records(restarting ? std::optional(clock.time) : std::nullopt, clock.step);
+    open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
     next_output_ = next_multiple(scene_.output.interval, clock.time);
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
-    if (!restarting) output();
+    if (claim != RunClaim::resume) output();
 }
 
 template <class Space, class Real, int Dim>

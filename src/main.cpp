@@ -60,6 +60,9 @@ void choose_threads() {
 void execute(const Options& options, const Comm& comm) {
     if (options.device == "cuda")
         throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");
+    if (options.transport != "auto" && options.transport != "host")
+        throw InputError("This program was built without CUDA (--transport " + options.transport +
+                         " moves device memory). Use --transport host?");
     const Scene scene = read_agreed(comm, options);
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));

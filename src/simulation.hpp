@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -163,6 +164,7 @@ class Simulation {
     void apply_body_force();
 
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
+    std::int64_t occupied_cells(std::span<const std::uint32_t> slots) const;
     std::vector<BlockLoad> gather_loads(const FiledBlocks& mine) const;
     void begin_epoch(const FiledBlocks& filed);
     void end_epoch();

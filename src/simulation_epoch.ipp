@@ -2,6 +2,19 @@
 
 namespace moraine {
 
+/// Cells of a block that hold particles.
+template <class Space, class Real, int Dim>
+std::int64_t Simulation<Space, Real, Dim>::occupied_cells(std::span<const std::uint32_t> slots) const {
+    const ParticleView<Real, Dim> p = patch_->particles.view();
+    std::uint64_t seen = 0;
+    for (std::uint32_t s : slots) {
+        int cell = 0;
+        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(p.position[s][a]);
+        seen |= std::uint64_t(1) << cell;
+    }
+    return std::popcount(seen);
+}
+
 /// Occupied blocks of all ranks, in key order; a block held by several ranks (seeding) is one entry.
 template <class Space, class Real, int Dim>
 std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlocks& mine) const {
@@ -11,13 +24,13 @@ std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlo
     std::sort(all.begin(), all.end(), [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
     std::vector<BlockLoad> loads;
     for (const BlockLoad& row : all) {
-        if (!loads.empty() && loads.back().key == row.key)
+        if (!loads.empty() && loads.back().key == row.key) {
             loads.back().particles += row.particles;
-        else
+            loads.back().weight += row.weight;
+        } else {
             loads.push_back(row);
+        }
     }
-    for (BlockLoad& load : loads)
-        load.weight = weight_(load.particles, std::min<std::int64_t>(load.particles, Block<Dim>::cells));
     return loads;
 }
 

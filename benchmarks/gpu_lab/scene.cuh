@@ -22,7 +22,7 @@ struct SceneSpec {
     bool fold = true;
     static constexpr double h = 0.1, density = 1000, young = 3e5, poisson = 0.3, su = 500;
     static constexpr double dt = 1e-3;
-    double speed() const { return stride * 0.01 * h / dt; }
+    MORAINE_HD double speed() const { return stride * 0.01 * h / dt; }
     long long particles() const { return 8ll * cells[0] * cells[1] * body; }
 };
 

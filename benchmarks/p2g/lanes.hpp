@@ -11,6 +11,17 @@ struct LaneSums {
     static constexpr int lanes = 32 / sizeof(Real);
     typedef Real Register __attribute__((vector_size(32)));
 
+    static Register fused(Register a, Register b, Register c) {
+#if defined(MORAINE_QUAD_INTRINSICS)
+        if constexpr (sizeof(Real) == 8)
+            return _mm256_fmadd_pd(a, b, c);
+        else
+            return _mm256_fmadd_ps(a, b, c);
+#else
+        return a * b + c;
+#endif
+    }
+
     /// Numbers of `lanes` particles: w[3][3], dw[3][3], carried[4], traction[3][3] by component.
     struct Group {
         Register w[3][3], dw[3][3], carried[4], traction[3][3];
@@ -33,9 +44,9 @@ struct LaneSums {
             const Register w = g.w[0][i] * wyz;
             const Register d[3] = {g.dw[0][i] * wyz, g.w[0][i] * (g.dw[1][j] * g.w[2][k]),
                                    g.w[0][i] * (g.w[1][j] * g.dw[2][k])};
-            for (int a = 0; a < 4; ++a) sums[n][a] += w * g.carried[a];
+            for (int a = 0; a < 4; ++a) sums[n][a] = fused(w, g.carried[a], sums[n][a]);
             for (int a = 0; a < 3; ++a)
-                sums[n][4 + a] += d[0] * g.traction[0][a] + d[1] * g.traction[1][a] + d[2] * g.traction[2][a];
+                for (int c = 0; c < 3; ++c) sums[n][4 + a] = fused(d[c], g.traction[c][a], sums[n][4 + a]);
         }
     }
 };

@@ -4,7 +4,7 @@
 //
 // Every variant sums the same particles (a cube of N^3 full blocks, 3-D, quadratic, FLIP), is checked
 // against a plain reference in double, then timed; the runs of the variants are interleaved. --write
-// puts the JSON lines into DIR/results.jsonl and the table into DIR/table.md.
+// puts the table into DIR/results.md and the JSON lines into DIR/results.jsonl.
 
 #include <fmt/format.h>
 
@@ -38,20 +38,28 @@ struct Laboratory {
         const double tile = 2 * tile_bytes<Real>;
         const double nodes = 2.0 * node_reals * sizeof(Real) / Sample<Real>::per_cell;
         variants = {
-            {"the program", [this] { sum_program(); }, bring_tiles, reads + tile},
+            {"the program", [this] { sum_program(); }, bring_tiles, reads + tile, "what src/core/p2g.hpp does"},
             {"cell sums, factors shared along a row", [this] { sum_cells<Real, true>(tiles); }, bring_tiles,
-             reads + tile},
-            {"cell sums, weights at every node", [this] { sum_cells<Real, false>(tiles); }, bring_tiles, reads + tile},
-            {"cell sums, scalar", [this] { sum_scalars(tiles); }, bring_tiles, reads + tile},
-            {"cell sums, particles as lanes", [this] { sum_lanes(tiles); }, bring_tiles, reads + tile},
-            {"particle by particle into the tile", [this] { sum_straight(tiles); }, bring_tiles, reads + tile},
-            {"scatter to the shared grid", [this] { scatter(sample, grid); }, nothing, reads + nodes},
+             reads + tile, "three fused multiply-adds per node, no weight is multiplied out"},
+            {"cell sums, weights at every node", [this] { sum_cells<Real, false>(tiles); }, bring_tiles, reads + tile,
+             "four fused multiply-adds and four scalar products with broadcasts per node"},
+            {"cell sums, scalar", [this] { sum_scalars(tiles); }, bring_tiles, reads + tile,
+             "thirteen fused multiply-adds per node instead of four registers' worth"},
+            {"cell sums, particles as lanes", [this] { sum_lanes(tiles); }, bring_tiles, reads + tile,
+             "a cell's sums fill 6 KiB, a cell has too few particles, and each node ends with a sum across lanes"},
+            {"particle by particle into the tile", [this] { sum_straight(tiles); }, bring_tiles, reads + tile,
+             "close to cell sums in one thread; on a device it needs atomics, and the order of a sum is that of the "
+             "list"},
+            {"scatter to the shared grid", [this] { scatter(sample, grid); }, nothing, reads + nodes,
+             "nodes of neighbour rows lie far apart; a second thread or rank needs atomics or colours"},
             {"atomics on the shared grid, 2 threads", [this] { scatter_atomic(sample, grid, 2); }, nothing,
-             reads + nodes, 2},
+             reads + nodes, "seven locked operations per node; the order of a sum is an accident", 2},
             {"node-wise gather, lists made", [this] { lists.make(sample), lists.gather(sample, grid); }, nothing,
-             27 * (2 * 8 + reads / Sample<Real>::per_cell) + nodes},
+             27 * (2 * 8 + reads / Sample<Real>::per_cell) + nodes,
+             "each particle is read and its weights are made 27 times; lists of 27 entries per particle are made each "
+             "step"},
             {"node-wise gather, lists given", [this] { lists.gather(sample, grid); }, nothing,
-             27 * (8 + reads / Sample<Real>::per_cell) + nodes},
+             27 * (8 + reads / Sample<Real>::per_cell) + nodes, "as above, without the making of the lists"},
         };
     }
 
@@ -111,10 +119,10 @@ void compare(const Options& o, double copied, std::string& table, std::string& j
         const Spread s = spread_of(sum[v]);
         const double b = spread_of(bring[v]).median;
         const double rate = lab.variants[v].bytes * n / s.median;
-        table += fmt::format("| {} | {} | {:.1f} | {:.1f} % | {:.1f} | {:.2f} | {:.0f} | {:.0f} % | {:.1e} |\n",
+        table += fmt::format("| {} | {} | {:.1f} | {:.1f} % | {:.1f} | {:.2f} | {:.0f} | {:.0f} % | {:.1e} | {} |\n",
                              lab.variants[v].name, single ? "single" : "double", 1e9 * s.median / n,
                              100 * s.deviation / s.median, 1e9 * b / n, (s.median + b) / program, lab.variants[v].bytes,
-                             100 * rate / copied, error[v]);
+                             100 * rate / copied, error[v], lab.variants[v].why);
         json += fmt::format(
             R"({{"benchmark": "p2g", "scene": "{} blocks, {}", "variant": "{}", {}, "ranks": 1, "threads": {}, "work_items": {:.0f}, )"
             R"("runs": {}, "median_s": {:.6f}, "spread_s": {:.6f}, "tiles_to_grid_s": {:.6f}, "bytes": {:.0f}, "error": {:.2e}}})"
@@ -131,13 +139,15 @@ void run(const Options& o) {
         "{}\n\nOne core copies {:.1f} GB/s (read and written). {} particles, median of {} runs.\n\n"
         "| variant | precision | sum [ns per particle] | spread | tiles to grid [ns] | time over the program's | bytes "
         "per particle "
-        "| of copy rate | error |\n|---|---|---|---|---|---|---|---|---|\n",
+        "| of copy rate | error | why |\n|---|---|---|---|---|---|---|---|---|---|\n",
         machine_sentence(this_machine()), 1e-9 * copied, o.blocks * o.blocks * o.blocks * 512, o.runs);
     compare<double>(o, copied, table, json);
     compare<float>(o, copied, table, json);
     fmt::print("{}\n{}", table, json);
     if (o.write.empty()) return;
-    std::ofstream(o.write + "/table.md") << table;
+    std::ofstream(o.write + "/results.md")
+        << "# Particle-to-grid transfers on the host\n\nMade by `benchmark_p2g --write DIR`. Losers stay.\n\n"
+        << table;
     std::ofstream(o.write + "/results.jsonl") << json;
 }
 

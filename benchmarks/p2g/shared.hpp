@@ -32,14 +32,8 @@ void scatter(Sample<Real>& s, GridSums<Real>& grid) {
     const auto context = s.context();
     std::fill(grid.begin(), grid.end(), Real(0));
     each_listed(s, 0, s.blocks(), [&](std::uint32_t slot, std::size_t start) {
-        Quad<Real> brought[54];
-        for (Quad<Real>& q : brought) q = Quad<Real>::zero();
-        add_by_rows(Brought<Real>(context, p, slot), brought);
-        for (int n = 0; n < 27; ++n) {
-            Real* to = grid.data() + (start + s.node(n % 3, n / 3 % 3, n / 9)) * node_reals;
-            (Quad<Real>::load(to) + brought[2 * n]).store(to);
-            (Quad<Real>::load(to + quad) + brought[2 * n + 1]).store(to + quad);
-        }
+        add_in_place(Brought<Real>(context, p, slot),
+                     [&](int i, int j, int k) { return grid.data() + (start + s.node(i, j, k)) * node_reals; });
     });
 }
 

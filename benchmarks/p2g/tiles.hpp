@@ -85,6 +85,25 @@ MORAINE_HD void add_by_rows(const Brought<Real>& p, Quad<Real>* sums) {
         }
 }
 
+/// As add_by_rows, into nodes that lie anywhere: at(i, j, k) is where a node's reals are.
+template <class Real, class At>
+MORAINE_HD void add_in_place(const Brought<Real>& p, const At& at) {
+    using Q = Quad<Real>;
+    for (int k = 0; k < 3; ++k)
+        for (int j = 0; j < 3; ++j) {
+            const Real wyz = p.n.w[1][j] * p.n.w[2][k];
+            const Q carried = wyz * p.carried;
+            const Q along = wyz * p.traction[0];
+            const Q across =
+                fma(p.n.w[1][j] * p.n.dw[2][k], p.traction[2], (p.n.dw[1][j] * p.n.w[2][k]) * p.traction[1]);
+            for (int i = 0; i < 3; ++i) {
+                Real* to = at(i, j, k);
+                fma(p.n.w[0][i], carried, Q::load(to)).store(to);
+                fma(p.n.dw[0][i], along, fma(p.n.w[0][i], across, Q::load(to + quad))).store(to + quad);
+            }
+        }
+}
+
 /// Adds a cell's sums to its tile.
 template <class Real>
 MORAINE_HD void add_stencil(const Quad<Real>* sums, Real* to) {
@@ -120,12 +139,10 @@ void sum_straight(Tiles<Real>& tiles) {
     const auto p = tiles.sample.view();
     const auto context = tiles.sample.context();
     tiles.each_cell([&](std::uint32_t from, std::uint32_t end, Real* to) {
-        for (std::uint32_t k = from; k < end; ++k) {
-            Quad<Real> brought[54];
-            for (Quad<Real>& q : brought) q = Quad<Real>::zero();
-            add_by_rows(Brought<Real>(context, p, tiles.sample.slot[k]), brought);
-            add_stencil(brought, to);
-        }
+        constexpr int side = tile_side(3);
+        for (std::uint32_t k = from; k < end; ++k)
+            add_in_place(Brought<Real>(context, p, tiles.sample.slot[k]),
+                         [&](int i, int j, int l) { return to + (i + side * (j + side * l)) * node_reals; });
     });
 }
 

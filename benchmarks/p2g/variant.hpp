@@ -15,7 +15,8 @@ struct Variant {
     std::string name;
     std::function<void()> sum;
     std::function<void(GridSums<Real>&)> bring;
-    double bytes;  ///< moved by `sum` between core and memory, per particle, estimated
+    double bytes;     ///< moved by `sum` between core and memory, per particle, estimated
+    const char* why;  ///< it won or lost
     int threads = 1;
 };
 

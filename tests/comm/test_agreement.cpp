@@ -1,6 +1,6 @@
-#include "comm/agreement.hpp"
-
 #include <doctest/doctest.h>
+
+#include "comm/agreement.hpp"
 
 using namespace moraine;
 

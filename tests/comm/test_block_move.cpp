@@ -1,5 +1,4 @@
 #include "comm/block_move.hpp"
-
 #include "comm/crowd.hpp"
 
 using namespace moraine;
@@ -58,8 +57,8 @@ TEST_CASE("all blocks may go to one rank, and back; ranks may be left with nothi
     for (int owner = crowd.comm.size() - 1; owner >= 0; --owner) {
         const FiledBlocks filed = crowd.patch.filed();
         BlockMoveCount moved;
-        crowd.begin_epoch(move_blocks(crowd.comm, crowd.patch, filed,
-                                      std::vector<std::int32_t>(filed.key.size(), owner), moved));
+        crowd.begin_epoch(
+            move_blocks(crowd.comm, crowd.patch, filed, std::vector<std::int32_t>(filed.key.size(), owner), moved));
         CHECK(crowd.patch.count() == (crowd.comm.rank() == owner ? 500 : 0));
         CHECK(crowd.rows() == before);
     }
@@ -89,8 +88,12 @@ TEST_CASE("parts of one block that come from several ranks are joined in rank or
         for (std::uint64_t r = 0; r < static_cast<std::uint64_t>(n); ++r)
             for (std::uint64_t s = from(r); s < to(r); ++s) expected.push_back(100 * r + s);
     };
-    if (first) add(10, [](auto) { return std::uint64_t(0); }, [](auto r) { return 1 + r; });
-    if (last) add(20, [](auto r) { return 1 + r; }, [](auto r) { return 3 + r; });
+    if (first)
+        add(
+            10, [](auto) { return std::uint64_t(0); }, [](auto r) { return 1 + r; });
+    if (last)
+        add(
+            20, [](auto r) { return 1 + r; }, [](auto r) { return 3 + r; });
     std::vector<std::uint64_t> ids;
     for (std::uint32_t s : got.slot) ids.push_back(patch.particles.view().id[s]);
     CHECK(got.key == keys);

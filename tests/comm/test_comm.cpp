@@ -1,7 +1,6 @@
-#include "comm/comm.hpp"
-
 #include <doctest/doctest.h>
 
+#include "comm/comm.hpp"
 #include "core/error.hpp"
 
 using namespace moraine;

@@ -1,7 +1,6 @@
-#include "comm/epoch.hpp"
-
 #include <map>
 
+#include "comm/epoch.hpp"
 #include "comm/random_world.hpp"
 
 using namespace moraine;
@@ -39,7 +38,7 @@ std::map<Key, std::vector<std::uint16_t>> named(const EpochTables<Dim>& t, const
     for (std::size_t k = 0; k < list.block.size(); ++k) {
         const auto block = static_cast<std::size_t>(list.block[k]);
         tiles[ghosts ? t.ghost[block] : t.own[block]] = {list.node.begin() + list.first[k],
-                                                        list.node.begin() + list.first[k + 1]};
+                                                         list.node.begin() + list.first[k + 1]};
     }
     return tiles;
 }
@@ -65,8 +64,7 @@ void every_block_has_one_owner() {
             for (std::size_t i = 0; i < both.size(); ++i) REQUIRE(both[i] == static_cast<std::int32_t>(i));
         }
         REQUIRE(owner.size() == topology.keys.size());
-        for (std::size_t i = 0; i < topology.keys.size(); ++i)
-            REQUIRE(owner.at(topology.keys[i]) == topology.owner[i]);
+        for (std::size_t i = 0; i < topology.keys.size(); ++i) REQUIRE(owner.at(topology.keys[i]) == topology.owner[i]);
     });
 }
 
@@ -144,8 +142,10 @@ void own_nodes_get_every_tile() {
                 std::vector<std::uint16_t> needed;
                 for (int n = 0; n < nodes; ++n)
                     if (touched.contains(world.tile_node(at, n))) needed.push_back(static_cast<std::uint16_t>(n));
-                if (needed.empty()) REQUIRE(!received.contains(topology.keys[i]));
-                else REQUIRE(received.at(topology.keys[i]) == needed);
+                if (needed.empty())
+                    REQUIRE(!received.contains(topology.keys[i]));
+                else
+                    REQUIRE(received.at(topology.keys[i]) == needed);
             }
         }
     });

@@ -1,5 +1,4 @@
 #include "comm/halo.hpp"
-
 #include "comm/patch.hpp"
 #include "comm/random_world.hpp"
 #include "core/host.hpp"

@@ -1,6 +1,5 @@
-#include "comm/migration.hpp"
-
 #include "comm/crowd.hpp"
+#include "comm/migration.hpp"
 
 using namespace moraine;
 using moraine::test::Crowd;
@@ -31,7 +30,7 @@ void walks_as_on_one_rank(const Scene& scene, std::uint64_t walkers, bool open) 
         const auto displacement = [n](std::uint64_t id, int a) {
             return 1.9 * fraction(mix(mix(id ^ n << 32) + static_cast<unsigned>(a))) - 0.95;
         };
-        const auto leaves = [&](std::uint64_t id) { return open && mix(id + n) % 60 == 0; };
+        const auto leaves = [&](std::uint64_t id) { return open && mix(~id ^ n << 32) % 60 == 0; };
         crowd.step(displacement, leaves);
         alone.step(displacement, leaves);
         REQUIRE(crowd.rows() == alone.rows());
@@ -109,9 +108,11 @@ TEST_CASE("what crossed is counted and its slots are used again") {
         crowd.step([there](std::uint64_t, int) { return there; }, [](std::uint64_t) { return false; });
     }
     const std::int64_t crossed = crowd.comm.sum(crowd.migration->crossed());
-    if (crowd.comm.size() == 1) CHECK(crossed == 0);
-    else CHECK(crossed > 500);
+    if (crowd.comm.size() == 1)
+        CHECK(crossed == 0);
+    else
+        CHECK(crossed > 500);
     CHECK(crowd.comm.sum(crowd.patch.count()) == 2000);
     // There and back again: no more slots than one round of arrivals needed at most.
-    CHECK(crowd.comm.sum(static_cast<std::int64_t>(crowd.patch.particles.size())) < 2000 + crossed / 4);
+    CHECK(crowd.comm.sum(static_cast<std::int64_t>(crowd.patch.particles.size())) <= 2000 + crossed / 4);
 }

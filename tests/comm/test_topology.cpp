@@ -1,6 +1,5 @@
-#include "comm/topology.hpp"
-
 #include "comm/random_world.hpp"
+#include "comm/topology.hpp"
 
 using namespace moraine;
 using moraine::test::World;

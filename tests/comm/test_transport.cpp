@@ -1,5 +1,4 @@
 #include "comm/transport.hpp"
-
 #include "comm/transport_conformance.hpp"
 
 using namespace moraine;

@@ -77,8 +77,12 @@ struct Sample {
 
     TransferCall<Real, Dim> call() {
         const std::span<const std::int32_t> blocks = patch.blocks();
-        return {method.context, patch.particles.view(), patch.table(),
-                patch.list(),   patch.grid(),           blocks.data(),
+        return {method.context,
+                patch.particles.view(),
+                patch.table(),
+                patch.list(),
+                patch.grid(),
+                blocks.data(),
                 static_cast<std::int64_t>(blocks.size())};
     }
 
@@ -90,9 +94,9 @@ struct Sample {
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 std::array<double, Dim> x{};
                 for (int a = 0; a < Dim; ++a)
-                    x[static_cast<std::size_t>(a)] = local_of<Real>(patch.table().position[b][a],
-                                                                    patch.particles.view().position[list.slot[k]][a]) -
-                                                     method.stencil.offset();
+                    x[static_cast<std::size_t>(a)] =
+                        local_of<Real>(patch.table().position[b][a], patch.particles.view().position[list.slot[k]][a]) -
+                        method.stencil.offset();
                 f(list.slot[k], x);
             }
     }
@@ -159,8 +163,8 @@ using PerAxis = std::type_identity_t<std::array<T, static_cast<std::size_t>(Dim)
 struct AxisWeight {
     int node;
     double w;
-    double dw;       ///< [1/cell]
-    double distance; ///< x_i - x_p [cells]
+    double dw;        ///< [1/cell]
+    double distance;  ///< x_i - x_p [cells]
 };
 
 /// Weights along one axis; ghosts behind closed walls follow by linear extrapolation.
@@ -193,8 +197,7 @@ using Node = std::array<int, Dim>;
 
 /// Calls f(node, w, dw [1/cell] per axis, x_i - x_p [cells] per axis) for each node that the particle reaches.
 template <class Real, int Dim, class F>
-void each_weight(Sample<Real, Dim>& sample, std::uint32_t slot, const PerAxis<double, Dim>& x,
-                 const F& f) {
+void each_weight(Sample<Real, Dim>& sample, std::uint32_t slot, const PerAxis<double, Dim>& x, const F& f) {
     const ParticleView<Real, Dim> p = sample.patch.particles.view();
     std::array<std::vector<AxisWeight>, 3> axis;
     axis[2] = {{0, 1, 0, 0}};

@@ -1,10 +1,10 @@
-#include "core/exact_sum.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
+
+#include "core/exact_sum.hpp"
 
 using namespace moraine;
 

@@ -1,11 +1,10 @@
-#include "core/filing.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <random>
 
 #include "comm/patch.hpp"
+#include "core/filing.hpp"
 #include "core/host.hpp"
 
 using namespace moraine;
@@ -51,12 +50,12 @@ class Reference {
     void file(const std::vector<std::vector<std::pair<int, int>>>& moves) {
         std::vector<std::vector<Entry>> next(lists.size());
         for (std::size_t b = 0; b < lists.size(); ++b) {
-            take(b, Block<Dim>::centre, b, moves, next[b]);
+            take(b, Block<Dim>::centre, moves, next[b]);
             for (int code = 0; code < Block<Dim>::offsets; ++code) {
                 if (code == Block<Dim>::centre) continue;
                 BlockPosition<Dim> from = position(b);
                 for (int a = 0; a < Dim; ++a) from[static_cast<std::size_t>(a)] += Block<Dim>::offset(code, a);
-                take(index(from), Block<Dim>::opposite(code), b, moves, next[b]);
+                take(index(from), Block<Dim>::opposite(code), moves, next[b]);
             }
             std::stable_sort(next[b].begin(), next[b].end(),
                              [](const Entry& x, const Entry& y) { return x.cell < y.cell; });
@@ -65,7 +64,7 @@ class Reference {
     }
 
   private:
-    void take(std::size_t from, int code, std::size_t, const std::vector<std::vector<std::pair<int, int>>>& moves,
+    void take(std::size_t from, int code, const std::vector<std::vector<std::pair<int, int>>>& moves,
               std::vector<Entry>& to) const {
         for (std::size_t k = 0; k < lists[from].size(); ++k)
             if (moves[from][k].first == code) to.push_back({lists[from][k].slot, moves[from][k].second});
@@ -112,9 +111,9 @@ struct Setup {
         }
         const DomainBlocks<Dim> domain(scene);
         const Stencil stencil = stencil_of(scene.shape);
-        patch.install(make_epoch<Dim>(make_topology<Dim>(domain, occupied, [](const auto&) { return 0; }), domain,
-                                      stencil, 0),
-                      filed);
+        patch.install(
+            make_epoch<Dim>(make_topology<Dim>(domain, occupied, [](const auto&) { return 0; }), domain, stencil, 0),
+            filed);
     }
 
     /// Moves each particle with the given chances, in the patch and in the reference, and files both.

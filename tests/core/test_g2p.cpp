@@ -1,7 +1,6 @@
-#include "core/g2p.hpp"
-
 #include <doctest/doctest.h>
 
+#include "core/g2p.hpp"
 #include "core/hash.hpp"
 #include "core/sample.hpp"
 
@@ -23,8 +22,8 @@ template <class Real, int Dim>
 struct Recorder final : LawBatch<Real, Dim> {
     mutable std::map<std::uint32_t, Mat<Real, Dim>> seen;
 
-    void update(const ParticleView<Real, Dim>&, const std::uint32_t* slots, const Mat<Real, Dim>* gradients, int n, Real,
-                const std::uint16_t*, int, BlockOutcome&) const override {
+    void update(const ParticleView<Real, Dim>&, const std::uint32_t* slots, const Mat<Real, Dim>* gradients, int n,
+                Real, const std::uint16_t*, int, BlockOutcome&) const override {
         for (int k = 0; k < n; ++k) seen[slots[k]] = gradients[k];
     }
     double strain_energy(const ParticleView<Real, Dim>&, std::uint32_t) const override { return 0; }
@@ -49,9 +48,9 @@ std::map<std::uint32_t, Mat<Real, Dim>> gather(Sample<Real, Dim>& sample, unsign
     }
     const Recorder<Real, Dim> recorder;
     const LawBatch<Real, Dim>* laws[] = {&recorder};
-    const GatherCall<Real, Dim> call{{laws, 1, nullptr},     sample.method.ends,    what,
-                                     sample.method.tpic,     sample.method.flip,    static_cast<Real>(dt),
-                                     sample.patch.moves(),   sample.patch.leavers(), sample.patch.shuffled(),
+    const GatherCall<Real, Dim> call{{laws, 1, nullptr},    sample.method.ends,     what,
+                                     sample.method.tpic,    sample.method.flip,     static_cast<Real>(dt),
+                                     sample.patch.moves(),  sample.patch.leavers(), sample.patch.shuffled(),
                                      sample.patch.outcome()};
     sample.method.kernels.g2p(sample.call(), call);
     return recorder.seen;
@@ -141,7 +140,8 @@ TEST_CASE_TEMPLATE("velocities, gradients and affine fields are those of a plain
         });
         const double dt = 0.125;
         const auto gradients = gather(
-            sample, gather_velocity | gather_gradient, dt, [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
+            sample, gather_velocity | gather_gradient, dt,
+            [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
             [](const Node<dim>& n, int a) { return noise<dim>(n, a, 2); });
         const double flip = double(sample.method.flip);
         double speed = 0, gradient = 0, affine = 0;
@@ -174,8 +174,7 @@ TEST_CASE_TEMPLATE("an affine velocity field is gathered exactly, next to walls 
         const auto slope = [](int a, int b) { return 0.5 * a - 0.25 * b + 0.125; };
         const auto field = [&](const auto& x, int a) {
             double v = 1 - a;
-            for (int b = 0; b < dim; ++b)
-                v += slope(a, b) * double(x[static_cast<std::size_t>(b)]) * sample.scene.cell;
+            for (int b = 0; b < dim; ++b) v += slope(a, b) * double(x[static_cast<std::size_t>(b)]) * sample.scene.cell;
             return v;
         };
         const auto p = sample.patch.particles.view();
@@ -202,8 +201,9 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
         sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& x) { before[s] = x; });
         const auto p = sample.patch.particles.view();
         const double dt = 0.4;  // up to 0.8 cells
-        gather(sample, gather_motion, dt, [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
-               [](const Node<dim>&, int) { return 0.0; });
+        gather(
+            sample, gather_motion, dt, [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
+            [](const Node<dim>&, int) { return 0.0; });
         const ListView<dim> list = sample.patch.list();
         int bad = 0;
         double worst = 0;

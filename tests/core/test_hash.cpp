@@ -1,10 +1,10 @@
-#include "core/hash.hpp"
-
 #include <doctest/doctest.h>
 
 #include <bit>
 #include <set>
 #include <vector>
+
+#include "core/hash.hpp"
 
 using namespace moraine;
 

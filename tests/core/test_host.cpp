@@ -1,11 +1,10 @@
-#include "core/host.hpp"
-
 #include <doctest/doctest.h>
 
 #include <atomic>
 #include <numeric>
 #include <random>
 
+#include "core/host.hpp"
 #include "core/particles.hpp"
 
 using namespace moraine;

@@ -1,7 +1,6 @@
-#include "core/nodes.hpp"
-
 #include <doctest/doctest.h>
 
+#include "core/nodes.hpp"
 #include "core/sample.hpp"
 
 using namespace moraine;

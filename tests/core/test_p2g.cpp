@@ -1,7 +1,6 @@
-#include "core/p2g.hpp"
-
 #include <doctest/doctest.h>
 
+#include "core/p2g.hpp"
 #include "core/sample.hpp"
 
 using namespace moraine;

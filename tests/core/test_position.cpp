@@ -1,8 +1,8 @@
-#include "core/position.hpp"
-
 #include <doctest/doctest.h>
 
 #include <random>
+
+#include "core/position.hpp"
 
 using namespace moraine;
 
@@ -43,7 +43,8 @@ TEST_CASE_TEMPLATE("the lower face of a block belongs to it and the upper one do
 TEST_CASE_TEMPLATE("place and local_of are inverses wherever the fraction can say it", Real, float, double) {
     std::mt19937_64 random(1);
     for (int k = 0; k < 10000; ++k) {
-        const double local = static_cast<double>(static_cast<std::int64_t>(random() % (1u << 28)) - (1 << 27)) / (1 << 20);
+        const double local =
+            static_cast<double>(static_cast<std::int64_t>(random() % (1u << 28)) - (1 << 27)) / (1 << 20);
         const Place<Real> at = place<Real>(local);
         REQUIRE(local_of<Real>(at.block, at.u) == local);
         REQUIRE(4 * at.block + cell_of<Real>(at.u) == static_cast<int>(std::floor(local)));
@@ -94,7 +95,8 @@ TEST_CASE_TEMPLATE("a million random moves never lose the block", Real, float, d
     for (int k = 0; k < 1000000; ++k) {
         const Real cells = static_cast<Real>(k % 3 == 0 ? step(random) * 1e-6 : step(random));
         block += advance<Real>(u, cells);
-        sum += static_cast<__int128>(llrintl(static_cast<long double>(cells) * static_cast<long double>(one_cell<Real>)));
+        sum +=
+            static_cast<__int128>(llrintl(static_cast<long double>(cells) * static_cast<long double>(one_cell<Real>)));
         walked += static_cast<long double>(cells);
     }
     CHECK((whole<Real>(block, u) - start == sum));

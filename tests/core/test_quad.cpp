@@ -1,8 +1,8 @@
-#include "core/quad.hpp"
-
 #include <doctest/doctest.h>
 
 #include <random>
+
+#include "core/quad.hpp"
 
 using namespace moraine;
 

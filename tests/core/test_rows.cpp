@@ -1,10 +1,9 @@
-#include "core/rows.hpp"
-
 #include <doctest/doctest.h>
 
 #include <random>
 
 #include "core/host.hpp"
+#include "core/rows.hpp"
 
 using namespace moraine;
 

@@ -1,9 +1,9 @@
-#include "core/shape.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "core/shape.hpp"
 
 using namespace moraine;
 
@@ -50,8 +50,8 @@ TYPE_TO_STRING_AS("quadratic double", Case<Quadratic, double>);
 TYPE_TO_STRING_AS("cubic float", Case<Cubic, float>);
 TYPE_TO_STRING_AS("cubic double", Case<Cubic, double>);
 
-#define EVERY_SHAPE                                                                                                  \
-    Case<Linear, float>, Case<Linear, double>, Case<Gimp, float>, Case<Gimp, double>, Case<Quadratic, float>,        \
+#define EVERY_SHAPE                                                                                           \
+    Case<Linear, float>, Case<Linear, double>, Case<Gimp, float>, Case<Gimp, double>, Case<Quadratic, float>, \
         Case<Quadratic, double>, Case<Cubic, float>, Case<Cubic, double>
 
 TEST_CASE_TEMPLATE("weights are positive and add up to one, slopes to zero", C, EVERY_SHAPE) {

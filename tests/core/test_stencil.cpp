@@ -1,10 +1,9 @@
-#include "core/stencil.hpp"
-
 #include <doctest/doctest.h>
 
 #include <set>
 
 #include "core/sample.hpp"
+#include "core/stencil.hpp"
 
 using namespace moraine;
 using moraine::test::Sample;

@@ -1,11 +1,10 @@
-#include "core/walls.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "core/shape.hpp"
+#include "core/walls.hpp"
 
 using namespace moraine;
 
@@ -49,7 +48,7 @@ TYPE_TO_STRING_AS("quadratic float", Case<Quadratic, float>);
 TYPE_TO_STRING_AS("quadratic double", Case<Quadratic, double>);
 TYPE_TO_STRING_AS("cubic float", Case<Cubic, float>);
 TYPE_TO_STRING_AS("cubic double", Case<Cubic, double>);
-#define WIDE_SHAPES                                                                                           \
+#define WIDE_SHAPES                                                                                             \
     Case<Gimp, float>, Case<Gimp, double>, Case<Quadratic, float>, Case<Quadratic, double>, Case<Cubic, float>, \
         Case<Cubic, double>
 
@@ -127,17 +126,17 @@ TEST_CASE_TEMPLATE("walls hold the nodes on them and behind them", Real, float, 
         for (int a = 0; a < 3; ++a) CHECK(at(i, 5, 5)[a] == 0);
     CHECK(at(5, 0, 5)[0] == 3);
     CHECK(at(5, -1, 5)[1] == 0);
-    CHECK(at(10, 10, 5)[0] == 3);       // no wall there
-    CHECK(at(5, 5, 10)[2] == 0);        // pressed: mu 10 = 5 is all of the speed along the wall
+    CHECK(at(10, 10, 5)[0] == 3);  // no wall there
+    CHECK(at(5, 5, 10)[2] == 0);   // pressed: mu 10 = 5 is all of the speed along the wall
     CHECK(at(5, 5, 10)[0] == 0);
-    walls.friction[2][1] = Real(0.1);   // takes 1 of 5
+    walls.friction[2][1] = Real(0.1);  // takes 1 of 5
     CHECK(at(5, 5, 11)[0] == doctest::Approx(2.4));
     CHECK(at(5, 5, 11)[1] == doctest::Approx(3.2));
-    CHECK(at(0, 5, 10)[2] == 0);        // in a corner both act
+    CHECK(at(0, 5, 10)[2] == 0);  // in a corner both act
     Vec<Real, 3> leaving{{3, 4, -10}};
     const int node[3] = {5, 5, 10};
     walls.constrain(node, leaving);
-    CHECK(leaving[2] == -10);           // a friction wall does not pull
+    CHECK(leaving[2] == -10);  // a friction wall does not pull
     CHECK(leaving[0] == 3);
 }
 

@@ -27,6 +27,13 @@ inline bool long_tests() {
     return set && std::string(set) == "1";
 }
 
+/// Prints a figure, once however many ranks there are.
+inline void say(const std::string& figure) {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0) MESSAGE(figure);
+}
+
 /// What a user may choose for one and the same scene.
 struct Choice {
     const char* name;

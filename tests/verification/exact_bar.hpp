@@ -12,10 +12,10 @@
 namespace moraine::verification {
 
 struct Bar {
-    double length = 25;   ///< L [m]
-    double young = 100;   ///< [Pa]
-    double density = 1;   ///< [kg/m3]
-    double speed = 0.1;   ///< v0 [m/s]
+    double length = 25;  ///< L [m]
+    double young = 100;  ///< [Pa]
+    double density = 1;  ///< [kg/m3]
+    double speed = 0.1;  ///< v0 [m/s]
 
     double wave_speed() const { return std::sqrt(young / density); }
     double wave_number() const { return std::numbers::pi / (2 * length); }

@@ -51,8 +51,7 @@ struct Manufactured {
         const double x = X[static_cast<std::size_t>(i)];
         const double F2 = std::pow(stretch(i, x, t), 2);
         const double ln_J = std::log(stretch(0, X[0], t) * stretch(1, X[1], t));
-        return k * k * displacement(i, x, t) / density *
-               (lambda() * (1 - ln_J) / F2 + mu() * (1 + 1 / F2) - young);
+        return k * k * displacement(i, x, t) / density * (lambda() * (1 - ln_J) / F2 + mu() * (1 + 1 / F2) - young);
     }
 };
 

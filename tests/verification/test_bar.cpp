@@ -81,8 +81,8 @@ Ringing ring(const Choice& choice, double periods, const Motion& motion) {
 
 Ringing report(const Choice& choice, double periods, const Motion& motion) {
     const Ringing r = ring(choice, periods, motion);
-    MESSAGE(fmt::format("E1 {}, {}, {} periods: dfreq {:+.2e}, E/E0 {:.4f}", choice.name, motion.name, periods,
-                        r.frequency_error, r.energy));
+    say(fmt::format("E1 {}, {}, {} periods: dfreq {:+.2e}, E/E0 {:.4f}", choice.name, motion.name, periods,
+                    r.frequency_error, r.energy));
     return r;
 }
 
@@ -123,9 +123,8 @@ TEST_CASE("E1: FLIP with MUSL gains energy once the bar drifts, so USL is the de
 }
 
 TEST_CASE("E1: all methods over 100 periods" * doctest::skip(!long_tests())) {
-    for (const Choice& choice :
-         {quadratic_flip_usl, quadratic_flip_musl, quadratic_apic_usl, quadratic_apic_usf, quadratic_apic_musl,
-          quadratic_tpic_usl, cubic_flip_usl, cubic_apic_usl, gimp_flip_usl, gimp_tpic_usl, contiguous_flip_usl,
-          contiguous_tpic_usl})
+    for (const Choice& choice : {quadratic_flip_usl, quadratic_flip_musl, quadratic_apic_usl, quadratic_apic_usf,
+                                 quadratic_apic_musl, quadratic_tpic_usl, cubic_flip_usl, cubic_apic_usl, gimp_flip_usl,
+                                 gimp_tpic_usl, contiguous_flip_usl, contiguous_tpic_usl})
         for (const Motion& motion : {free_end, standing, adrift}) report(choice, 100, motion);
 }

@@ -48,7 +48,8 @@ Settled settle(const Column& column, int cells, const Choice& choice, const std:
     });
     settled.stress /= column.base_pressure() * volume;
     const bool elastic = law == "linear-elastic";
-    const double top = column.height - (elastic ? column.place(column.height) : column.place_neo_hookean(column.height));
+    const double top =
+        column.height - (elastic ? column.place(column.height) : column.place_neo_hookean(column.height));
     settled.settlement = run.sum([&](const auto&, std::uint32_t, const auto& X, const auto& x) {
         const double error = x[1] - (elastic ? column.place(X[1]) : column.place_neo_hookean(X[1]));
         return particle * error * error;
@@ -75,10 +76,10 @@ std::vector<Settled> ladder(const Choice& choice, int rungs, const Column& colum
             orders = fmt::format(" (p {:.2f}, {:.2f})", order(last.stress, now.stress),
                                  order(last.settlement, now.settlement));
         }
-        MESSAGE(fmt::format("E2 {}{} {}, k l0 = {:.2g}, {} cells: stress {:.2e}, place {:.2e}{}, base {:.1e}, left {:.0e} c",
-                            choice.name, spline ? "" : ", plain ghost nodes,", law,
-                            column.base_pressure() / column.young, cells, now.stress, now.settlement, orders, now.base,
-                            now.speed));
+        say(fmt::format(
+            "E2 {}{} {}, k l0 = {:.2g}, {} cells: stress {:.2e}, place {:.2e}{}, base {:.1e}, left {:.0e} c",
+            choice.name, spline ? "" : ", plain ghost nodes,", law, column.base_pressure() / column.young, cells,
+            now.stress, now.settlement, orders, now.base, now.speed));
     }
     return all;
 }
@@ -128,8 +129,8 @@ TEST_CASE("E2: plain ghost nodes cost a quarter of the base pressure, boundary s
 }
 
 TEST_CASE("E2: long ladders and the hard case" * doctest::skip(!long_tests())) {
-    for (const Choice& choice : {gimp_flip_usl, contiguous_flip_usl, quadratic_flip_usl, quadratic_apic_usl,
-                                 cubic_flip_usl, cubic_apic_usl})
+    for (const Choice& choice :
+         {gimp_flip_usl, contiguous_flip_usl, quadratic_flip_usl, quadratic_apic_usl, cubic_flip_usl, cubic_apic_usl})
         ladder(choice, 5);
     for (const Choice& choice : {contiguous_flip_usl, quadratic_apic_usl, cubic_flip_usl}) ladder(choice, 3, hard);
     for (const Choice& choice : {gimp_flip_usl, quadratic_flip_usl}) ladder(choice, 4, {}, false);

@@ -71,8 +71,8 @@ constexpr Film herschel_bulkley{.consistency = 3200, .yield_stress = 2400, .expo
 
 Profile report(const char* name, const Film& film, int cells, const Choice& choice, bool spline = true) {
     const Profile r = flow(film, cells, choice, 3, spline);
-    MESSAGE(fmt::format("R9 {}, {}{}, {} cells: u {:.2e} (largest {:.1e}), shear stress {:.1e}", name, choice.name,
-                        spline ? "" : ", plain ghost nodes", cells, r.velocity, r.largest, r.stress));
+    say(fmt::format("R9 {}, {}{}, {} cells: u {:.2e} (largest {:.1e}), shear stress {:.1e}", name, choice.name,
+                    spline ? "" : ", plain ghost nodes", cells, r.velocity, r.largest, r.stress));
     return r;
 }
 
@@ -87,9 +87,7 @@ constexpr Named films[] = {{"Newton", newton}, {"Bingham", bingham}, {"Herschel-
 double creep(const Film& film, const Choice& choice) {
     const Scene scene = film_scene(film, 20, choice);
     Run<> run(scene);
-    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
-        p.stress[s][3] = film.shear_stress(X[1]);
-    });
+    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { p.stress[s][3] = film.shear_stress(X[1]); });
     const auto place = [&] {
         return run.sum([](const auto&, std::uint32_t, const auto&, const auto& x) { return x[0]; });
     };
@@ -133,7 +131,7 @@ TEST_CASE("R9: a film below its yield stress does not creep") {
     const Film still{.consistency = 2000, .yield_stress = 8400};  // 5 % above the stress at the base
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl}) {
         const double speed = creep(still, choice);
-        MESSAGE(fmt::format("R9 Bingham below yield, {}: creeps at {:.1e} of the fluid's speed", choice.name, speed));
+        say(fmt::format("R9 Bingham below yield, {}: creeps at {:.1e} of the fluid's speed", choice.name, speed));
         CHECK(speed <= 1e-6);
     }
 }

@@ -23,8 +23,10 @@ Scene square(const Manufactured& exact, int cells_per_wave, const Choice& choice
     scene.max = {side, exact.axes == 2 ? side : 4 * scene.cell, 0};
     choose(scene, choice);
     for (std::size_t a = 0; a < 2; ++a) {
-        if (periodic || static_cast<int>(a) >= exact.axes) make_periodic(scene, a);
-        else scene.walls[a][0].kind = scene.walls[a][1].kind = WallKind::free_slip;
+        if (periodic || static_cast<int>(a) >= exact.axes)
+            make_periodic(scene, a);
+        else
+            scene.walls[a][0].kind = scene.walls[a][1].kind = WallKind::free_slip;
     }
     const double modulus = exact.lambda() + 2 * exact.mu();
     scene.dt = cfl * scene.cell / std::sqrt(modulus / exact.density);
@@ -101,12 +103,12 @@ Orders converge(double amplitude, int axes, bool periodic, const Choice& choice,
         last = {order(last.finest.displacement, e.displacement), order(last.finest.stress, e.stress), e};
         line += fmt::format("; {}: u {:.2e}, stress {:.2e}", n, e.displacement, e.stress);
     }
-    MESSAGE(fmt::format("E3 A = {}, {}-D {}, {}{}; p {:.2f}, {:.2f}", amplitude, axes, periodic ? "periodic" : "walls",
-                        choice.name, line, last.displacement, last.stress));
+    say(fmt::format("E3 A = {}, {}-D {}, {}{}; p {:.2f}, {:.2f}", amplitude, axes, periodic ? "periodic" : "walls",
+                    choice.name, line, last.displacement, last.stress));
     return last;
 }
 
-constexpr double small = 1e-4;   ///< no particle changes its cell
+constexpr double small = 1e-4;  ///< no particle changes its cell
 constexpr double large = 0.05;  ///< they do from 16 cells on
 
 }  // namespace
@@ -114,8 +116,7 @@ constexpr double large = 0.05;  ///< they do from 16 cells on
 TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 1-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, quadratic_apic_musl, gimp_flip_usl,
                                  contiguous_tpic_usl, cubic_apic_usl})
-        for (bool periodic : {true, false})
-            CHECK(converge(small, 1, periodic, choice, {32, 64}).displacement >= 1.9);
+        for (bool periodic : {true, false}) CHECK(converge(small, 1, periodic, choice, {32, 64}).displacement >= 1.9);
 }
 
 TEST_CASE("E3: splines converge in stress at the same order, GIMP at first order") {
@@ -126,14 +127,12 @@ TEST_CASE("E3: splines converge in stress at the same order, GIMP at first order
 
 TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 2-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl})
-        for (bool periodic : {true, false})
-            CHECK(converge(small, 2, periodic, choice, {16, 32}).displacement >= 1.9);
+        for (bool periodic : {true, false}) CHECK(converge(small, 2, periodic, choice, {16, 32}).displacement >= 1.9);
 }
 
 TEST_CASE("E3: with cell crossing the displacement converges at the GATE of order 1.5 up to 64 cells") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, contiguous_tpic_usl})
-        for (bool periodic : {true, false})
-            CHECK(converge(large, 1, periodic, choice, {32, 64}).displacement >= 1.5);
+        for (bool periodic : {true, false}) CHECK(converge(large, 1, periodic, choice, {32, 64}).displacement >= 1.5);
     CHECK(converge(large, 2, true, quadratic_apic_usl, {32, 64}).displacement >= 1.5);
     CHECK(converge(large, 2, false, quadratic_flip_usl, {32, 64}).displacement >= 1.5);
 }

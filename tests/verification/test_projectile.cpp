@@ -47,7 +47,8 @@ Flight fly(const Choice& choice, bool leap_frog = true) {
     if (leap_frog)
         run.start_with([&](const auto& p, std::uint32_t s, const auto&) {
             for (int a = 0; a < 2; ++a)
-                p.velocity[s][a] = static_cast<Real>(projectile.velocity_at(static_cast<std::size_t>(a), -scene.dt / 2));
+                p.velocity[s][a] =
+                    static_cast<Real>(projectile.velocity_at(static_cast<std::size_t>(a), -scene.dt / 2));
         });
     while (projectile.path(0, run.time()) < 1000.1) run.steps(500);
     const double t = run.time();
@@ -76,8 +77,8 @@ template <class Real>
 void check(const std::string& name, const Choice& choice, bool leap_frog = true) {
     const bool fine = sizeof(Real) == 8;
     const Flight f = fly<Real>(choice, leap_frog);
-    MESSAGE(fmt::format("E6 {}, {}: {:.0f} cells, place {:.1e} of the path, stress {:.1e} E", name,
-                        fine ? "double" : "single", f.cells, f.place, f.stress));
+    say(fmt::format("E6 {}, {}: {:.0f} cells, place {:.1e} of the path, stress {:.1e} E", name,
+                    fine ? "double" : "single", f.cells, f.place, f.stress));
     CHECK(f.cells >= 1e4);
     CHECK(f.place <= (fine ? 1e-12 : 1e-5));
     CHECK(f.stress <= (fine ? 1e-12 : 1e-3));
