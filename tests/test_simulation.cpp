@@ -88,7 +88,8 @@ double unexplained_momentum(Simulation<Host, Real, Dim>& sim) {
     for (std::size_t a = 0; a < Dim; ++a) {
         const double gained = now.momentum[a] + sim.sum_of(sim.ledger().lost_momentum[a]) - clock.start_momentum[a];
         const double pulled = now.mass * clock.pull[a] + sim.sum_of(sim.ledger().lost_pull[a]);
-        worst = std::max(worst, std::fabs(gained - pulled - sim.sum_of(sim.ledger().impulse[a])));
+        const double left = std::fabs(gained - pulled - sim.sum_of(sim.ledger().impulse[a]));
+        if (!(left <= worst)) worst = std::isnan(left) ? HUGE_VAL : left;
     }
     return worst / (clock.start_mass * clock.signal);
 }

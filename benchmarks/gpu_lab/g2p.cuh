@@ -6,6 +6,7 @@
 // extrapolation, v_-1 = 2 v_0 - v_1: the same as folding each particle's weights, and no particle asks for walls.
 // Narrow: v and dv of a node as a quad and a pair (6 reals) instead of two quads.
 
+#include "copy_async.cuh"
 #include "view.cuh"
 
 namespace lab {
@@ -78,8 +79,45 @@ struct Gathered {
     Real velocity[3], change[3], gradient[3][3];  ///< gradient[b][a] = dv_a / d(x_b / h)
 };
 
+/// What to load at stencil node i of a line: the middle node itself, or the difference of the middle and an outer one.
+/// Then a line of v and its slope cost 4 products of three, not 6, and a line of dv 2, not 3.
+template <class Real>
+struct DifferenceTile {
+    NodeTile<Real, true> node;
+    NodeTile<Real, true> step;  ///< step[n] = node[n + 1] - node[n] along x
+};
+
 template <class Real, bool Narrow>
-__device__ __forceinline__ Gathered<Real> gather(const NodeTile<Real, Narrow>& tile, const Place<Real>& x) {
+__device__ __forceinline__ void line_of(const NodeTile<Real, Narrow>& tile, int at, const Real (&w)[3], const Real (&dw)[3],
+                                        Real (&lv)[3], Real (&ld)[3], Real (&lx)[3]) {
+#pragma unroll
+    for (int i = 0; i < 3; ++i) {
+        Real v[3], d[3];
+        tile.get(at + i, v, d);
+#pragma unroll
+        for (int q = 0; q < 3; ++q) {
+            lv[q] = i == 0 ? w[0] * v[q] : fma(w[i], v[q], lv[q]);
+            ld[q] = i == 0 ? w[0] * d[q] : fma(w[i], d[q], ld[q]);
+            lx[q] = i == 0 ? dw[0] * v[q] : fma(dw[i], v[q], lx[q]);
+        }
+    }
+}
+template <class Real>
+__device__ __forceinline__ void line_of(const DifferenceTile<Real>& tile, int at, const Real (&w)[3], const Real (&dw)[3],
+                                        Real (&lv)[3], Real (&ld)[3], Real (&lx)[3]) {
+    Real v[3], d[3];
+    tile.node.get(at + 1, lv, ld);
+    tile.step.get(at, v, d);
+#pragma unroll
+    for (int q = 0; q < 3; ++q) lv[q] = fma(-w[0], v[q], lv[q]), ld[q] = fma(-w[0], d[q], ld[q]), lx[q] = -dw[0] * v[q];
+    tile.step.get(at + 1, v, d);
+#pragma unroll
+    for (int q = 0; q < 3; ++q)
+        lv[q] = fma(w[2], v[q], lv[q]), ld[q] = fma(w[2], d[q], ld[q]), lx[q] = fma(dw[2], v[q], lx[q]);
+}
+
+template <class Real, class Tile>
+__device__ __forceinline__ Gathered<Real> gather(const Tile& tile, const Place<Real>& x) {
     Real w[3][3], dw[3][3];
     int at = 0;
 #pragma unroll
@@ -94,17 +132,7 @@ __device__ __forceinline__ Gathered<Real> gather(const NodeTile<Real, Narrow>& t
 #pragma unroll
         for (int j = 0; j < 3; ++j) {
             Real lv[3], ld[3], lx[3];
-#pragma unroll
-            for (int i = 0; i < 3; ++i) {
-                Real v[3], d[3];
-                tile.get(at + i + side * (j + side * k), v, d);
-#pragma unroll
-                for (int q = 0; q < 3; ++q) {
-                    lv[q] = i == 0 ? w[0][0] * v[q] : fma(w[0][i], v[q], lv[q]);
-                    ld[q] = i == 0 ? w[0][0] * d[q] : fma(w[0][i], d[q], ld[q]);
-                    lx[q] = i == 0 ? dw[0][0] * v[q] : fma(dw[0][i], v[q], lx[q]);
-                }
-            }
+            line_of(tile, at + side * (j + side * k), w[0], dw[0], lv, ld, lx);
 #pragma unroll
             for (int q = 0; q < 3; ++q) {
                 pv[q] = j == 0 ? w[1][0] * lv[q] : fma(w[1][j], lv[q], pv[q]);
@@ -148,12 +176,18 @@ __device__ __forceinline__ void update_stress(const View<Real>& v, const Gathere
     const Real volume = mass * v.inverse_density * J;
     for (int q = 0; q < 3; ++q) normal.e[q] = state.stress[q], shear.e[q] = state.stress[3 + q];
     normal.w = state.ln_J, shear.w = state.history[0], motion.w = volume;
-    out.work += 0.5 * double(volume * (contract(before, step.middle) + contract(state.stress, step.middle)));
-    const Vec<Real, 3> u = {{motion.e[0], motion.e[1], motion.e[2]}};
-    const float signal = float(signal_speed(v.law, state, u, J, v.inverse_density));
-    out.signal = signal > out.signal ? signal : out.signal;
-    if (!(step.stretch > Real(0))) out.faults |= step.stretch <= Real(0) ? fault_inverted : fault_nan;
-    if (!(signal < 1e30f) || !(contract(state.stress, state.stress) >= Real(0))) out.faults |= fault_nan;
+    Sym<Real, 3> both;
+    Real any = motion.e[0] * motion.e[0] + motion.e[1] * motion.e[1] + motion.e[2] * motion.e[2];
+    const float square = float(any), modulus = float(v.law.wave_modulus(state) * J);
+    for (int q = 0; q < 6; ++q) both[q] = before[q] + state.stress[q];
+    const Real power = volume * contract(both, step.middle);
+    out.work += 0.5 * double(power);
+    out.speed2 = square > out.speed2 ? square : out.speed2;
+    out.modulus = modulus > out.modulus ? modulus : out.modulus;
+    any = any * Real(0) + power * Real(0) + step.stretch * Real(0);  // 0 unless one of them is not finite
+    for (int q = 0; q < 6; ++q) any = fma(state.stress[q], Real(0), any);
+    if (!(any == Real(0))) out.faults |= fault_nan;
+    if (step.stretch <= Real(0)) out.faults |= fault_inverted;
 }
 
 /// New place; returns the move (src/core/g2p.hpp). Domain ends are walls here, not exits.
@@ -180,7 +214,8 @@ __device__ __forceinline__ void store_outcome(Outcome out, Outcome* to) {
 #pragma unroll
     for (int d = 16; d > 0; d /= 2) {
         out.work += __shfl_down_sync(0xffffffffu, out.work, d);
-        out.signal = fmaxf(out.signal, __shfl_down_sync(0xffffffffu, out.signal, d));
+        out.speed2 = fmaxf(out.speed2, __shfl_down_sync(0xffffffffu, out.speed2, d));
+        out.modulus = fmaxf(out.modulus, __shfl_down_sync(0xffffffffu, out.modulus, d));
         out.moved = fmaxf(out.moved, __shfl_down_sync(0xffffffffu, out.moved, d));
     }
     out.faults = __reduce_or_sync(0xffffffffu, out.faults);
@@ -189,11 +224,33 @@ __device__ __forceinline__ void store_outcome(Outcome out, Outcome* to) {
     if (threadIdx.x != 0) return;
     for (int w = 1; w < Threads / 32; ++w) {
         out.work += warp_out[w].work;
-        out.signal = fmaxf(out.signal, warp_out[w].signal);
+        out.speed2 = fmaxf(out.speed2, warp_out[w].speed2);
+        out.modulus = fmaxf(out.modulus, warp_out[w].modulus);
         out.moved = fmaxf(out.moved, warp_out[w].moved);
         out.faults |= warp_out[w].faults;
     }
     *to = out;
+}
+
+template <class Real>
+__device__ __forceinline__ void take_steps(DifferenceTile<Real>& tile) {
+    for (int n = int(threadIdx.x); n < tile_nodes - 1; n += int(blockDim.x)) {
+        Real v[3], d[3], v1[3], d1[3];
+        tile.node.get(n, v, d), tile.node.get(n + 1, v1, d1);
+        for (int q = 0; q < 3; ++q) v1[q] -= v[q], d1[q] -= d[q];
+        tile.step.set(n, v1, d1);
+    }
+    __syncthreads();
+}
+
+/// The part of the step that needs the particle's own rows.
+template <class Real>
+__device__ __forceinline__ void take_velocity(const View<Real>& v, const Gathered<Real>& g, Row<Real>& motion) {
+#pragma unroll
+    for (int q = 0; q < 3; ++q) {
+        const Real full = motion.e[q] + g.change[q];
+        motion.e[q] = fma(v.flip, full - g.velocity[q], g.velocity[q]);
+    }
 }
 
 template <class Real, int Threads, int MinBlocks, bool Narrow>
@@ -213,18 +270,77 @@ __global__ void __launch_bounds__(Threads, MinBlocks) g2p(const __grid_constant_
         const std::uint32_t s = v.slot[k];
         Place<Real> x = load_row(v.p.place + s);
         Row<Real> motion = load_row(v.p.motion + s), normal = load_row(v.p.normal + s), shear = load_row(v.p.shear + s);
-        const Gathered<Real> g = gather(tile, x);
-#pragma unroll
-        for (int q = 0; q < 3; ++q) {
-            const Real full = motion.e[q] + g.change[q];
-            motion.e[q] = fma(v.flip, full - g.velocity[q], g.velocity[q]);
-        }
+        const Gathered<Real> g = gather<Real>(tile, x);
+        take_velocity(v, g, motion);
         v.moves[k] = advance_place(v, g.velocity, dt, x, out);
         store_row(v.p.place + s, x);
         update_stress(v, g, dt, x.mass, motion, normal, shear, out);
         store_row(v.p.motion + s, motion);
         store_row(v.p.normal + s, normal);
         store_row(v.p.shear + s, shear);
+    }
+    store_outcome<Threads>(out, v.outcome + b);
+}
+
+/// The same, the next particle's rows on their way into this thread's own shared memory meanwhile (cp.async, no barrier):
+/// the latency of memory is hidden, and rows take registers only where they are used.
+template <class Real, int Threads, int MinBlocks, bool Difference>
+__global__ void __launch_bounds__(Threads, MinBlocks) g2p_ahead(const __grid_constant__ View<Real> v) {
+    constexpr int per_row = int(sizeof(Real)) / 4, units = 4 * per_row;
+    using Tile = std::conditional_t<Difference, DifferenceTile<Real>, NodeTile<Real, true>>;
+    __shared__ Tile tile;
+    extern __shared__ uint4 ahead[];  // [2][units][Threads]
+    const int b = v.chosen();
+    const std::uint32_t begin = v.first[b], end = v.first[b + 1];
+    Outcome out{0, 0, 0, 0, 0};
+    if (begin == end) {
+        if (threadIdx.x == 0) v.outcome[b] = out;
+        return;
+    }
+    const auto start = [&](std::uint32_t s, int half) {
+        const uint4* rows[4] = {reinterpret_cast<const uint4*>(v.p.place + s), reinterpret_cast<const uint4*>(v.p.motion + s),
+                                reinterpret_cast<const uint4*>(v.p.normal + s), reinterpret_cast<const uint4*>(v.p.shear + s)};
+        uint4* to = ahead + half * units * Threads + threadIdx.x;
+#pragma unroll
+        for (int u = 0; u < units; ++u) copy_async(to + u * Threads, rows[u / per_row] + u % per_row);
+    };
+    std::uint32_t k = begin + threadIdx.x;
+    std::uint32_t s = k < end ? v.slot[k] : 0, next = k + Threads < end ? v.slot[k + Threads] : 0;
+    if (k < end) start(s, 0);
+    commit_async();
+    if constexpr (Difference) {
+        load_tile(v, b, tile.node);
+        take_steps(tile);
+    } else {
+        load_tile(v, b, tile);
+    }
+    const Real dt = Real(*v.dt);
+    int half = 0;
+#pragma unroll 1
+    for (; k < end; k += Threads) {
+        if (k + Threads < end) start(next, half ^ 1);
+        commit_async();
+        const std::uint32_t after = k + 2 * Threads < end ? v.slot[k + 2 * Threads] : 0;
+        wait_async<1>();
+        const uint4* mine = ahead + half * units * Threads + threadIdx.x;
+        const auto row = [&](auto& to, int r) {
+#pragma unroll
+            for (int u = 0; u < per_row; ++u) reinterpret_cast<uint4*>(&to)[u] = mine[(r * per_row + u) * Threads];
+        };
+        Place<Real> x;
+        row(x, 0);
+        const Gathered<Real> g = gather<Real>(tile, x);
+        v.moves[k] = advance_place(v, g.velocity, dt, x, out);
+        store_row(v.p.place + s, x);
+        Row<Real> motion, normal, shear;
+        row(motion, 1);
+        take_velocity(v, g, motion);
+        row(normal, 2), row(shear, 3);
+        update_stress(v, g, dt, x.mass, motion, normal, shear, out);
+        store_row(v.p.motion + s, motion);
+        store_row(v.p.normal + s, normal);
+        store_row(v.p.shear + s, shear);
+        s = next, next = after, half ^= 1;
     }
     store_outcome<Threads>(out, v.outcome + b);
 }

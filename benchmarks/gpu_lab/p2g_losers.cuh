@@ -129,16 +129,18 @@ __global__ void __launch_bounds__(128) shared_tile(const __grid_constant__ View<
         each_value(v, x, load_row(v.p.motion + s), load_row(v.p.normal + s), load_row(v.p.shear + s),
                    [&](int i, int j, int k2, int q, Real value) {
                        Cell* to = T + q * tile_nodes + base + i + side * (j + side * k2);
-                       if constexpr (Way == 1)
+                       if (Way == 1) {
                            for (int d = 1; d < 32; d *= 2) {
                                const Real other = __shfl_down_sync(0xffffffffu, value, d);
                                if (lane + d <= last) value += other;
                            }
-                       if constexpr (Way == 2)
-                           atomicAdd(to, Whole(sizeof(Real) == 4 ? (long long)(__float2int_rn(float(value * Real(extra.scale[(q + 2) / 3]))))
-                                                                 : __double2ll_rn(double(value) * extra.scale[(q + 2) / 3])));
-                       else if (head)
-                           atomicAdd(to, value);
+                       }
+                       if constexpr (Way == 2) {
+                           const double whole = double(value) * extra.scale[(q + 2) / 3];
+                           atomicAdd(to, static_cast<Whole>(__double2ll_rn(whole)));
+                       } else {
+                           if (head) atomicAdd(to, value);
+                       }
                    });
     }
     __syncthreads();

@@ -7,19 +7,10 @@
 // p2g_direct: no staging, each thread reads its cell's records through L1, the next one in flight.
 // Roles: 1: a thread sums all seven quantities; 2: half the warps momentum, half force (fewer registers).
 
+#include "copy_async.cuh"
 #include "slice.cuh"
 
 namespace lab {
-
-__device__ __forceinline__ void copy_async(void* to, const void* from) {
-    const auto address = static_cast<unsigned>(__cvta_generic_to_shared(to));
-    asm volatile("cp.async.cg.shared.global [%0], [%1], 16;" ::"r"(address), "l"(from));
-}
-__device__ __forceinline__ void commit_async() { asm volatile("cp.async.commit_group;"); }
-template <int N>
-__device__ __forceinline__ void wait_async() {
-    asm volatile("cp.async.wait_group %0;" ::"n"(N));
-}
 
 template <class Real>
 struct StagedRecord {
@@ -28,11 +19,12 @@ struct StagedRecord {
     static constexpr int stride = 3 * cells;  ///< units of 16 bytes from one unit of a record to the next
     static constexpr int round_units = units * stride;
 
+    template <bool Stress = true>
     static __device__ __forceinline__ void start(const Columns<Real>& p, std::uint32_t s, uint4* to) {
         const uint4* rows[4] = {reinterpret_cast<const uint4*>(p.place + s), reinterpret_cast<const uint4*>(p.motion + s),
                                 reinterpret_cast<const uint4*>(p.normal + s), reinterpret_cast<const uint4*>(p.shear + s)};
 #pragma unroll
-        for (int u = 0; u < units; ++u) copy_async(to + u * stride, rows[u / per_row] + u % per_row);
+        for (int u = 0; u < (Stress ? units : units / 2); ++u) copy_async(to + u * stride, rows[u / per_row] + u % per_row);
     }
     template <class T>
     static __device__ __forceinline__ T row(const uint4* from, int r) {
@@ -65,23 +57,35 @@ __device__ __forceinline__ void sum_round(const uint4* round, int cell, std::uin
     }
 }
 
-/// Adds up this warp's share of the rounds, then its planes.
+inline constexpr std::uint32_t none = 0xffffffffu;
+
+/// Adds up this warp's share of the rounds, then its planes. The rounds may lie where the planes will.
 template <class Real, int Stages, bool Momentum, bool Force>
 __device__ __forceinline__ void run_rounds(const View<Real>& v, const std::uint32_t* slots, std::uint32_t count, int rounds,
                                            bool stages_too, int k, int cell, uint4* shared, Real* planes) {
     using R = StagedRecord<Real>;
     SliceSums<Real> sums;
     clear<Real, Momentum, Force>(sums);
-    const auto start = [&](int r) {
+    const auto slot_of = [&](int r) {
         const std::uint32_t l = 3 * std::uint32_t(r) + k;
-        if (stages_too && l < count) R::start(v.p, slots[l], shared + r % Stages * R::round_units + k * cells + cell);
+        return stages_too && l < count ? slots[l] : none;
+    };
+    const auto start = [&](int r, std::uint32_t s) {
+        if (s != none)
+            R::template start<Force || !Momentum>(v.p, s, shared + r % Stages * R::round_units + k * cells + cell);
         commit_async();
     };
-    for (int r = 0; r < Stages - 1; ++r) start(r);
+    std::uint32_t ahead[Stages];  // slots are read a round before their records: nothing waits for them
+#pragma unroll
+    for (int r = 0; r < Stages; ++r) ahead[r] = slot_of(r);
+#pragma unroll
+    for (int r = 0; r < Stages - 1; ++r) start(r, ahead[r]);
+    std::uint32_t next = ahead[Stages - 1];
     for (int r = 0; r < rounds; ++r) {
         wait_async<Stages - 2>();
         __syncthreads();
-        start(r + Stages - 1);
+        start(r + Stages - 1, next);
+        next = slot_of(r + Stages);
         const std::uint32_t done = 3 * std::uint32_t(r);
         if (count > done)
             sum_round<Real, Momentum, Force>(shared + r % Stages * R::round_units, cell, count - done, k, v.inverse_cell,
@@ -89,38 +93,69 @@ __device__ __forceinline__ void run_rounds(const View<Real>& v, const std::uint3
     }
     wait_async<0>();
     __syncthreads();
-    for (int n = int(threadIdx.x); n < 7 * planes_reals<Real>; n += int(blockDim.x)) planes[n] = Real(0);
-    __syncthreads();
+    middle_from_sums<Real, Momentum, Force>(sums);
     add_to_planes<Real, Momentum, Force>(sums, k, cell, planes);
     __syncthreads();
+}
+
+/// What a thread of a block of the grid works on.
+struct Share {
+    int cell, k, rounds;
+    const std::uint32_t* slots;
+    std::uint32_t count;
+};
+
+/// Called by whole thread blocks of a multiple of 192 threads.
+template <class Real>
+__device__ __forceinline__ Share share_of(const View<Real>& v, int b) {
+    __shared__ std::uint32_t most[2];
+    const int t = int(threadIdx.x) % 192;
+    Share s;
+    s.cell = t & 63, s.k = t >> 6;
+    const std::uint32_t* at = v.cell_first + std::size_t(b) * bounds + s.cell;
+    const std::uint32_t first = at[0];
+    s.count = at[1] - first;
+    s.slots = v.slot + v.first[b] + first;
+    const std::uint32_t warp_most = __reduce_max_sync(0xffffffffu, s.count);
+    if (threadIdx.x < 64 && threadIdx.x % 32 == 0) most[threadIdx.x / 32] = warp_most;
+    __syncthreads();
+    s.rounds = (int(max(most[0], most[1])) + 2) / 3;
+    return s;
 }
 
 template <class Real, int Stages, int Roles, int MinBlocks>
 __global__ void __launch_bounds__(192 * Roles, MinBlocks) p2g_staged(const __grid_constant__ View<Real> v) {
     extern __shared__ uint4 shared[];
-    __shared__ std::uint32_t most[2];
     const int b = v.chosen();
-    const std::uint32_t begin = v.first[b];
-    if (v.first[b + 1] == begin) return;
-    const int role = int(threadIdx.x) / 192, t = int(threadIdx.x) % 192;
-    const int cell = t & 63, k = t >> 6;
-    const std::uint32_t* at = v.cell_first + std::size_t(b) * bounds + cell;
-    const std::uint32_t first = at[0], count = at[1] - first;
-    const std::uint32_t warp_most = __reduce_max_sync(0xffffffffu, count);
-    if (threadIdx.x < 64 && threadIdx.x % 32 == 0) most[threadIdx.x / 32] = warp_most;
-    __syncthreads();
-    const int rounds = (int(max(most[0], most[1])) + 2) / 3;
+    if (v.first[b + 1] == v.first[b]) return;
+    const Share s = share_of(v, b);
     Real* planes = reinterpret_cast<Real*>(shared);
-    const std::uint32_t* slots = v.slot + begin + first;
     if constexpr (Roles == 1) {
-        run_rounds<Real, Stages, true, true>(v, slots, count, rounds, true, k, cell, shared, planes);
+        run_rounds<Real, Stages, true, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
     } else {
-        if (role == 0)
-            run_rounds<Real, Stages, true, false>(v, slots, count, rounds, true, k, cell, shared, planes);
+        if (threadIdx.x < 192)
+            run_rounds<Real, Stages, true, false>(v, s.slots, s.count, s.rounds, false, s.k, s.cell, shared, planes);
         else
-            run_rounds<Real, Stages, false, true>(v, slots, count, rounds, false, k, cell, shared, planes);
+            run_rounds<Real, Stages, false, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
     }
     write_tile(v, b, planes, planes + 7 * planes_reals<Real>);
+}
+
+/// Momentum first, then force: half the sums at a time, so that two thread blocks of doubles fit.
+template <class Real, int Stages, int MinBlocks>
+__global__ void __launch_bounds__(192, MinBlocks) p2g_passes(const __grid_constant__ View<Real> v) {
+    extern __shared__ uint4 shared[];
+    const int b = v.chosen();
+    if (v.first[b + 1] == v.first[b]) return;
+    const Share s = share_of(v, b);
+    Real* planes = reinterpret_cast<Real*>(shared + Stages * StagedRecord<Real>::round_units);
+    run_rounds<Real, Stages, true, false>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
+    run_rounds<Real, Stages, false, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
+    write_tile(v, b, planes, reinterpret_cast<Real*>(shared));
+}
+template <class Real, int Stages>
+constexpr int passes_bytes() {
+    return Stages * StagedRecord<Real>::round_units * 16 + all_planes_bytes<Real>;
 }
 
 template <class Real, int MinBlocks>
@@ -130,7 +165,6 @@ __global__ void __launch_bounds__(192, MinBlocks) p2g_direct(const __grid_consta
     const std::uint32_t begin = v.first[b];
     if (v.first[b + 1] == begin) return;
     Real* planes = reinterpret_cast<Real*>(shared);
-    for (int n = int(threadIdx.x); n < 7 * planes_reals<Real>; n += int(blockDim.x)) planes[n] = Real(0);
     const int cell = int(threadIdx.x) & 63, k = int(threadIdx.x) >> 6;
     const std::uint32_t* at = v.cell_first + std::size_t(b) * bounds + cell;
     const std::uint32_t* slots = v.slot + begin + at[0];
@@ -145,7 +179,7 @@ __global__ void __launch_bounds__(192, MinBlocks) p2g_direct(const __grid_consta
         add_particle<Real, true, true>(load_row(v.p.place + s), load_row(v.p.motion + s), load_row(v.p.normal + s),
                                        load_row(v.p.shear + s), k, v.inverse_cell, sums);
     }
-    __syncthreads();
+    middle_from_sums<Real, true, true>(sums);
     add_to_planes<Real, true, true>(sums, k, cell, planes);
     __syncthreads();
     write_tile(v, b, planes, planes + 7 * planes_reals<Real>);

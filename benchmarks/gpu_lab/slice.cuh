@@ -32,52 +32,86 @@ __device__ __forceinline__ void clear(SliceSums<Real>& s) {
     for (int n = 0; n < 9; ++n) {
 #pragma unroll
         for (int q = 0; q < 4; ++q)
-            if constexpr (Momentum) s.momentum[n][q] = Real(0);
+            if (Momentum) s.momentum[n][q] = Real(0);
 #pragma unroll
         for (int q = 0; q < 3; ++q)
-            if constexpr (Force) s.force[n][q] = Real(0);
+            if (Force) s.force[n][q] = Real(0);
     }
 }
 
-/// Adds one particle to slice k.
+/// The outer weights of an axis; the middle ones are 1 - w0 - w2 and -dw0 - dw2.
+template <class Real>
+__device__ __forceinline__ void outer_weights(Real f, Real (&w)[3], Real (&dw)[3]) {
+    const Real g = Real(1) - f;
+    w[0] = Real(0.5) * g * g, w[2] = Real(0.5) * f * f, w[1] = Real(1);
+    dw[0] = -g, dw[2] = f, dw[1] = Real(0);
+}
+
+/// Adds one particle to slice k. In x and in y the middle node takes the sum over the three (weight 1, slope 0);
+/// middle_from_sums() makes it a node. Saves 30 of 185 instructions per particle.
 template <class Real, bool Momentum, bool Force>
 __device__ __forceinline__ void add_particle(const Place<Real>& x, const Row<Real>& v, const Row<Real>& n,
                                              const Row<Real>& t, int k, Real inverse_cell, SliceSums<Real>& s) {
     Real wx[3], wy[3], dx[3], dy[3], wz, dz;
-    Quadratic::weights(fraction_of<Real>(x.u[0]), Real(0), wx, dx);
-    Quadratic::weights(fraction_of<Real>(x.u[1]), Real(0), wy, dy);
+    outer_weights(fraction_of<Real>(x.u[0]), wx, dx);
+    outer_weights(fraction_of<Real>(x.u[1]), wy, dy);
     weight_of(k, fraction_of<Real>(x.u[2]), wz, dz);
     Real p[4], a[3], b[3], c[3];
-    if constexpr (Momentum) {
+    if (Momentum) {
         p[0] = wz * x.mass;
         for (int q = 0; q < 3; ++q) p[1 + q] = p[0] * v.e[q];
     }
-    if constexpr (Force) {
+    if (Force) {
         const Real scale = -v.w * inverse_cell;
         const Real sz = scale * wz, sd = scale * dz;
         a[0] = sz * n.e[0], a[1] = sz * t.e[0], a[2] = sz * t.e[2];
-        b[0] = sz * t.e[0], b[1] = sz * n.e[1], b[2] = sz * t.e[1];
+        b[0] = a[1], b[1] = sz * n.e[1], b[2] = sz * t.e[1];
         c[0] = sd * t.e[2], c[1] = sd * t.e[1], c[2] = sd * n.e[2];
     }
 #pragma unroll
     for (int j = 0; j < 3; ++j) {
         Real pj[4], aj[3], bj[3];
-        if constexpr (Momentum)
-            for (int q = 0; q < 4; ++q) pj[q] = wy[j] * p[q];
-        if constexpr (Force)
-            for (int q = 0; q < 3; ++q) aj[q] = wy[j] * a[q], bj[q] = fma(dy[j], b[q], wy[j] * c[q]);
+        if (Momentum)
+            for (int q = 0; q < 4; ++q) pj[q] = j == 1 ? p[q] : wy[j] * p[q];
+        if (Force)
+            for (int q = 0; q < 3; ++q) {
+                aj[q] = j == 1 ? a[q] : wy[j] * a[q];
+                bj[q] = j == 1 ? c[q] : fma(dy[j], b[q], wy[j] * c[q]);
+            }
 #pragma unroll
         for (int i = 0; i < 3; ++i) {
             const int at = i + 3 * j;
-            if constexpr (Momentum)
+            if (Momentum) {
 #pragma unroll
-                for (int q = 0; q < 4; ++q) s.momentum[at][q] = fma(wx[i], pj[q], s.momentum[at][q]);
-            if constexpr (Force)
+                for (int q = 0; q < 4; ++q)
+                    s.momentum[at][q] = i == 1 ? s.momentum[at][q] + pj[q] : fma(wx[i], pj[q], s.momentum[at][q]);
+            }
+            if (Force) {
 #pragma unroll
                 for (int q = 0; q < 3; ++q)
-                    s.force[at][q] = fma(dx[i], aj[q], fma(wx[i], bj[q], s.force[at][q]));
+                    s.force[at][q] =
+                        i == 1 ? s.force[at][q] + bj[q] : fma(dx[i], aj[q], fma(wx[i], bj[q], s.force[at][q]));
+            }
         }
     }
+}
+
+/// Middle = sum - outer ones, in x, then in y.
+template <class Real, bool Momentum, bool Force>
+__device__ __forceinline__ void middle_from_sums(SliceSums<Real>& s) {
+#pragma unroll
+    for (int step = 1; step <= 3; step += 2)
+#pragma unroll
+        for (int line = 0; line < 3; ++line) {
+            const int at = step == 1 ? 3 * line + 1 : line + 3;
+#pragma unroll
+            for (int q = 0; q < 4; ++q)
+                if (Momentum)
+                    s.momentum[at][q] = s.momentum[at][q] - s.momentum[at - step][q] - s.momentum[at + step][q];
+#pragma unroll
+            for (int q = 0; q < 3; ++q)
+                if (Force) s.force[at][q] = s.force[at][q] - s.force[at - step][q] - s.force[at + step][q];
+        }
 }
 
 // Combination of cells into the tile. Planes: one per (slice k, layer cz of cells), so that no two warps
@@ -103,11 +137,13 @@ __device__ __forceinline__ void add_to_planes(const SliceSums<Real>& s, int k, i
         for (int i = 0; i < 3; ++i) {
             Real* to = at + plane_row<Real> * j + i;
             const int n = i + 3 * j;
+            const bool fresh = (i == 0 || x == 3) && (j == 0 || y == 3);  // nobody wrote this node yet
 #pragma unroll
             for (int q = 0; q < 7; ++q) {
                 if (q < 4 && !Momentum) continue;
                 if (q >= 4 && !Force) continue;
-                to[q * planes_reals<Real>] += q < 4 ? s.momentum[n][q & 3] : s.force[n][q < 4 ? 0 : q - 4];
+                const Real old = fresh ? Real(0) : to[q * planes_reals<Real>];
+                to[q * planes_reals<Real>] = old + (q < 4 ? s.momentum[n][q & 3] : s.force[n][q < 4 ? 0 : q - 4]);
             }
             __syncwarp();
         }

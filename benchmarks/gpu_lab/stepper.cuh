@@ -48,6 +48,20 @@ template <class Real, int Threads, int MinBlocks, bool Narrow>
 void run_g2p(const View<Real>& v) {
     g2p<Real, Threads, MinBlocks, Narrow><<<v.blocks, Threads>>>(v);
 }
+template <class Real, int Threads, int MinBlocks, bool Narrow>
+void run_ahead(const View<Real>& v) {
+    constexpr int bytes = 2 * Threads * 16 * int(sizeof(Real));
+    static const bool once = (allow_shared(g2p_ahead<Real, Threads, MinBlocks, Narrow>, bytes), true);
+    (void)once;
+    g2p_ahead<Real, Threads, MinBlocks, Narrow><<<v.blocks, Threads, bytes>>>(v);
+}
+template <class Real, int Stages, int MinBlocks>
+void run_passes(const View<Real>& v, const Extra<Real>&) {
+    constexpr int bytes = passes_bytes<Real, Stages>();
+    static const bool once = (allow_shared(p2g_passes<Real, Stages, MinBlocks>, bytes), true);
+    (void)once;
+    p2g_passes<Real, Stages, MinBlocks><<<v.blocks, 192, bytes>>>(v);
+}
 template <class Real>
 void run_gather_nodes(const View<Real>& v, const Extra<Real>& e) {
     gather_nodes<Real><<<(v.node_blocks + 3) / 4, 256>>>(v, e);

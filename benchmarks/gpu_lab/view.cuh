@@ -53,10 +53,10 @@ struct Columns {
 
 struct Outcome {
     double work;
-    float signal;
+    float speed2;   ///< largest |v|^2
+    float modulus;  ///< largest M J: with speed2 a bound of the signal speed, without a root per particle
     float moved;
     std::uint32_t faults;
-    std::uint32_t unused;
 };
 
 template <class Real>

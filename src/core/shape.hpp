@@ -63,11 +63,12 @@ struct Cubic {
     static MORAINE_HD void weights(Real f, Real /*half*/, Real* w, Real* dw) {
         const Real g = Real(1) - f;
         const Real sixth = Real(1) / Real(6);
-        const Real third2 = Real(2) / Real(3);
+        // Written as differences of the outer two, so that their sum and first moment are exact: a bias in
+        // the last bit would drift the same way at every step.
         w[0] = sixth * g * g * g;
-        w[1] = third2 - f * f * (Real(1) - Real(0.5) * f);
-        w[2] = third2 - g * g * (Real(1) - Real(0.5) * g);
         w[3] = sixth * f * f * f;
+        w[1] = (g - w[0]) + (w[3] - w[0]);
+        w[2] = (f - w[3]) + (w[0] - w[3]);
         dw[0] = Real(-0.5) * g * g;
         dw[1] = f * (Real(1.5) * f - Real(2));
         dw[2] = g * (Real(2) - Real(1.5) * g);

@@ -18,6 +18,11 @@
 
 namespace moraine::test {
 
+/// Keeps the larger of the two; what is not a number is larger than all.
+inline void widen(double& worst, double difference) {
+    if (!(difference <= worst)) worst = std::isnan(difference) ? HUGE_VAL : difference;
+}
+
 /// 8 x 10 (x 7) cells of 0.5 m: no-slip below, free slip above, axis 0 periodic if wanted.
 inline Scene sample_scene(int dim, moraine::Shape shape, bool periodic) {
     Scene scene;

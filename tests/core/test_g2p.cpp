@@ -149,14 +149,14 @@ TEST_CASE_TEMPLATE("velocities, gradients and affine fields are those of a plain
             for (int a = 0; a < dim; ++a) {
                 const double full = double(old[s][a]) + e.change[a];
                 const double v = flip * full + (1 - flip) * e.velocity[a];
-                speed = std::max(speed, std::fabs(double(p.velocity[s][a]) - v));
+                test::widen(speed, std::fabs(double(p.velocity[s][a]) - v));
                 for (int b = 0; b < dim; ++b) {
-                    gradient = std::max(gradient, std::fabs(double(gradients.at(s)(a, b)) / dt - e.gradient(a, b)));
+                    test::widen(gradient, std::fabs(double(gradients.at(s)(a, b)) / dt - e.gradient(a, b)));
                     if (!p.affine) continue;
                     const bool plain = sample.method.tpic || sample.scene.shape == moraine::Shape::linear ||
                                        near_wall(sample, place[s], b);
                     const double c = plain ? e.gradient(a, b) : e.moment(a, b) / e.spread[b];
-                    affine = std::max(affine, std::fabs(double(p.affine[s](a, b)) - c));
+                    test::widen(affine, std::fabs(double(p.affine[s](a, b)) - c));
                 }
             }
         CHECK(gradients.size() == expected.size());
@@ -183,10 +183,10 @@ TEST_CASE_TEMPLATE("an affine velocity field is gathered exactly, next to walls 
         double worst = 0;
         sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& x) {
             for (int a = 0; a < dim; ++a) {
-                worst = std::max(worst, std::fabs(double(p.velocity[s][a]) - field(x, a)));
+                test::widen(worst, std::fabs(double(p.velocity[s][a]) - field(x, a)));
                 for (int b = 0; b < dim; ++b) {
-                    worst = std::max(worst, std::fabs(double(gradients.at(s)(a, b)) - slope(a, b)));
-                    if (p.affine) worst = std::max(worst, std::fabs(double(p.affine[s](a, b)) - slope(a, b)));
+                    test::widen(worst, std::fabs(double(gradients.at(s)(a, b)) - slope(a, b)));
+                    if (p.affine) test::widen(worst, std::fabs(double(p.affine[s](a, b)) - slope(a, b)));
                 }
             }
         });
@@ -240,7 +240,7 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
                     const auto i = static_cast<std::size_t>(a);
                     const int block = sample.patch.table().position[b][a] + Block<dim>::offset(code, a);
                     const double to = x[i] + dt * e.velocity[a] / sample.scene.cell + sample.method.stencil.offset();
-                    worst = std::max(worst, std::fabs(local_of<typename C::Real>(block, p.position[s][a]) - to));
+                    test::widen(worst, std::fabs(local_of<typename C::Real>(block, p.position[s][a]) - to));
                 }
             }
             CHECK(sample.patch.leavers()[b] == leavers);

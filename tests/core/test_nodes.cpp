@@ -136,8 +136,8 @@ TEST_CASE_TEMPLATE("nodes move by their sums, gravity, damping and walls as a pl
                 // A speed is a ratio of sums: the lighter the node, the more of a rounding shows.
                 const double scale = 10 + 500 * set.dt / std::max(sums.mass, set.cutoff);
                 for (int a = 0; a < dim; ++a) {
-                    worst = std::max(worst, std::fabs(double(got.velocity[a]) - end[a]) / scale);
-                    worst = std::max(worst, std::fabs(double(got.change[a]) - (end[a] - start[a])) / scale);
+                    test::widen(worst, std::fabs(double(got.velocity[a]) - end[a]) / scale);
+                    test::widen(worst, std::fabs(double(got.change[a]) - (end[a] - start[a])) / scale);
                 }
             }
             CHECK(worst <= C::tolerance);

@@ -75,25 +75,25 @@ TEST_CASE_TEMPLATE("tiles add up to the sums over particles that a plain loop gi
         auto found = kernel_sums(sample);
         double mass = 0, momentum = 0, force = 0;
         for (const auto& [node, n] : expected) {
-            mass = std::max(mass, n.mass);
+            test::widen(mass, n.mass);
             for (std::size_t a = 0; a < dim; ++a) {
-                momentum = std::max(momentum, std::fabs(n.momentum[a]));
-                force = std::max(force, std::fabs(n.force[a]));
+                test::widen(momentum, std::fabs(n.momentum[a]));
+                test::widen(force, std::fabs(n.force[a]));
             }
         }
         double worst = 0;
         for (const auto& [node, n] : expected) {
             const NodeSums<dim> f = found[node];
-            worst = std::max(worst, std::fabs(f.mass - n.mass) / mass);
+            test::widen(worst, std::fabs(f.mass - n.mass) / mass);
             for (std::size_t a = 0; a < dim; ++a) {
-                worst = std::max(worst, std::fabs(f.momentum[a] - n.momentum[a]) / momentum);
-                worst = std::max(worst, std::fabs(f.force[a] - n.force[a]) / force);
+                test::widen(worst, std::fabs(f.momentum[a] - n.momentum[a]) / momentum);
+                test::widen(worst, std::fabs(f.force[a] - n.force[a]) / force);
             }
             found.erase(node);
         }
         CHECK(worst <= C::tolerance);
         double stray = 0;
-        for (const auto& [node, f] : found) stray = std::max(stray, std::fabs(f.mass));
+        for (const auto& [node, f] : found) test::widen(stray, std::fabs(f.mass));
         CHECK(stray <= C::tolerance * mass);
     });
 }

@@ -9,9 +9,16 @@ using namespace moraine;
 
 namespace {
 
+ColumnNeeds every_column() {
+    ColumnNeeds needs;
+    needs.affine = needs.left_stretch = needs.log_stretch = true;
+    needs.history = 2;
+    return needs;
+}
+
 template <class Real, int Dim>
 struct Filled {
-    Particles<Host, Real, Dim> particles{{true, true, true, 2, false}};
+    Particles<Host, Real, Dim> particles{every_column()};
 
     explicit Filled(std::size_t n, unsigned seed) {
         particles.resize(n);

@@ -68,7 +68,7 @@ class Ended:
 
 
 def environment(threads=1):
-    extra = {"OMP_NUM_THREADS": str(threads), "GOMP_SPINCOUNT": "1000", "OMPI_MCA_orte_execute_quiet": "1"}
+    extra = {"OMP_NUM_THREADS": str(threads), "GOMP_SPINCOUNT": "1000"}
     return {**os.environ, **extra}
 
 

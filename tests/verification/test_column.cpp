@@ -108,7 +108,7 @@ TEST_CASE("E2: splines come within a thousandth of the stress at 32 cells") {
         const std::vector<Settled> r = ladder(choice, 3);
         CHECK(r.back().stress <= 1.3e-3);
         CHECK(r.back().settlement <= 5e-4);
-        CHECK(order(r.front().stress, r.back().stress) >= 1.9);  // over two halvings: they stall beyond
+        CHECK(order(r.front().stress, r.back().stress) >= 1.9);  // over two halvings: quadratic stalls beyond
     }
 }
 

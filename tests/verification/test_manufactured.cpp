@@ -116,7 +116,11 @@ constexpr double large = 0.05;  ///< they do from 16 cells on
 TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 1-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, quadratic_apic_musl, gimp_flip_usl,
                                  contiguous_tpic_usl, cubic_apic_usl})
-        for (bool periodic : {true, false}) CHECK(converge(small, 1, periodic, choice, {32, 64}).displacement >= 1.9);
+        for (bool periodic : {true, false}) {
+            const Orders r = converge(small, 1, periodic, choice, {32, 64});
+            CHECK(r.displacement >= 1.9);
+            CHECK(r.finest.displacement <= 0.015);
+        }
 }
 
 TEST_CASE("E3: splines converge in stress at the same order, GIMP at first order") {
@@ -128,6 +132,9 @@ TEST_CASE("E3: splines converge in stress at the same order, GIMP at first order
 TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 2-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl})
         for (bool periodic : {true, false}) CHECK(converge(small, 2, periodic, choice, {16, 32}).displacement >= 1.9);
+    const Orders fine = converge(small, 2, true, quadratic_apic_usl, {32, 64});
+    CHECK(fine.displacement >= 1.9);  // fine enough to see 2 % of the body force
+    CHECK(fine.finest.displacement <= 8e-3);
 }
 
 TEST_CASE("E3: with cell crossing the displacement converges at the GATE of order 1.5 up to 64 cells") {

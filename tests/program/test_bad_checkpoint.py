@@ -1,0 +1,85 @@
+"""A checkpoint that is not whole, or of another scene, is refused with exit code 2 and nothing is left behind."""
+import moraine
+from moraine import SMALL_SCENE, call, checkpoints, sets, summary
+
+
+class BadCheckpoint(moraine.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write(SMALL_SCENE)
+        half = self.run_scene(self.scene, "half", *sets(output__checkpoint_interval=0.05), ranks=2)
+        self.good = checkpoints(half)[0]
+        self.hash = summary(half)["state_hash"]
+
+    def restart(self, file, *words, ranks=None):
+        return call("run", self.scene, "--restart", file, "--output", self.folder / "new", "--quiet", *words,
+                    ranks=ranks)
+
+    def assert_refused(self, file, *words, says=(), on=(None, 3)):
+        for ranks in on:
+            line = self.assert_one_problem(self.restart(file, *words, ranks=ranks))
+            for word in says:
+                self.assertIn(word, line)
+            self.assertFalse((self.folder / "new").exists(), line)
+
+    def damaged(self, data):
+        path = self.folder / "damaged.h5"
+        path.write_bytes(data)
+        return path
+
+    def test_the_good_one_restarts(self):
+        ended = self.restart(self.good, ranks=3)
+        self.assertEqual(ended.code, 0, ended)
+        self.assertEqual(summary(self.folder / "new")["state_hash"], self.hash)
+
+    def test_one_that_is_not_there_or_no_checkpoint_is_refused(self):
+        for file in (self.folder / "no.h5", self.folder, self.scene, self.folder / "half" / "history.csv",
+                     self.folder / "half" / "particles.vtkhdf"):
+            with self.subTest(file):
+                self.assert_refused(file, says=[str(file)])
+
+    def test_a_truncated_one_is_refused(self):
+        data = self.good.read_bytes()
+        for length in (0, 1, 8, 100, len(data) // 2, len(data) - 1):
+            with self.subTest(length):
+                on = (None, 3) if length == len(data) // 2 else (None,)
+                self.assert_refused(self.damaged(data[:length]), says=["damaged.h5"], on=on)
+        self.assert_refused(self.damaged(data + b"more"), on=(None,))
+
+    def test_one_with_a_flipped_bit_is_refused(self):
+        data = self.good.read_bytes()
+        offsets = [0, 8, 40, 96, *range(200, len(data), len(data) // 14), len(data) - 1]
+        for n, offset in enumerate(offsets):
+            flipped = bytearray(data)
+            flipped[offset] ^= 1 << n % 8
+            with self.subTest(offset):
+                on = (None, 3) if n % 9 == 0 else (None,)
+                self.assert_refused(self.damaged(bytes(flipped)), says=["damaged.h5"], on=on)
+
+    def test_one_of_another_scene_is_refused_by_the_key(self):
+        for key, value in (("material.jelly.density", "1200"), ("domain.cell", "0.5"), ("gravity", "[0, -9]"),
+                           ("numerics.precision", '"single"'), ("numerics.shape", '"linear"'), ("time.cfl", "0.4"),
+                           ("body.block.velocity", "[1, 0]"), ("wall.y-min.kind", '"free-slip"'), ("seed", "2")):
+            with self.subTest(key):
+                on = (None, 3) if key == "material.jelly.density" else (None,)
+                self.assert_refused(self.good, "--set", f"{key}={value}", says=[key, str(self.good)], on=on)
+
+    def test_end_output_balance_and_ranks_may_change(self):
+        keys = sets(time__end=0.2, output__interval=0.01, output__fields='["pressure"]', balance__partitioner="shuffle",
+                    balance__trigger="every", balance__interval=1)
+        ended = self.restart(self.good, *keys, ranks=3)
+        self.assertEqual(ended.code, 0, ended)
+        straight = self.run_scene(self.scene, "straight", *sets(time__end=0.2))
+        self.assertEqual(summary(self.folder / "new")["state_hash"], summary(straight)["state_hash"])
+
+    def test_a_run_is_not_harmed_by_a_bad_checkpoint(self):
+        before = {path: path.read_bytes() for path in self.good.parent.iterdir()}
+        half = self.good.parent
+        broken = self.damaged(self.good.read_bytes()[:-1])
+        for words in ((), ("--overwrite",)):
+            self.assert_one_problem(call("run", self.scene, "--restart", broken, "--output", half, *words))
+            self.assertEqual({path: path.read_bytes() for path in half.iterdir()}, before)
+
+
+if __name__ == "__main__":
+    moraine.main()

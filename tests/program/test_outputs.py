@@ -1,0 +1,139 @@
+"""What a run writes: summary.json, history.csv, balance.csv, and how a restart goes on with them."""
+import math
+import re
+
+import moraine
+from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
+
+SCENE = INPUTS / "slurry_runout.toml"
+END = 0.02 if moraine.SLOW else 0.1
+PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
+
+SUMMARY = {
+    str: "version commit scene device precision partitioner state_hash",
+    int: "ranks threads particles steps repartitions migrated_particles crossed_particles halo_bytes",
+    float: "simulated_time_s wall_s particle_steps_per_s imbalance_mean imbalance_max imbalance_time_mean mass_kg front_m",
+    list: "momentum",
+    dict: "energies_J",
+}
+HISTORY = """time_s dt_s mass_kg momentum_x_kg_m_s momentum_y_kg_m_s kinetic_J strain_J potential_J dissipated_J front_m
+    centre_x_m centre_y_m max_speed_m_s min_J max_J"""
+BALANCE = "step time_s particles_min particles_mean particles_max imbalance blocks halo_bytes migrated_particles " \
+    "migrated_blocks repartitioned " + " ".join(f"{phase}_mean_s {phase}_max_s" for phase in PHASES)
+
+
+class Outputs(moraine.ProgramTest):
+    def run_slurry(self, *words, ranks=3, **keys):
+        words += tuple(sets(time__end=END, output__interval=END / 5, **keys))
+        return self.run_scene(SCENE, f"out-{len(list(self.folder.iterdir()))}", *words, ranks=ranks)
+
+    def test_summary_has_every_promised_key(self):
+        found = summary(self.run_slurry())
+        for kind, names in SUMMARY.items():
+            for name in names.split():
+                self.assertIsInstance(found[name], (int, float) if kind is float else kind, name)
+        for name in ("kinetic", "strain", "potential", "dissipated"):
+            self.assertTrue(math.isfinite(found["energies_J"][name]))
+        self.assertEqual(len(found["momentum"]), 2)
+        self.assertRegex(found["state_hash"], "^[0-9a-f]{16}$")
+        self.assertRegex(found["version"], r"^\d+\.\d+\.\d+$")
+        said = {key: found[key] for key in ("scene", "device", "precision", "ranks", "threads", "partitioner", "particles")}
+        self.assertEqual(said, {"scene": "slurry_runout", "device": "cpu", "precision": "double", "ranks": 3,
+                                "threads": 1, "partitioner": "morton", "particles": 20000})
+
+    def test_numbers_of_a_summary_agree(self):
+        found = summary(self.run_slurry())
+        self.assertTrue(END <= found["simulated_time_s"] < END + 0.001)
+        self.assertAlmostEqual(found["mass_kg"], 10 * 5 * 1500.0, places=6)
+        self.assertTrue(1 <= found["imbalance_mean"] <= found["imbalance_max"] < 1.1)
+        self.assertGreaterEqual(found["imbalance_time_mean"], 1)
+        self.assertGreater(found["halo_bytes"], 1000 * found["steps"])
+        self.assertTrue(10 <= found["front_m"] < 11)
+        stepping = found["particles"] * found["steps"] / found["particle_steps_per_s"]
+        self.assertTrue(0.1 * found["wall_s"] < stepping < found["wall_s"], found)
+
+    def test_history_keeps_mass_and_momentum(self):
+        directory = self.run_slurry()
+        rows, last = table(directory, "history.csv"), summary(directory)
+        self.assertLessEqual(set(HISTORY.split()), set(rows[0]))
+        self.assertEqual(len(rows), 6)
+        unit = 75000 * math.sqrt(9.81 * 5)  # M v_ref
+        for k, row in enumerate(rows):
+            self.assertTrue(k * END / 5 <= row["time_s"] < k * END / 5 + 0.001)
+            self.assertEqual((row["mass_kg"], row["particles"], row["lost_particles"]), (75000, 20000, 0))
+            for axis in "xy":
+                self.assertLess(abs(row[f"momentum_error_{axis}_kg_m_s"]), 1e-12 * unit)
+            self.assertTrue(0.9 < row["min_J"] <= 1 <= row["max_J"] < 1.1)
+        self.assertLess(rows[-1]["centre_y_m"], rows[0]["centre_y_m"])
+        self.assertGreater(rows[-1]["centre_x_m"], rows[0]["centre_x_m"])
+        self.assertEqual((rows[-1]["step"], rows[-1]["time_s"]), (last["steps"], last["simulated_time_s"]))
+        self.assertEqual([rows[-1][f"momentum_{a}_kg_m_s"] for a in "xy"], last["momentum"])
+        self.assertEqual({e: rows[-1][f"{e}_J"] for e in last["energies_J"]}, last["energies_J"])
+        self.assertEqual(rows[-1]["front_m"], last["front_m"])
+
+    def test_energy_that_is_unaccounted_for_is_a_few_percent_of_what_the_fall_frees(self):
+        first, *_, last = table(self.run_slurry(), "history.csv")
+        freed = first["potential_J"] - last["potential_J"] + first["strain_J"]
+        self.assertGreater(freed, 0)
+        self.assertLess(abs(last["unaccounted_J"]), 0.05 * freed)
+
+    def test_balance_rows_agree_with_each_other_and_the_summary(self):
+        directory = self.run_slurry("--partitioner", "shuffle", balance__trigger="every", balance__interval=10)
+        rows, last = table(directory, "balance.csv"), summary(directory)
+        self.assertLessEqual(set(BALANCE.split()), set(rows[0]))
+        self.assertEqual([row["step"] for row in rows], list(range(10, last["steps"] + 1, 10)))
+        for row in rows:
+            self.assertAlmostEqual(row["particles_mean"], 20000 / 3)
+            self.assertTrue(0 < row["particles_min"] <= row["particles_mean"] <= row["particles_max"])
+            self.assertAlmostEqual(row["imbalance"], row["particles_max"] / row["particles_mean"])
+            self.assertGreaterEqual(row["imbalance"], 1)
+            self.assertGreaterEqual(row["blocks"], 300)
+            self.assertTrue(all(0 <= row[f"{p}_mean_s"] <= row[f"{p}_max_s"] * 1.000001 for p in PHASES), row)
+        for column, key in (("migrated_particles", "migrated_particles"), ("repartitioned", "repartitions")):
+            self.assertEqual(sum(row[column] for row in rows), last[key])
+        self.assertEqual(last["repartitions"], last["steps"] // 10)
+        self.assertLessEqual(sum(row["halo_bytes"] for row in rows), last["halo_bytes"])
+
+    def test_slabs_say_once_that_they_ignore_the_trigger_and_are_far_from_balanced(self):
+        ended = call("run", SCENE, "--output", self.folder / "slabs", *sets(time__end=END / 5),
+                     "--partitioner", "slabs", ranks=2)
+        self.assertEqual(ended.code, 0, ended)
+        self.assertEqual(len(re.findall("balance.trigger", ended.err)), 1, ended)
+        found = summary(self.folder / "slabs")
+        self.assertEqual((found["partitioner"], found["imbalance_mean"], found["repartitions"]), ("slabs", 2, 0))
+
+    def test_progress_is_plain_lines_in_a_log_and_nothing_when_quiet(self):
+        scene = self.write(SMALL_SCENE)
+        ended = call("run", scene, "--output", self.folder / "loud", ranks=2)
+        self.assertEqual((ended.code, ended.out), (0, ""))
+        self.assertNotIn("\r", ended.err)
+        for word in ("step", "ETA", "particle-steps/s", "imbalance", str(self.folder / "loud")):
+            self.assertIn(word, ended.err)
+        ended = call("run", scene, "--output", self.folder / "quiet", "--quiet", ranks=2)
+        self.assertEqual((ended.code, ended.out, ended.err), (0, "", ""))
+
+    def test_the_default_directory_is_named_after_the_scene(self):
+        scene = self.write(SMALL_SCENE, "jelly.toml")
+        self.assertEqual(call("run", scene, "--quiet", folder=self.folder).code, 0)
+        self.assertEqual(summary(self.folder / "runs" / "jelly")["scene"], "jelly")
+
+    def test_a_restart_continues_the_records_of_its_directory_and_starts_those_of_a_new_one(self):
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END, balance__interval=10)
+        whole, hash_ = table(directory, "history.csv"), summary(directory)["state_hash"]
+        rows = table(directory, "balance.csv")
+        first = checkpoints(directory)[0]
+        at = int(first.name[11:20])
+        words = ("--restart", first)
+        fresh = self.run_slurry(*words, ranks=2, balance__interval=10)
+        self.run_scene(SCENE, directory.name, *sets(time__end=END, output__interval=END / 5, balance__interval=10),
+                       *words, ranks=2)
+        self.assertEqual(table(directory, "history.csv"), whole)
+        self.assertEqual(table(fresh, "history.csv"), [row for row in whole if row["step"] > at])
+        self.assertEqual([r["step"] for r in table(directory, "balance.csv")], [r["step"] for r in rows])
+        self.assertEqual([r["step"] for r in table(fresh, "balance.csv")], [r["step"] for r in rows if r["step"] > at])
+        self.assertEqual({summary(d)["state_hash"] for d in (directory, fresh)}, {hash_})
+        self.assertEqual({summary(d)["steps"] for d in (directory, fresh)}, {whole[-1]["step"]})
+
+
+if __name__ == "__main__":
+    moraine.main()

@@ -1,0 +1,74 @@
+"""A run that is killed, or stopped by a signal, goes on from its last checkpoint to the same answer."""
+import os
+import random
+import signal
+import time
+
+import moraine
+from moraine import INPUTS, Job, checkpoints, sets, summary
+
+SCENE = INPUTS / "slurry_runout.toml"
+END = 0.03 if moraine.SLOW else 0.3
+KEYS = sets(time__end=END, output__interval=END / 10)
+
+
+class Stop(moraine.ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.undisturbed = None
+
+    def start(self, name, *words, ranks):
+        job = Job("run", SCENE, "--output", self.folder / name, "--quiet", *KEYS, *words, ranks=ranks)
+        self.addCleanup(job.stop)
+        return job
+
+    def assert_goes_on(self, name, ranks):
+        """In the same directory, to the answer and the records of a run that nobody disturbed."""
+        if Stop.undisturbed is None:
+            directory = self.run_scene(SCENE, "undisturbed", *KEYS, ranks=2)
+            Stop.undisturbed = summary(directory)["state_hash"], (directory / "history.csv").read_text()
+        last = checkpoints(self.folder / name)[-1]
+        directory = self.run_scene(SCENE, name, *KEYS, "--restart", last, ranks=ranks)
+        self.assertEqual((summary(directory)["state_hash"], (directory / "history.csv").read_text()), Stop.undisturbed)
+        self.assertEqual([path.name for path in directory.iterdir() if path.name.endswith(".partial")], [])
+
+    def test_a_killed_rank_ends_the_job_and_the_last_checkpoint_restarts_it(self):
+        moments = random.Random(3)
+        for ranks, victim in ((2, 0), (3, 1)):
+            with self.subTest(ranks=ranks, victim=victim):
+                name = f"killed-{ranks}"
+                job = self.start(name, *sets(output__checkpoint_interval=END / 30), ranks=ranks)
+                job.wait_for(self.folder / name, "checkpoint-*.h5")
+                time.sleep(moments.uniform(0, 0.3))
+                pids = job.ranks()
+                self.assertEqual(len(pids), ranks)
+                os.kill(pids[victim], signal.SIGKILL)
+                ended = job.end(limit=30)
+                self.assertNotEqual(ended.code, 0, ended)
+                self.assertFalse((self.folder / name / "summary.json").exists(), "killed in mid-run")
+                self.assert_goes_on(name, ranks=5 - ranks)
+
+    def check_stop(self, name, tell, ranks):
+        job = self.start(name, ranks=ranks)
+        job.wait_for(self.folder / name, "history.csv")
+        time.sleep(0.2)
+        self.assertEqual(len(job.ranks()), ranks)
+        tell(job)
+        ended = job.end()
+        line = self.assert_one_problem(ended, code=5)
+        (left,) = checkpoints(self.folder / name)
+        self.assertIn(str(left), line)
+        stopped = summary(self.folder / name)
+        self.assertEqual(left.name, f"checkpoint-{stopped['steps']:09d}.h5")
+        self.assertLess(stopped["simulated_time_s"], END)
+        self.assert_goes_on(name, ranks=5 - ranks)
+
+    def test_sigterm_to_one_rank_writes_a_checkpoint(self):
+        self.check_stop("terminated", lambda job: os.kill(job.ranks()[1], signal.SIGTERM), ranks=3)
+
+    def test_sigusr1_to_mpirun_writes_a_checkpoint(self):
+        self.check_stop("warned", lambda job: job.started.send_signal(signal.SIGUSR1), ranks=2)
+
+
+if __name__ == "__main__":
+    moraine.main()

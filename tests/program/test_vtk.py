@@ -1,0 +1,87 @@
+"""particles.vtkhdf of a real run, as VTK's own reader sees it. Skipped (77) without a Python that has vtk."""
+import sys
+
+import moraine
+from moraine import INPUTS, SMALL_SCENE, checkpoints, sets, summary, table
+
+try:
+    import numpy as np
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+except ImportError as missing:
+    print(f"SKIPPED: {missing}. `pip install vtk numpy`, and -DMORAINE_PYTHON=<that python>?")
+    sys.exit(77)
+
+
+class Series:
+    """A series opened anew: times, and each step's points and fields by name."""
+
+    def __init__(self, directory):
+        self.reader = vtk.vtkHDFReader()
+        self.reader.SetFileName(str(directory / "particles.vtkhdf"))
+        self.reader.UpdateInformation()
+        self.times = list(self.reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
+
+    def step(self, k):
+        self.reader.UpdateTimeStep(self.times[k])
+        data = vtk.vtkPolyData.SafeDownCast(self.reader.GetOutputAsDataSet())
+        fields = data.GetPointData()
+        arrays = {fields.GetArrayName(a): vtk_to_numpy(fields.GetArray(a)) for a in range(fields.GetNumberOfArrays())}
+        assert data.GetNumberOfVerts() == data.GetNumberOfPoints()
+        return vtk_to_numpy(data.GetPoints().GetData()).astype(float), arrays
+
+
+class Vtk(moraine.ProgramTest):
+    def compare(self, directory, axes, fields, tolerance):
+        """Every step against the row of history.csv of its time; all particles have one mass."""
+        series, rows = Series(directory), table(directory, "history.csv")
+        self.assertEqual(series.times, [row["time_s"] for row in rows])
+        for k in (*range(len(rows)), 0):
+            points, arrays = series.step(k)
+            self.assertEqual(set(arrays), {"id", "rank", "block_key", *fields})
+            self.assertEqual(len(points), rows[k]["particles"])
+            self.assertEqual(len(np.unique(arrays["id"])), len(points))
+            self.assertTrue((np.diff(arrays["block_key"].astype(np.int64)) >= 0).all(), "blocks along the curve")
+            for a, axis in enumerate(axes):
+                self.assertAlmostEqual(points[:, a].mean(), rows[k][f"centre_{axis}_m"], delta=tolerance)
+            self.assertAlmostEqual(points[:, 0].max(), rows[k]["max_x_m"], delta=tolerance)
+            speed = np.linalg.norm(arrays["velocity"].astype(float), axis=1).max()
+            self.assertAlmostEqual(speed, rows[k]["max_speed_m_s"], delta=tolerance)
+        return arrays, len(rows)
+
+    def test_a_slurry_runout_in_double_precision_on_3_ranks(self):
+        keys = sets(time__end=0.1, output__interval=0.02)
+        directory = self.run_scene(INPUTS / "slurry_runout.toml", "out", *keys, ranks=3)
+        arrays, steps = self.compare(directory, "xy", ["velocity", "pressure"], 1e-6)
+        self.assertEqual(steps, 6)
+        self.assertEqual(set(arrays["rank"]), {0, 1, 2})
+        self.assertTrue(np.isclose(arrays["pressure"].max(), 1500 * 9.81 * 5, rtol=0.05), "at the foot, at the start")
+
+    def test_a_3d_runout_in_single_precision_with_every_field(self):
+        fields = ["velocity", "stress", "pressure", "density", "ln_J", "mass", "volume", "body"]
+        keys = sets(domain__cell=0.4, time__end=0.05, output__interval=0.02, numerics__precision="single",
+                    output__fields=str(fields).replace("'", '"'))
+        directory = self.run_scene(INPUTS / "slurry_runout_3d.toml", "out", *keys, ranks=2)
+        arrays, steps = self.compare(directory, "xyz", fields, 1e-4)
+        self.assertEqual(steps, 4)
+        self.assertEqual(arrays["stress"].shape[1], 6)
+        self.assertTrue(np.allclose(arrays["pressure"], -arrays["stress"][:, :3].mean(axis=1), rtol=1e-4, atol=1))
+        self.assertTrue(np.allclose(arrays["density"] * arrays["volume"], arrays["mass"], rtol=1e-5))
+        self.assertTrue(np.isclose(arrays["mass"].sum(dtype=float), summary(directory)["mass_kg"], rtol=1e-6))
+
+    def test_a_series_that_a_restart_continues_or_a_fault_ends(self):
+        scene = self.write(SMALL_SCENE)
+        keys = sets(output__interval=0.02, output__fields='["velocity"]')
+        directory = self.run_scene(scene, "out", *keys, *sets(output__checkpoint_interval=0.05), ranks=2)
+        before = Series(directory).times
+        self.run_scene(scene, "out", *keys, *sets(time__end=0.2), "--restart", checkpoints(directory)[0], ranks=3)
+        self.compare(directory, "xy", ["velocity"], 1e-6)
+        self.assertEqual(Series(directory).times[:5], before[:5])
+        self.assertEqual(len(Series(directory).times), 11)
+        leaving = self.write(SMALL_SCENE.replace('"no-slip"', '"none"').replace("end = 0.1", "end = 1.0"))
+        directory = self.run_scene(leaving, "fault", *keys, ranks=2, code=3)
+        self.compare(directory, "xy", ["velocity"], 1e-6)
+
+
+if __name__ == "__main__":
+    moraine.main()
