@@ -62,6 +62,19 @@ void run_passes(const View<Real>& v, const Extra<Real>&) {
     (void)once;
     p2g_passes<Real, Stages, MinBlocks><<<v.blocks, 192, bytes>>>(v);
 }
+template <class Real, int Stages, int Passes, int MinBlocks>
+void run_resident(const View<Real>& v, const Extra<Real>&) {
+    constexpr int bytes = resident_bytes<Real, Stages>();
+    const auto kernel = p2g_resident<Real, Stages, Passes, MinBlocks>;
+    static const int grid = [&] {
+        allow_shared(kernel, bytes);
+        int per = 0, processors = 0;
+        check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per, kernel, 192, bytes), "occupancy");
+        check(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0), "device");
+        return per * processors;
+    }();
+    kernel<<<std::min(grid, v.blocks), 192, bytes>>>(v);
+}
 template <class Real>
 void run_gather_nodes(const View<Real>& v, const Extra<Real>& e) {
     gather_nodes<Real><<<(v.node_blocks + 3) / 4, 256>>>(v, e);
@@ -217,7 +230,7 @@ void Stepper<Real>::init(const SceneSpec& spec) {
                    Real(1), dt_.data(), {{Real(0), Real(0), Real(-9.81)}}, law_of<Real>(), false};
     f = Filing{leaver_slot_.data(), leaver_cell_.data(), leaver_first_.data(), next_count_.data()};
     const double m0 = 1000 * 1e-3;
-    extra = {reinterpret_cast<Real*>(sums_.data()), {0x1p28 / m0, 0x1p28 / (m0 * 10), 0x1p28 / 2000}};
+    extra = {reinterpret_cast<Real*>(sums_.data()), {0x1p28 / m0, 0x1p28 / (m0 * 4), 0x1p28 / 16}};
     if (sizeof(Real) == 8)
         for (double& s : extra.scale) s *= 0x1p30;
     point();

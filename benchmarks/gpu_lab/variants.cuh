@@ -13,7 +13,9 @@ std::vector<G2pVariant<Real>> g2p_variants();
 
 template <>
 inline std::vector<P2gVariant<float>> p2g_variants() {
-    return {{"staged-3", run_staged<float, 3, 1, 3>, false},
+    return {{"resident-3", run_resident<float, 3, 1, 3>, false},
+            {"resident-p2", run_resident<float, 2, 2, 4>, false},
+            {"staged-3", run_staged<float, 3, 1, 3>, false},
             {"staged-3-free", run_staged<float, 3, 1, 2>, false},
             {"staged-4", run_staged<float, 4, 1, 3>, false},
             {"roles-3", run_staged<float, 3, 2, 2>, false},
@@ -27,7 +29,9 @@ inline std::vector<P2gVariant<float>> p2g_variants() {
 }
 template <>
 inline std::vector<P2gVariant<double>> p2g_variants() {
-    return {{"passes-2", run_passes<double, 2, 2>, false},
+    return {{"resident-2", run_resident<double, 2, 2, 2>, false},
+            {"resident-3", run_resident<double, 3, 2, 1>, false},
+            {"passes-2", run_passes<double, 2, 2>, false},
             {"roles-3", run_staged<double, 3, 2, 1>, false},
             {"staged-3", run_staged<double, 3, 1, 1>, false},
             {"direct", run_direct<double, 1>, false},
@@ -39,8 +43,8 @@ inline std::vector<P2gVariant<double>> p2g_variants() {
 }
 template <>
 inline std::vector<G2pVariant<float>> g2p_variants() {
-    return {{"steps-128x5", run_ahead<float, 128, 5, true>},
-            {"steps-128x6", run_ahead<float, 128, 6, true>},
+    return {{"steps-128x6", run_ahead<float, 128, 6, true>},
+            {"steps-128x5", run_ahead<float, 128, 5, true>},
             {"ahead-128x6", run_ahead<float, 128, 6, false>},
             {"ahead-128x5", run_ahead<float, 128, 5, false>},
             {"128x5 narrow", run_g2p<float, 128, 5, true>},

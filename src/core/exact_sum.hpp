@@ -22,6 +22,10 @@ struct ExactSum {
         high += other.high + (sum < low ? 1 : 0);
         low = sum;
     }
+    MORAINE_HD void negate() {
+        low = ~low + 1;
+        high = ~high + (low == 0 ? 1 : 0);
+    }
 };
 
 /// The quantum of a run's sums: powers of two, so scaling is exact.
@@ -37,19 +41,25 @@ struct Quantum {
     /// Not a number, or more than fits: nothing (the run's faults tell of it).
     MORAINE_HD ExactSum of(double value) const {
         using std::floor;
+        using std::rint;
         const double two64 = 18446744073709551616.0;
-        const double quanta = floor(value * scale + 0.5);
+        const double quanta = rint(value * scale);
         if (!(quanta < two64 * two64 / 4 && quanta > -two64 * two64 / 4)) return {};
-        const double high = floor(quanta / two64);
+        // By magnitude: two64 - 1 is no double, so a low word must not be the complement of a small number.
+        const double size = quanta < 0 ? -quanta : quanta;
+        const double high = floor(size / two64);
         ExactSum s;
         s.high = static_cast<std::int64_t>(high);
-        s.low = static_cast<std::uint64_t>(quanta - high * two64);
+        s.low = static_cast<std::uint64_t>(size - high * two64);
+        if (quanta < 0) s.negate();
         return s;
     }
 
-    double value(const ExactSum& s) const {
+    double value(ExactSum s) const {
         const double two64 = 18446744073709551616.0;
-        return (static_cast<double>(s.high) * two64 + static_cast<double>(s.low)) / scale;
+        const double sign = s.high < 0 ? -1 : 1;
+        if (s.high < 0) s.negate();
+        return sign * (static_cast<double>(s.high) * two64 + static_cast<double>(s.low)) / scale;
     }
 };
 
