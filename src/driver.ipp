@@ -64,7 +64,7 @@ void Driver<Space, Real, Dim>::begin() {
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
-    if (claim != RunClaim::resume) output();
+    if (!restarting) output();
 }
 
 template <class Space, class Real, int Dim>

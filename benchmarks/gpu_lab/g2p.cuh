@@ -190,6 +190,11 @@ __device__ __forceinline__ void update_stress(const View<Real>& v, const Gathere
     if (step.stretch <= Real(0)) out.faults |= fault_inverted;
 }
 
+template <class Real>
+__device__ __forceinline__ int cell_at(const Place<Real>& x) {
+    return cell_of<Real>(x.u[0]) + 4 * cell_of<Real>(x.u[1]) + 16 * cell_of<Real>(x.u[2]);
+}
+
 /// New place; returns the move (src/core/g2p.hpp). Domain ends are walls here, not exits.
 template <class Real>
 __device__ __forceinline__ std::uint16_t advance_place(const View<Real>& v, const Real (&velocity)[3], Real dt,
@@ -272,7 +277,10 @@ __global__ void __launch_bounds__(Threads, MinBlocks) g2p(const __grid_constant_
         Row<Real> motion = load_row(v.p.motion + s), normal = load_row(v.p.normal + s), shear = load_row(v.p.shear + s);
         const Gathered<Real> g = gather<Real>(tile, x);
         take_velocity(v, g, motion);
-        v.moves[k] = advance_place(v, g.velocity, dt, x, out);
+        const int from = cell_at(x);
+        const std::uint16_t move = advance_place(v, g.velocity, dt, x, out);
+        v.moves[k] = move;
+        note_changed(v, b, begin, end, k, move != Block<3>::centre * 64 + from);
         store_row(v.p.place + s, x);
         update_stress(v, g, dt, x.mass, motion, normal, shear, out);
         store_row(v.p.motion + s, motion);
@@ -308,6 +316,7 @@ __global__ void __launch_bounds__(Threads, MinBlocks) g2p_ahead(const __grid_con
     std::uint32_t s = k < end ? v.slot[k] : 0, next = k + Threads < end ? v.slot[k + Threads] : 0;
     if (k < end) start(s, 0);
     commit_async();
+    if (threadIdx.x == 0 && v.ahead > 0) prefetch_block(v, int(blockIdx.x) + v.ahead);
     if constexpr (Difference) {
         load_tile(v, b, tile.node);
         take_steps(tile);
@@ -330,7 +339,10 @@ __global__ void __launch_bounds__(Threads, MinBlocks) g2p_ahead(const __grid_con
         Place<Real> x;
         row(x, 0);
         const Gathered<Real> g = gather<Real>(tile, x);
-        v.moves[k] = advance_place(v, g.velocity, dt, x, out);
+        const int from = cell_at(x);
+        const std::uint16_t move = advance_place(v, g.velocity, dt, x, out);
+        v.moves[k] = move;
+        note_changed(v, b, begin, end, k, move != Block<3>::centre * 64 + from);
         store_row(v.p.place + s, x);
         Row<Real> motion, normal, shear;
         row(motion, 1);

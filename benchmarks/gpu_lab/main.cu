@@ -38,7 +38,8 @@ void time_variants() {
     const auto g2p = g2p_variants<Real>();
     for (const auto& a : p2g) time_p2g<Real>(scenes[0], a, p2g[0], g2p[0]);
     for (const auto& g : g2p) time_g2p<Real>(scenes[0], p2g[0], g);
-    for (int every : {0, 8, 16, 32}) time_steps<Real>(scenes[0], p2g[0], g2p[0], every, 64);
+    for (int every : {0, 8, 16, 32}) time_steps<Real>(scenes[0], p2g[0], g2p[0], every, 0, 64);
+    time_steps<Real>(scenes[0], p2g[0], g2p[0], 16, 800, 64);
 }
 
 template <class Real>
@@ -46,7 +47,7 @@ void time_scenes(int argc, char** argv) {
     for (const SceneSpec& s : scenes) {
         bool wanted = argc == 0;
         for (int i = 0; i < argc; ++i) wanted = wanted || std::strcmp(argv[i], s.name) == 0;
-        if (wanted) time_steps<Real>(s, p2g_variants<Real>()[0], g2p_variants<Real>()[0], 16, 96);
+        if (wanted) time_steps<Real>(s, p2g_variants<Real>()[0], g2p_variants<Real>()[0], 12, 0, 96);
     }
 }
 

@@ -57,35 +57,59 @@ __device__ __forceinline__ void sum_round(const uint4* round, int cell, std::uin
     }
 }
 
+/// What a thread of a block of the grid works on.
+struct Share {
+    int cell, k;
+    const std::uint32_t* slots;
+    std::uint32_t count;
+    const std::uint32_t* most;  ///< fullest cell of either half of the block, after a barrier
+
+    __device__ __forceinline__ int rounds() const {
+        __syncthreads();
+        return (int(max(most[0], most[1])) + 2) / 3;
+    }
+};
+
+/// Called by whole thread blocks of a multiple of 192 threads.
+template <class Real>
+__device__ __forceinline__ Share share_of(const View<Real>& v, int b) {
+    __shared__ std::uint32_t most[2];
+    const int t = int(threadIdx.x) % 192;
+    Share s;
+    s.cell = t & 63, s.k = t >> 6, s.most = most;
+    const std::uint32_t* at = v.cell_first + std::size_t(b) * bounds + s.cell;
+    const std::uint32_t first = at[0], begin = v.first[b];
+    s.count = at[1] - first;
+    s.slots = v.slot + begin + first;
+    const std::uint32_t warp_most = __reduce_max_sync(0xffffffffu, s.count);
+    if (threadIdx.x < 64 && threadIdx.x % 32 == 0) most[threadIdx.x / 32] = warp_most;
+    return s;
+}
+
 inline constexpr std::uint32_t none = 0xffffffffu;
 
 /// Adds up this warp's share of the rounds, then its planes. The rounds may lie where the planes will.
 template <class Real, int Stages, bool Momentum, bool Force>
-__device__ __forceinline__ void run_rounds(const View<Real>& v, const std::uint32_t* slots, std::uint32_t count, int rounds,
-                                           bool stages_too, int k, int cell, uint4* shared, Real* planes) {
+__device__ __forceinline__ void run_rounds(const View<Real>& v, const Share& share, bool stages_too, uint4* shared,
+                                           Real* planes) {
     using R = StagedRecord<Real>;
+    const int k = share.k, cell = share.cell;
+    const std::uint32_t* slots = share.slots;
+    const std::uint32_t count = share.count;
     SliceSums<Real> sums;
     clear<Real, Momentum, Force>(sums);
-    const auto slot_of = [&](int r) {
+    const auto start = [&](int r) {
         const std::uint32_t l = 3 * std::uint32_t(r) + k;
-        return stages_too && l < count ? slots[l] : none;
-    };
-    const auto start = [&](int r, std::uint32_t s) {
-        if (s != none)
-            R::template start<Force || !Momentum>(v.p, s, shared + r % Stages * R::round_units + k * cells + cell);
+        if (stages_too && l < count)
+            R::template start<Force || !Momentum>(v.p, slots[l], shared + r % Stages * R::round_units + k * cells + cell);
         commit_async();
     };
-    std::uint32_t ahead[Stages];  // slots are read a round before their records: nothing waits for them
-#pragma unroll
-    for (int r = 0; r < Stages; ++r) ahead[r] = slot_of(r);
-#pragma unroll
-    for (int r = 0; r < Stages - 1; ++r) start(r, ahead[r]);
-    std::uint32_t next = ahead[Stages - 1];
+    for (int r = 0; r < Stages - 1; ++r) start(r);
+    const int rounds = share.rounds();
     for (int r = 0; r < rounds; ++r) {
         wait_async<Stages - 2>();
         __syncthreads();
-        start(r + Stages - 1, next);
-        next = slot_of(r + Stages);
+        start(r + Stages - 1);
         const std::uint32_t done = 3 * std::uint32_t(r);
         if (count > done)
             sum_round<Real, Momentum, Force>(shared + r % Stages * R::round_units, cell, count - done, k, v.inverse_cell,
@@ -98,47 +122,23 @@ __device__ __forceinline__ void run_rounds(const View<Real>& v, const std::uint3
     __syncthreads();
 }
 
-/// What a thread of a block of the grid works on.
-struct Share {
-    int cell, k, rounds;
-    const std::uint32_t* slots;
-    std::uint32_t count;
-};
-
-/// Called by whole thread blocks of a multiple of 192 threads.
-template <class Real>
-__device__ __forceinline__ Share share_of(const View<Real>& v, int b) {
-    __shared__ std::uint32_t most[2];
-    const int t = int(threadIdx.x) % 192;
-    Share s;
-    s.cell = t & 63, s.k = t >> 6;
-    const std::uint32_t* at = v.cell_first + std::size_t(b) * bounds + s.cell;
-    const std::uint32_t first = at[0];
-    s.count = at[1] - first;
-    s.slots = v.slot + v.first[b] + first;
-    const std::uint32_t warp_most = __reduce_max_sync(0xffffffffu, s.count);
-    if (threadIdx.x < 64 && threadIdx.x % 32 == 0) most[threadIdx.x / 32] = warp_most;
-    __syncthreads();
-    s.rounds = (int(max(most[0], most[1])) + 2) / 3;
-    return s;
-}
-
 template <class Real, int Stages, int Roles, int MinBlocks>
 __global__ void __launch_bounds__(192 * Roles, MinBlocks) p2g_staged(const __grid_constant__ View<Real> v) {
     extern __shared__ uint4 shared[];
     const int b = v.chosen();
-    if (v.first[b + 1] == v.first[b]) return;
     const Share s = share_of(v, b);
+    if (threadIdx.x == 0 && v.ahead > 0) prefetch_block(v, int(blockIdx.x) + v.ahead);
+    if (v.cell_first[std::size_t(b) * bounds + cells] == 0) return;
     Real* planes = reinterpret_cast<Real*>(shared);
     if constexpr (Roles == 1) {
-        run_rounds<Real, Stages, true, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
+        run_rounds<Real, Stages, true, true>(v, s, true, shared, planes);
     } else {
         if (threadIdx.x < 192)
-            run_rounds<Real, Stages, true, false>(v, s.slots, s.count, s.rounds, false, s.k, s.cell, shared, planes);
+            run_rounds<Real, Stages, true, false>(v, s, false, shared, planes);
         else
-            run_rounds<Real, Stages, false, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
+            run_rounds<Real, Stages, false, true>(v, s, true, shared, planes);
     }
-    write_tile(v, b, planes, planes + 7 * planes_reals<Real>);
+    write_tile(v, b, planes, planes + planes_reals<Real>);
 }
 
 /// Momentum first, then force: half the sums at a time, so that two thread blocks of doubles fit.
@@ -146,11 +146,12 @@ template <class Real, int Stages, int MinBlocks>
 __global__ void __launch_bounds__(192, MinBlocks) p2g_passes(const __grid_constant__ View<Real> v) {
     extern __shared__ uint4 shared[];
     const int b = v.chosen();
-    if (v.first[b + 1] == v.first[b]) return;
     const Share s = share_of(v, b);
+    if (threadIdx.x == 0 && v.ahead > 0) prefetch_block(v, int(blockIdx.x) + v.ahead);
+    if (v.cell_first[std::size_t(b) * bounds + cells] == 0) return;
     Real* planes = reinterpret_cast<Real*>(shared + Stages * StagedRecord<Real>::round_units);
-    run_rounds<Real, Stages, true, false>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
-    run_rounds<Real, Stages, false, true>(v, s.slots, s.count, s.rounds, true, s.k, s.cell, shared, planes);
+    run_rounds<Real, Stages, true, false>(v, s, true, shared, planes);
+    run_rounds<Real, Stages, false, true>(v, s, true, shared, planes);
     write_tile(v, b, planes, reinterpret_cast<Real*>(shared));
 }
 template <class Real, int Stages>
@@ -248,7 +249,7 @@ __global__ void __launch_bounds__(192, MinBlocks) p2g_resident(const __grid_cons
         start_rounds<Real, Stages, Passes == 1>(v, after, k, cell, shared);
         add_to_planes<Real, Passes == 1, true>(sums, k, cell, planes);
         __syncthreads();
-        if (rounds > 0) write_tile(v, v.chosen(item, v.blocks), planes, planes + 7 * planes_reals<Real>);
+        if (rounds > 0) write_tile(v, v.chosen(item, v.blocks), planes, planes + planes_reals<Real>);
         list = after;
     }
 }
@@ -277,7 +278,7 @@ __global__ void __launch_bounds__(192, MinBlocks) p2g_direct(const __grid_consta
     middle_from_sums<Real, true, true>(sums);
     add_to_planes<Real, true, true>(sums, k, cell, planes);
     __syncthreads();
-    write_tile(v, b, planes, planes + 7 * planes_reals<Real>);
+    write_tile(v, b, planes, planes + planes_reals<Real>);
 }
 
 }  // namespace lab

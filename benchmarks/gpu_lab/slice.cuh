@@ -115,36 +115,59 @@ __device__ __forceinline__ void middle_from_sums(SliceSums<Real>& s) {
 }
 
 // Combination of cells into the tile. Planes: one per (slice k, layer cz of cells), so that no two warps
-// share one; within a warp at one stencil offset (i, j) all cells write different nodes. Rows are padded so
-// that the 16 cells of a layer (single: the 32 of a warp) fall into different banks.
+// share one; within a warp at one stencil offset (i, j) all cells write different nodes. A node is two quads,
+// (mass, momentum) and (force, -); nodes and rows are padded so that 8 lanes with 16 bytes each fall into
+// different banks.
 template <class Real>
-inline constexpr int plane_row = sizeof(Real) == 4 ? 8 : 12;
+inline constexpr int plane_node = sizeof(Real) == 4 ? 8 : 10;
 template <class Real>
-inline constexpr int plane_size = sizeof(Real) == 4 ? 6 * 8 + 4 : 6 * 12;
+inline constexpr int plane_row = sizeof(Real) == 4 ? 52 : 72;
 template <class Real>
-inline constexpr int planes_reals = 12 * plane_size<Real>;  ///< of one quantity
+inline constexpr int plane_size = 6 * plane_row<Real>;
 template <class Real>
-inline constexpr int all_planes_bytes = 7 * planes_reals<Real> * int(sizeof(Real));
+inline constexpr int planes_reals = 12 * plane_size<Real>;
+template <class Real>
+inline constexpr int all_planes_bytes = planes_reals<Real> * int(sizeof(Real));
+
+/// A quad by 16-byte accesses: doubles of the planes are aligned to 16 bytes only.
+template <class Real>
+__device__ __forceinline__ void load_quad(const Real* from, Real (&q)[4]) {
+#pragma unroll
+    for (int i = 0; i < int(sizeof(Real)) / 4; ++i)
+        reinterpret_cast<uint4*>(q)[i] = reinterpret_cast<const uint4*>(from)[i];
+}
+template <class Real>
+__device__ __forceinline__ void store_quad(Real* to, const Real (&q)[4]) {
+#pragma unroll
+    for (int i = 0; i < int(sizeof(Real)) / 4; ++i)
+        reinterpret_cast<uint4*>(to)[i] = reinterpret_cast<const uint4*>(q)[i];
+}
 
 /// Adds this thread's sums to the planes; called by all lanes of a warp.
 template <class Real, bool Momentum, bool Force>
 __device__ __forceinline__ void add_to_planes(const SliceSums<Real>& s, int k, int cell, Real* planes) {
     const int x = cell & 3, y = (cell >> 2) & 3, z = cell >> 4;
-    Real* at = planes + (4 * k + z) * plane_size<Real> + plane_row<Real> * y + x;
+    Real* at = planes + (4 * k + z) * plane_size<Real> + plane_row<Real> * y + plane_node<Real> * x;
 #pragma unroll
     for (int j = 0; j < 3; ++j)
 #pragma unroll
         for (int i = 0; i < 3; ++i) {
-            Real* to = at + plane_row<Real> * j + i;
+            Real* to = at + plane_row<Real> * j + plane_node<Real> * i;
             const int n = i + 3 * j;
             const bool fresh = (i == 0 || x == 3) && (j == 0 || y == 3);  // nobody wrote this node yet
-#pragma unroll
-            for (int q = 0; q < 7; ++q) {
-                if (q < 4 && !Momentum) continue;
-                if (q >= 4 && !Force) continue;
-                const Real old = fresh ? Real(0) : to[q * planes_reals<Real>];
-                to[q * planes_reals<Real>] = old + (q < 4 ? s.momentum[n][q & 3] : s.force[n][q < 4 ? 0 : q - 4]);
+            alignas(16) Real m[4] = {0, 0, 0, 0};
+            alignas(16) Real f[4] = {0, 0, 0, 0};
+            if (!fresh) {
+                if (Momentum) load_quad(to, m);
+                if (Force) load_quad(to + 4, f);
             }
+#pragma unroll
+            for (int q = 0; q < 4; ++q) {
+                if (Momentum) m[q] += s.momentum[n][q];
+                if (Force && q < 3) f[q] += s.force[n][q < 3 ? q : 0];
+            }
+            if (Momentum) store_quad(to, m);
+            if (Force) store_quad(to + 4, f);
             __syncwarp();
         }
 }
@@ -159,9 +182,12 @@ __device__ __forceinline__ void sum_planes(const Real* planes, int n, Real (&sum
     for (int k = 0; k < 3; ++k) {
         const int layer = z - k;
         if (layer < 0 || layer > 3) continue;
-        const Real* at = planes + (4 * k + layer) * plane_size<Real> + plane_row<Real> * y + x;
+        const Real* at = planes + (4 * k + layer) * plane_size<Real> + plane_row<Real> * y + plane_node<Real> * x;
+        alignas(16) Real m[4];
+        alignas(16) Real f[4];
+        load_quad(at, m), load_quad(at + 4, f);
 #pragma unroll
-        for (int q = 0; q < 7; ++q) sum[q] += at[q * planes_reals<Real>];
+        for (int q = 0; q < 7; ++q) sum[q] += q < 4 ? m[q & 3] : f[q & 3];
     }
 }
 

@@ -181,6 +181,7 @@ class Stepper {
     SceneSpec scene{};
     std::uint32_t count = 0;
     int steps = 0, refresh_every = 0;
+    int ahead = 0;  ///< of the view
     Device<Place<Real>> place_, spare_place_;
     Device<Row<Real>> motion_, normal_, shear_, spare_row_;
     Device<std::uint64_t> id_, spare_id_;
@@ -204,7 +205,7 @@ class Stepper {
     Device<Vec<std::int32_t, 3>> position_;
     Device<std::uint8_t> border_, leaver_cell_;
     Device<std::uint32_t> first_, next_first_, cell_first_, next_cell_first_, slot_, next_slot_;
-    Device<std::uint32_t> leaver_slot_, leaver_first_, next_count_;
+    Device<std::uint32_t> leaver_slot_, leaver_first_, next_count_, changed_;
     Device<double> dt_;
 };
 
@@ -217,7 +218,7 @@ void Stepper<Real>::init(const SceneSpec& spec) {
     neighbour_.assign(topology.neighbour), node_block_.assign(topology.node_block), source_.assign(topology.source);
     position_.assign(topology.position), border_.assign(topology.border), first_.assign(topology.first);
     next_first_.resize(n + 1), cell_first_.resize(n * bounds), next_cell_first_.resize(n * bounds);
-    slot_.resize(k), next_slot_.resize(k), moves_.resize(k), leaver_slot_.resize(k), leaver_cell_.resize(k);
+    slot_.resize(k), next_slot_.resize(k), moves_.resize(k), changed_.resize(k / 32 + n + 1), leaver_slot_.resize(k), leaver_cell_.resize(k);
     leaver_first_.resize(n * exits), next_count_.resize(n);
     place_.resize(k), spare_place_.resize(k), motion_.resize(k), normal_.resize(k), shear_.resize(k), spare_row_.resize(k);
     id_.resize(k), spare_id_.resize(k), body_.resize(k), spare_body_.resize(k);
@@ -225,9 +226,9 @@ void Stepper<Real>::init(const SceneSpec& spec) {
     dt_.assign({SceneSpec::dt});
     tiles_.poison(), nodes_.poison(), sums_.poison(), moves_.poison(), outcome_.poison(), next_slot_.poison();
     v = View<Real>{topology.blocks, int(m), neighbour_.data(), node_block_.data(), source_.data(), position_.data(),
-                   border_.data(), {}, nullptr, nullptr, nullptr, moves_.data(), tiles_.data(), nodes_.data(),
+                   border_.data(), {}, nullptr, nullptr, nullptr, moves_.data(), changed_.data(), tiles_.data(), nodes_.data(),
                    outcome_.data(), walls_of<Real>(spec), Real(1 / SceneSpec::h), Real(1 / SceneSpec::density), Real(0),
-                   Real(1), dt_.data(), {{Real(0), Real(0), Real(-9.81)}}, law_of<Real>(), false};
+                   Real(1), dt_.data(), {{Real(0), Real(0), Real(-9.81)}}, law_of<Real>(), ahead, false};
     f = Filing{leaver_slot_.data(), leaver_cell_.data(), leaver_first_.data(), next_count_.data()};
     const double m0 = 1000 * 1e-3;
     extra = {reinterpret_cast<Real*>(sums_.data()), {0x1p28 / m0, 0x1p28 / (m0 * 4), 0x1p28 / 16}};

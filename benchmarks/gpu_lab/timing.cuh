@@ -74,12 +74,14 @@ void print_kernel(const Stepper<Real>& s, const char* what, const char* name, do
 
 /// Whole steps back to back; then kernels one by one. Hash of the end of both runs.
 template <class Real>
-void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVariant<Real>& b, int every, int steps) {
+void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVariant<Real>& b, int every, int ahead,
+                int steps) {
     Stepper<Real> s;
     std::uint64_t hash[2];
     std::vector<float> runs;
     Stopwatch w;
     for (int r = 0; r < 5; ++r) {
+        s.ahead = ahead;
         s.init(spec);
         s.refresh_every = every;
         for (int i = 0; i < 8; ++i) s.step(a, b);
@@ -104,9 +106,9 @@ void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVaria
     check(cudaMemGetInfo(&free_bytes, &total_bytes), "memory");
     const Traffic t = traffic(s);
     const double ms = median(runs);
-    std::printf("%s %s: %.2f M particles, refresh every %d: %.4f ms/step (%.4f to %.4f), %.2f G particle-steps/s, "
+    std::printf("%s %s: %.2f M particles, refresh every %d, ahead %d: %.4f ms/step (%.4f to %.4f), %.2f G particle-steps/s, "
                 "%.0f B/particle, moved %.3f cells, faults %u, %s\n",
-                spec.name, sizeof(Real) == 4 ? "single" : "double", s.count * 1e-6, every, ms,
+                spec.name, sizeof(Real) == 4 ? "single" : "double", s.count * 1e-6, every, ahead, ms,
                 double(*std::min_element(runs.begin(), runs.end())), double(*std::max_element(runs.begin(), runs.end())),
                 s.count / ms * 1e-6, double(total_bytes - free_bytes) / s.count, double(moved), faults,
                 hash[0] == hash[1] ? "same to the bit" : "RUNS DIFFER");

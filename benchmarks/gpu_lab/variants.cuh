@@ -13,11 +13,10 @@ std::vector<G2pVariant<Real>> g2p_variants();
 
 template <>
 inline std::vector<P2gVariant<float>> p2g_variants() {
-    return {{"resident-3", run_resident<float, 3, 1, 3>, false},
-            {"resident-p2", run_resident<float, 2, 2, 4>, false},
-            {"staged-3", run_staged<float, 3, 1, 3>, false},
-            {"staged-3-free", run_staged<float, 3, 1, 2>, false},
+    return {{"staged-3", run_staged<float, 3, 1, 3>, false},
             {"staged-4", run_staged<float, 4, 1, 3>, false},
+            {"resident-3", run_resident<float, 3, 1, 3>, false},
+            {"staged-3-free", run_staged<float, 3, 1, 2>, false},
             {"roles-3", run_staged<float, 3, 2, 2>, false},
             {"passes-2", run_passes<float, 2, 3>, false},
             {"direct", run_direct<float, 3>, false},
@@ -30,16 +29,13 @@ inline std::vector<P2gVariant<float>> p2g_variants() {
 template <>
 inline std::vector<P2gVariant<double>> p2g_variants() {
     return {{"resident-2", run_resident<double, 2, 2, 2>, false},
-            {"resident-3", run_resident<double, 3, 2, 1>, false},
             {"passes-2", run_passes<double, 2, 2>, false},
             {"roles-3", run_staged<double, 3, 2, 1>, false},
             {"staged-3", run_staged<double, 3, 1, 1>, false},
             {"direct", run_direct<double, 1>, false},
             {"node gather", run_gather_nodes<double>, true},
             {"global atomics", run_global_atomics<double>, true},
-            {"shared atomics", run_shared_tile<double, 0>, false},
-            {"warp reduction", run_shared_tile<double, 1>, false},
-            {"fixed point", run_shared_tile<double, 2>, false}};
+            {"warp reduction", run_shared_tile<double, 1>, false}};
 }
 template <>
 inline std::vector<G2pVariant<float>> g2p_variants() {
@@ -55,8 +51,8 @@ inline std::vector<G2pVariant<float>> g2p_variants() {
 }
 template <>
 inline std::vector<G2pVariant<double>> g2p_variants() {
-    return {{"steps-128x4", run_ahead<double, 128, 4, true>},
-            {"ahead-128x4", run_ahead<double, 128, 4, false>},
+    return {{"ahead-128x4", run_ahead<double, 128, 4, false>},
+            {"steps-128x4", run_ahead<double, 128, 4, true>},
             {"ahead-128x3", run_ahead<double, 128, 3, false>},
             {"128x3 narrow", run_g2p<double, 128, 3, true>},
             {"128x2 narrow", run_g2p<double, 128, 2, true>},

@@ -73,7 +73,8 @@ struct View {
     const std::uint32_t* first;       ///< blocks + 1
     const std::uint32_t* cell_first;  ///< blocks x 65
     const std::uint32_t* slot;
-    std::uint16_t* moves;  ///< per list entry
+    std::uint16_t* moves;    ///< per list entry
+    std::uint32_t* changed;  ///< bit per list entry: it changed its cell. Words of block b start at first[b] / 32 + b
 
     Quad<Real>* tiles;  ///< blocks x 216 x 2
     Quad<Real>* nodes;  ///< node blocks x 64 x 2
@@ -87,11 +88,21 @@ struct View {
     const double* dt;  ///< on the device
     Vec<Real, 3> gravity;
     VonMises<Real> law;
+    int ahead;       ///< how many blocks ahead rows are asked for into L2; 0: not at all
     bool backwards;  ///< blocks run in reverse: the answer must not change
 
     __device__ int chosen() const { return chosen(int(blockIdx.x), blocks); }
     __device__ int chosen(int item, int n) const { return backwards ? n - 1 - item : item; }
 };
+
+/// A warp at entries k - lane .. of a block's list notes who changed cell; called by the lanes with k < end.
+template <class Real>
+__device__ __forceinline__ void note_changed(const View<Real>& v, int b, std::uint32_t begin, std::uint32_t end,
+                                             std::uint32_t k, bool changed) {
+    const std::uint32_t lane = threadIdx.x & 31, here = end - (k - lane);
+    const unsigned bits = __ballot_sync(here >= 32 ? 0xffffffffu : (1u << here) - 1, changed);
+    if (lane == 0) v.changed[begin / 32 + std::uint32_t(b) + (k - begin) / 32] = bits;
+}
 
 /// Copies one row by 16-byte accesses.
 template <class T>

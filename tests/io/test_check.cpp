@@ -42,11 +42,13 @@ TEST_CASE("memory follows particles, precision and ranks") {
     // position, velocity, stress, volume, mass, ln J; id, body, list; the law's scalars
     CHECK(one / static_cast<double>(p.particles) > 24 + 24 + 48 + 24 + 8 + 2 + 12);
     CHECK(one / static_cast<double>(p.particles) < 260);
-    CHECK(bytes_per_rank(scene, p, 4) == doctest::Approx(one / 4));
+    const double quarter = bytes_per_rank(scene, p, 4);  // and the apron of a smaller share
+    CHECK(quarter > one / 4);
+    CHECK(quarter < 1.1 * one / 4);
     const Scene apic = read_scene(path, {"domain.cell=0.2", "numerics.transfer=apic"});
     CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
     const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
-    CHECK(bytes_per_rank(single, p, 1) < 0.6 * one);
+    CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
 }
 
 TEST_CASE("the report names all that a run will need") {
