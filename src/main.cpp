@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <new>
 
 #include "comm/comm.hpp"
 #include "core/error.hpp"
@@ -92,6 +93,13 @@ int run_program(int argc, char** argv) {
         return tell(comm, stopped, e.what());
     } catch (const MachineError& e) {
         return tell(comm, machine_failed, e.what());
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr,
+                   "moraine: memory ran out (rank {} wants more than this machine has). More ranks, or a larger "
+                   "domain.cell?\n",
+                   comm.rank());
+        MPI_Abort(MPI_COMM_WORLD, machine_failed);
+        return machine_failed;
     } catch (const std::exception& e) {
         // Not the same on all ranks: nobody may wait for this one.
         fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), e.what());

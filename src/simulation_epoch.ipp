@@ -19,7 +19,12 @@ std::int64_t Simulation<Space, Real, Dim>::occupied_cells(std::span<const std::u
 template <class Space, class Real, int Dim>
 std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlocks& mine) const {
     std::vector<BlockLoad> rows;
-    for (std::size_t b = 0; b < mine.key.size(); ++b) rows.push_back({mine.key[b], mine.count[b], 0, comm_.rank()});
+    const bool by_cost = scene_.balance.weight == "cost";
+    std::size_t at = 0;
+    for (std::size_t b = 0; b < mine.key.size(); at += mine.count[b], ++b) {
+        const std::int64_t cells = by_cost ? occupied_cells(std::span(mine.slot).subspan(at, mine.count[b])) : 0;
+        rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
+    }
     std::vector<BlockLoad> all = comm_.all_gather(rows);
     std::sort(all.begin(), all.end(), [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
     std::vector<BlockLoad> loads;

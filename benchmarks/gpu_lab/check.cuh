@@ -32,8 +32,8 @@ std::vector<ReferenceParticle> particles_of(const Stepper<Real>& s) {
 }
 
 /// Largest difference of each field over its largest magnitude.
-inline double difference(const std::vector<ReferenceParticle>& a, const std::vector<ReferenceParticle>& b, const SceneSpec& s,
-                         bool print) {
+inline double difference(const std::vector<ReferenceParticle>& a, const std::vector<ReferenceParticle>& b,
+                         const SceneSpec& s, bool print) {
     const char* names[] = {"place", "velocity", "stress", "volume", "ln J", "xi"};
     double worst[6] = {}, scale[6] = {};
     const auto see = [&](int f, double x, double y) {
@@ -85,8 +85,8 @@ bool check_step(const SceneSpec& spec, int steps, const P2gVariant<Real>& a, con
     }
     const bool same = again[0] == hash && again[1] == hash && again[2] == hash;
     const bool good = d <= tolerance && (same || !exact);
-    std::printf("%s %s %-6s %2d steps of %4.1f %%: %-14s %-14s difference %.1e, %s\n", good ? "ok  " : "FAIL", spec.name,
-                sizeof(Real) == 4 ? "single" : "double", steps, spec.stride, a.name, b.name, d,
+    std::printf("%s %s %-6s %2d steps of %4.1f %%: %-14s %-14s difference %.1e, %s\n", good ? "ok  " : "FAIL",
+                spec.name, sizeof(Real) == 4 ? "single" : "double", steps, spec.stride, a.name, b.name, d,
                 same ? "same to the bit again, backwards, refreshed" : "runs differ");
     if (!good) difference(mine, host.p, spec, true);
     return good;
@@ -94,8 +94,8 @@ bool check_step(const SceneSpec& spec, int steps, const P2gVariant<Real>& a, con
 
 /// Sums at the nodes of one P2G against the host.
 template <class Real>
-bool check_sums(SceneSpec spec, const P2gVariant<Real>& variant, const P2gVariant<Real>& base, const G2pVariant<Real>& b,
-                bool exact) {
+bool check_sums(SceneSpec spec, const P2gVariant<Real>& variant, const P2gVariant<Real>& base,
+                const G2pVariant<Real>& b, bool exact) {
     spec.fold = false;
     Stepper<Real> s;
     s.init(spec);

@@ -4,8 +4,8 @@
 //
 // Light kernels, one warp per block, no atomics: (1) leavers sorted by the offset they leave through,
 // stored where the block's list is long: no capacity, no scan; (2) next lengths, then one prefix sum;
-// (3) the next list. The gather left one bit per list entry: it changed its cell. Only those (one in ten) are sorted, by
-// rank within 32 (__match_any_sync) and running totals in shared memory; the others keep their order, so each one's
+// (3) the next list. The gather left one bit per list entry: it changed its cell. Only those (one in ten) are sorted,
+// by rank within 32 (__match_any_sync) and running totals in shared memory; the others keep their order, so each one's
 // place is its old one plus a shift of its cell minus the changed entries before it: no lane waits for another.
 
 #include "view.cuh"
@@ -14,7 +14,7 @@ namespace lab {
 
 /// What filing reads and writes besides the view.
 struct Filing {
-    std::uint32_t* leaver_slot;   ///< [list entry]: leavers of block b start at first[b]
+    std::uint32_t* leaver_slot;  ///< [list entry]: leavers of block b start at first[b]
     std::uint8_t* leaver_cell;
     std::uint32_t* leaver_first;  ///< blocks x 28: bounds per exit within the block's leavers
     std::uint32_t* next_count;    ///< blocks
@@ -26,8 +26,12 @@ struct Filing {
 inline constexpr int filing_warps = 4;
 inline constexpr unsigned all_lanes = 0xffffffffu;
 
-__device__ __forceinline__ int lane_id() { return int(threadIdx.x) & 31; }
-__device__ __forceinline__ int move_code_of(std::uint16_t m) { return m >> 6; }
+__device__ __forceinline__ int lane_id() {
+    return int(threadIdx.x) & 31;
+}
+__device__ __forceinline__ int move_code_of(std::uint16_t m) {
+    return m >> 6;
+}
 
 /// Adds up `mine` over the lanes below; total in the last lane.
 __device__ __forceinline__ std::uint32_t scan_inclusive(std::uint32_t mine) {
@@ -126,8 +130,7 @@ __global__ void __launch_bounds__(32 * filing_warps) count_next(View<Real> v, Fi
     if (b >= v.blocks) return;
     const Arrivals a = arrivals_from(v, f, b, lane_id());
     const std::uint32_t arriving = __reduce_add_sync(all_lanes, a.count);
-    if (lane_id() == 0)
-        f.next_count[b] = v.first[b + 1] - v.first[b] - f.leaver_first[b * exits + offsets] + arriving;
+    if (lane_id() == 0) f.next_count[b] = v.first[b + 1] - v.first[b] - f.leaver_first[b * exits + offsets] + arriving;
 }
 
 /// next_first = prefix sum of next_count: one block of 1024 threads, 32 counts per thread in flight.
@@ -187,7 +190,9 @@ struct FillScratch {
         return c;
     }
     /// Which counter of `in` an entry goes to.
-    __device__ int key(std::uint32_t e, int to) const { return to + (cell_of_entry(e) > to ? cells : 0); }
+    __device__ int key(std::uint32_t e, int to) const {
+        return to + (cell_of_entry(e) > to ? cells : 0);
+    }
 };
 
 /// From counts to places; writes the new bounds.
@@ -280,21 +285,6 @@ __global__ void __launch_bounds__(32 * filing_warps) fill_next(View<Real> v, Fil
         const std::uint32_t place = take_place(in, cells + (in ? f.leaver_cell[from] : 0), s.in);
         if (in) to[place] = f.leaver_slot[from];
     }
-}
-
-/// Column `from` in list order; the lists become 0, 1, 2, ...
-template <class T>
-__global__ void __launch_bounds__(256) permute(std::uint32_t n, const std::uint32_t* slot, const T* from, T* to) {
-    const std::uint32_t k = blockIdx.x * 256 + threadIdx.x;
-    if (k >= n) return;
-    if constexpr (sizeof(T) >= 16)
-        store_row(to + k, load_row(from + slot[k]));
-    else
-        to[k] = from[slot[k]];
-}
-static __global__ void __launch_bounds__(256) count_up(std::uint32_t n, std::uint32_t* slot) {
-    const std::uint32_t k = blockIdx.x * 256 + threadIdx.x;
-    if (k < n) slot[k] = k;
 }
 
 }  // namespace lab

@@ -1,9 +1,10 @@
 // The kernel laboratory: variants of the device kernels, each checked, then timed in whole steps.
 //
 //   gpu_lab check                        every variant against the host, to the bit again
+//   gpu_lab chosen                       the chosen kernels on a small box, for compute-sanitizer
 //   gpu_lab time [single|double] [scene ...]   whole steps and kernels
 //   gpu_lab variants [single|double]     each P2G and G2P at 16.8 M particles
-//   gpu_lab profile [single|double]      a few steps for a profiler
+//   gpu_lab profile [single|double]      40 steps for a profiler; launches 291 to 297 are the last step
 
 #include "check.cuh"
 #include "timing.cuh"
@@ -28,8 +29,19 @@ bool check_all() {
     for (const auto& g : g2p) good = check_step<Real>(box, 4, p2g[0], g, true) && good;
     for (const auto& a : p2g)
         if (!a.sums && std::strchr(a.name, ' ') == nullptr) good = check_step<Real>(heap, 5, a, g2p[0], true) && good;
-    for (const auto& a : p2g) good = check_sums<Real>(heap, a, p2g[0], g2p[0], std::strstr(a.name, "atomics") == nullptr && std::strstr(a.name, "warp") == nullptr) && good;
+    for (const auto& a : p2g)
+        good = check_sums<Real>(heap, a, p2g[0], g2p[0],
+                                std::strstr(a.name, "atomics") == nullptr && std::strstr(a.name, "warp") == nullptr) &&
+               good;
     return good;
+}
+
+/// The chosen kernels alone on a small box: for compute-sanitizer.
+template <class Real>
+bool check_chosen() {
+    SceneSpec box{"box ", {12, 12, 8}, 6};
+    box.stride = 30;
+    return check_step<Real>(box, 2, p2g_variants<Real>()[0], g2p_variants<Real>()[0], true);
 }
 
 template <class Real>
@@ -55,8 +67,8 @@ template <class Real>
 void profile() {
     Stepper<Real> s;
     s.init(scenes[0]);
-    s.refresh_every = 4;
-    for (int i = 0; i < 6; ++i) s.step(p2g_variants<Real>()[0], g2p_variants<Real>()[0]);
+    s.refresh_every = 12;
+    for (int i = 0; i < 40; ++i) s.step(p2g_variants<Real>()[0], g2p_variants<Real>()[0]);
     check(cudaDeviceSynchronize(), "profile");
 }
 
@@ -67,6 +79,7 @@ int main(int argc, char** argv) {
     const bool both = argc < 3, single = both || std::strcmp(argv[2], "single") == 0;
     const bool twice = both || !single;
     if (verb == "check") return check_all<double>() & check_all<float>() ? 0 : 1;
+    if (verb == "chosen") return check_chosen<double>() & check_chosen<float>() ? 0 : 1;
     print_machine();
     if (verb == "time") {
         if (single) time_scenes<float>(std::max(0, argc - 3), argv + 3);
@@ -78,7 +91,7 @@ int main(int argc, char** argv) {
         if (single) profile<float>();
         if (twice) profile<double>();
     } else {
-        std::fprintf(stderr, "What to do? (check, time, variants, profile)\n");
+        std::fprintf(stderr, "What to do? (check, chosen, time, variants, profile)\n");
         return 2;
     }
     return 0;

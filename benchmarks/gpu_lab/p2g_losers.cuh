@@ -20,8 +20,8 @@ struct Extra {
 
 /// Calls f(node of the stencil i j k, quantity, value) 189 times.
 template <class Real, class F>
-__device__ __forceinline__ void each_value(const View<Real>& v, const Place<Real>& x, const Row<Real>& u, const Row<Real>& n,
-                                           const Row<Real>& t, const F& f) {
+__device__ __forceinline__ void each_value(const View<Real>& v, const Place<Real>& x, const Row<Real>& u,
+                                           const Row<Real>& n, const Row<Real>& t, const F& f) {
     Real w[3][3], d[3][3];
     for (int a = 0; a < 3; ++a) Quadratic::weights(fraction_of<Real>(x.u[a]), Real(0), w[a], d[a]);
     const Real scale = -u.w * v.inverse_cell;
@@ -35,7 +35,8 @@ __device__ __forceinline__ void each_value(const View<Real>& v, const Place<Real
                 weight_of(j, fraction_of<Real>(x.u[1]), wy, dy);
                 weight_of(k, fraction_of<Real>(x.u[2]), wz, dz);
                 const Real wm = w[0][i] * wy * wz * x.mass;
-                const Real gx = scale * d[0][i] * wy * wz, gy = scale * w[0][i] * dy * wz, gz = scale * w[0][i] * wy * dz;
+                const Real gx = scale * d[0][i] * wy * wz, gy = scale * w[0][i] * dy * wz,
+                           gz = scale * w[0][i] * wy * dz;
                 f(i, j, k, 0, wm);
                 for (int q = 0; q < 3; ++q) f(i, j, k, 1 + q, wm * u.e[q]);
                 f(i, j, k, 4, gx * n.e[0] + gy * t.e[0] + gz * t.e[2]);
@@ -72,7 +73,8 @@ __global__ void __launch_bounds__(256) gather_nodes(const __grid_constant__ View
             Real w[3], d[3];
             for (int a = 0; a < 3; ++a) weight_of(off[a], fraction_of<Real>(x.u[a]), w[a], d[a]);
             const Real wm = w[0] * w[1] * w[2] * x.mass, scale = -u.w * v.inverse_cell;
-            const Real gx = scale * d[0] * w[1] * w[2], gy = scale * w[0] * d[1] * w[2], gz = scale * w[0] * w[1] * d[2];
+            const Real gx = scale * d[0] * w[1] * w[2], gy = scale * w[0] * d[1] * w[2],
+                       gz = scale * w[0] * w[1] * d[2];
             sum[0] += wm;
             for (int q = 0; q < 3; ++q) sum[1 + q] += wm * u.e[q];
             sum[4] += gx * nn.e[0] + gy * t.e[0] + gz * t.e[2];

@@ -16,8 +16,7 @@ struct ReferenceParticle {
 
 class Reference {
   public:
-    explicit Reference(const SceneSpec& s)
-        : scene_(s), walls_(walls_of<double>(s)), law_(law_of<double>()) {
+    explicit Reference(const SceneSpec& s) : scene_(s), walls_(walls_of<double>(s)), law_(law_of<double>()) {
         for (int a = 0; a < 3; ++a) size_[a] = a < 2 ? s.cells[a] : s.cells[a] + 4;
         sums_.resize(std::size_t(size_[0]) * std::size_t(size_[1]) * std::size_t(size_[2]) * 7);
         values_.resize(sums_.size());
@@ -50,7 +49,8 @@ class Reference {
   private:
     std::size_t node(int x, int y, int z) const {
         const auto wrap = [](int i, int n) { return std::size_t((i % n + n) % n); };
-        return wrap(x, size_[0]) + std::size_t(size_[0]) * (wrap(y, size_[1]) + std::size_t(size_[1]) * std::size_t(z + 1));
+        return wrap(x, size_[0]) +
+               std::size_t(size_[0]) * (wrap(y, size_[1]) + std::size_t(size_[1]) * std::size_t(z + 1));
     }
 
     template <class F>
@@ -61,13 +61,15 @@ class Reference {
             const double cell = std::floor(q.local[a]);
             base[a] = int(cell) - 1;
             Quadratic::weights(q.local[a] - cell, 0.0, w[a], d[a]);
-            fold_weights<3>(base[a], walls_.plane[a][0], walls_.plane[a][1], walls_.fold[a][0], walls_.fold[a][1], w[a], d[a]);
+            fold_weights<3>(base[a], walls_.plane[a][0], walls_.plane[a][1], walls_.fold[a][0], walls_.fold[a][1], w[a],
+                            d[a]);
             for (int i = 0; i < 3; ++i) d[a][i] /= SceneSpec::h;
         }
         for (int k = 0; k < 3; ++k)
             for (int j = 0; j < 3; ++j)
                 for (int i = 0; i < 3; ++i) {
-                    const double g[3] = {d[0][i] * w[1][j] * w[2][k], w[0][i] * d[1][j] * w[2][k], w[0][i] * w[1][j] * d[2][k]};
+                    const double g[3] = {d[0][i] * w[1][j] * w[2][k], w[0][i] * d[1][j] * w[2][k],
+                                         w[0][i] * w[1][j] * d[2][k]};
                     f(node(base[0] + i, base[1] + j, base[2] + k), w[0][i] * w[1][j] * w[2][k], g);
                 }
     }

@@ -63,14 +63,16 @@ inline Topology make_topology(const SceneSpec& s) {
     for (int z = 0; z <= n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x)
-                all.push_back({spread(std::uint64_t(x)) | spread(std::uint64_t(y)) << 1 | spread(std::uint64_t(z)) << 2 |
-                                   (z == n[2] ? 1ull << 63 : 0),
+                all.push_back({spread(std::uint64_t(x)) | spread(std::uint64_t(y)) << 1 |
+                                   spread(std::uint64_t(z)) << 2 | (z == n[2] ? 1ull << 63 : 0),
                                {x, y, z}});
     std::sort(all.begin(), all.end(), [](const Keyed& a, const Keyed& b) { return a.key < b.key; });
     Topology t;
     t.blocks = n[0] * n[1] * n[2];
     std::vector<std::int32_t> index(all.size());
-    const auto cell = [&](int x, int y, int z) { return std::size_t(x) + std::size_t(n[0]) * (std::size_t(y) + std::size_t(n[1]) * std::size_t(z)); };
+    const auto cell = [&](int x, int y, int z) {
+        return std::size_t(x) + std::size_t(n[0]) * (std::size_t(y) + std::size_t(n[1]) * std::size_t(z));
+    };
     for (std::size_t i = 0; i < all.size(); ++i) {
         t.position.push_back(all[i].at);
         index[cell(all[i].at[0], all[i].at[1], all[i].at[2])] = std::int32_t(i);
@@ -94,7 +96,8 @@ inline Topology make_topology(const SceneSpec& s) {
         }
         for (int d = 0; d < 8; ++d) t.node_block.push_back(find(p, d & 1, (d >> 1) & 1, d >> 2));
         std::uint32_t count = 0;
-        for (int z = 0; z < 4; ++z) count += 64u * std::uint32_t(__builtin_popcount(unsigned(halves(4 * p[2] + z, false, s.body))));
+        for (int z = 0; z < 4; ++z)
+            count += 64u * std::uint32_t(__builtin_popcount(unsigned(halves(4 * p[2] + z, false, s.body))));
         t.first.push_back(t.first.back() + count);
     }
     return t;

@@ -127,7 +127,7 @@ inline constexpr int plane_size = 6 * plane_row<Real>;
 template <class Real>
 inline constexpr int planes_reals = 12 * plane_size<Real>;
 template <class Real>
-inline constexpr int all_planes_bytes = planes_reals<Real> * int(sizeof(Real));
+inline constexpr int all_planes_bytes = planes_reals<Real>* int(sizeof(Real));
 
 /// A quad by 16-byte accesses: doubles of the planes are aligned to 16 bytes only.
 template <class Real>
@@ -191,7 +191,8 @@ __device__ __forceinline__ void sum_planes(const Real* planes, int n, Real (&sum
     }
 }
 
-/// Ghost nodes behind walls, transposed: sums[n0] += 2 sums[ghost], sums[n1] -= sums[ghost]. T: 7 x 216 in shared memory.
+/// Ghost nodes behind walls, transposed: sums[n0] += 2 sums[ghost], sums[n1] -= sums[ghost]. T: 7 x 216 in shared
+/// memory.
 template <class Real>
 __device__ void fold_tile(const View<Real>& v, int b, Real* T) {
     constexpr int stride[3] = {1, side, side * side};
@@ -199,7 +200,8 @@ __device__ void fold_tile(const View<Real>& v, int b, Real* T) {
         for (int s = 0; s < 2; ++s) {
             const int ghost = v.walls.plane[a][s] + (s == 0 ? -1 : 1) - (4 * v.position[b][a] - 1);
             const int in = s == 0 ? 1 : -1;
-            if (!v.walls.fold[a][s] || ghost < 0 || ghost >= side || ghost + 2 * in < 0 || ghost + 2 * in >= side) continue;
+            if (!v.walls.fold[a][s] || ghost < 0 || ghost >= side || ghost + 2 * in < 0 || ghost + 2 * in >= side)
+                continue;
             const int o1 = stride[(a + 1) % 3], o2 = stride[(a + 2) % 3], o = stride[a];
             for (int i = int(threadIdx.x); i < 7 * side * side; i += int(blockDim.x)) {
                 Real* line = T + i / (side * side) * tile_nodes + i % side * o1 + i / side % side * o2;
@@ -212,7 +214,8 @@ __device__ void fold_tile(const View<Real>& v, int b, Real* T) {
         }
 }
 
-/// Writes the tile of block b; called by the whole thread block, after a barrier. spare: 7 x 216 reals besides the planes.
+/// Writes the tile of block b; called by the whole thread block, after a barrier. spare: 7 x 216 reals besides the
+/// planes.
 template <class Real>
 __device__ __forceinline__ void write_tile(const View<Real>& v, int b, const Real* planes, Real* spare) {
     Quad<Real>* tile = v.tiles + std::size_t(b) * (2 * tile_nodes);
@@ -233,8 +236,7 @@ __device__ __forceinline__ void write_tile(const View<Real>& v, int b, const Rea
     for (int n = int(threadIdx.x); n < tile_nodes; n += int(blockDim.x)) {
         const Real* s = spare + n;
         store_row(tile + 2 * n, Quad<Real>{{s[0], s[tile_nodes], s[2 * tile_nodes], s[3 * tile_nodes]}});
-        store_row(tile + 2 * n + 1,
-                  Quad<Real>{{s[4 * tile_nodes], s[5 * tile_nodes], s[6 * tile_nodes], Real(0)}});
+        store_row(tile + 2 * n + 1, Quad<Real>{{s[4 * tile_nodes], s[5 * tile_nodes], s[6 * tile_nodes], Real(0)}});
     }
 }
 

@@ -8,7 +8,9 @@
 #include "g2p.cuh"
 #include "nodes.cuh"
 #include "p2g_losers.cuh"
+#include "p2g_resident.cuh"
 #include "p2g_slices.cuh"
+#include "refresh.cuh"
 #include "scene.cuh"
 
 namespace lab {
@@ -27,7 +29,8 @@ struct G2pVariant {
 
 template <class Kernel>
 void allow_shared(Kernel kernel, int bytes) {
-    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, bytes), "shared memory of a kernel");
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, bytes),
+          "shared memory of a kernel");
 }
 
 template <class Real, int Stages, int Roles, int MinBlocks>
@@ -218,17 +221,41 @@ void Stepper<Real>::init(const SceneSpec& spec) {
     neighbour_.assign(topology.neighbour), node_block_.assign(topology.node_block), source_.assign(topology.source);
     position_.assign(topology.position), border_.assign(topology.border), first_.assign(topology.first);
     next_first_.resize(n + 1), cell_first_.resize(n * bounds), next_cell_first_.resize(n * bounds);
-    slot_.resize(k), next_slot_.resize(k), moves_.resize(k), changed_.resize(k / 32 + n + 1), leaver_slot_.resize(k), leaver_cell_.resize(k);
+    slot_.resize(k), next_slot_.resize(k), moves_.resize(k), changed_.resize(k / 32 + n + 1), leaver_slot_.resize(k),
+        leaver_cell_.resize(k);
     leaver_first_.resize(n * exits), next_count_.resize(n);
-    place_.resize(k), spare_place_.resize(k), motion_.resize(k), normal_.resize(k), shear_.resize(k), spare_row_.resize(k);
+    place_.resize(k), spare_place_.resize(k), motion_.resize(k), normal_.resize(k), shear_.resize(k),
+        spare_row_.resize(k);
     id_.resize(k), spare_id_.resize(k), body_.resize(k), spare_body_.resize(k);
     tiles_.resize(n * tile_nodes * 2), nodes_.resize(m * cells * 2), sums_.resize(m * cells * 2), outcome_.resize(n);
     dt_.assign({SceneSpec::dt});
     tiles_.poison(), nodes_.poison(), sums_.poison(), moves_.poison(), outcome_.poison(), next_slot_.poison();
-    v = View<Real>{topology.blocks, int(m), neighbour_.data(), node_block_.data(), source_.data(), position_.data(),
-                   border_.data(), {}, nullptr, nullptr, nullptr, moves_.data(), changed_.data(), tiles_.data(), nodes_.data(),
-                   outcome_.data(), walls_of<Real>(spec), Real(1 / SceneSpec::h), Real(1 / SceneSpec::density), Real(0),
-                   Real(1), dt_.data(), {{Real(0), Real(0), Real(-9.81)}}, law_of<Real>(), ahead, false};
+    v = View<Real>{topology.blocks,
+                   int(m),
+                   neighbour_.data(),
+                   node_block_.data(),
+                   source_.data(),
+                   position_.data(),
+                   border_.data(),
+                   {},
+                   nullptr,
+                   nullptr,
+                   nullptr,
+                   moves_.data(),
+                   changed_.data(),
+                   tiles_.data(),
+                   nodes_.data(),
+                   outcome_.data(),
+                   walls_of<Real>(spec),
+                   Real(1 / SceneSpec::h),
+                   Real(1 / SceneSpec::density),
+                   Real(0),
+                   Real(1),
+                   dt_.data(),
+                   {{Real(0), Real(0), Real(-9.81)}},
+                   law_of<Real>(),
+                   ahead,
+                   false};
     f = Filing{leaver_slot_.data(), leaver_cell_.data(), leaver_first_.data(), next_count_.data()};
     const double m0 = 1000 * 1e-3;
     extra = {reinterpret_cast<Real*>(sums_.data()), {0x1p28 / m0, 0x1p28 / (m0 * 4), 0x1p28 / 16}};

@@ -68,8 +68,9 @@ Traffic traffic(const Stepper<Real>& s) {
 
 template <class Real>
 void print_kernel(const Stepper<Real>& s, const char* what, const char* name, double ms, double bytes) {
-    std::printf("  %-6s %-4s %-15s %8.4f ms %7.2f G/s %8.1f MB %5.1f %% of copy\n", sizeof(Real) == 4 ? "single" : "double",
-                what, name, ms, s.count / ms * 1e-6, bytes * 1e-6, 100 * bytes / (ms * 1e-3) / copy_bandwidth());
+    std::printf("  %-6s %-4s %-15s %8.4f ms %7.2f G/s %8.1f MB %5.1f %% of copy\n",
+                sizeof(Real) == 4 ? "single" : "double", what, name, ms, s.count / ms * 1e-6, bytes * 1e-6,
+                100 * bytes / (ms * 1e-3) / copy_bandwidth());
 }
 
 /// Whole steps back to back; then kernels one by one. Hash of the end of both runs.
@@ -86,9 +87,8 @@ void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVaria
         s.refresh_every = every;
         for (int i = 0; i < 8; ++i) s.step(a, b);
         runs.push_back(w.time([&] {
-                       for (int i = 0; i < steps; ++i) s.step(a, b);
-                   }) /
-                   float(steps));
+            for (int i = 0; i < steps; ++i) s.step(a, b);
+        }) / float(steps));
         if (r < 2) hash[r] = s.hash();
     }
     std::vector<float> part[5];
@@ -106,12 +106,13 @@ void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVaria
     check(cudaMemGetInfo(&free_bytes, &total_bytes), "memory");
     const Traffic t = traffic(s);
     const double ms = median(runs);
-    std::printf("%s %s: %.2f M particles, refresh every %d, ahead %d: %.4f ms/step (%.4f to %.4f), %.2f G particle-steps/s, "
-                "%.0f B/particle, moved %.3f cells, faults %u, %s\n",
-                spec.name, sizeof(Real) == 4 ? "single" : "double", s.count * 1e-6, every, ahead, ms,
-                double(*std::min_element(runs.begin(), runs.end())), double(*std::max_element(runs.begin(), runs.end())),
-                s.count / ms * 1e-6, double(total_bytes - free_bytes) / s.count, double(moved), faults,
-                hash[0] == hash[1] ? "same to the bit" : "RUNS DIFFER");
+    std::printf(
+        "%s %s: %.2f M particles, refresh every %d, ahead %d: %.4f ms/step (%.4f to %.4f), %.2f G particle-steps/s, "
+        "%.0f B/particle, moved %.3f cells, faults %u, %s\n",
+        spec.name, sizeof(Real) == 4 ? "single" : "double", s.count * 1e-6, every, ahead, ms,
+        double(*std::min_element(runs.begin(), runs.end())), double(*std::max_element(runs.begin(), runs.end())),
+        s.count / ms * 1e-6, double(total_bytes - free_bytes) / s.count, double(moved), faults,
+        hash[0] == hash[1] ? "same to the bit" : "RUNS DIFFER");
     print_kernel(s, "file", "", median(part[0]), t.file);
     print_kernel(s, "p2g", a.name, median(part[1]), t.p2g);
     print_kernel(s, "node", "", median(part[2]), t.nodes);
@@ -122,7 +123,8 @@ void time_steps(const SceneSpec& spec, const P2gVariant<Real>& a, const G2pVaria
 
 /// One P2G over moving particles; the step goes on with `base`.
 template <class Real>
-void time_p2g(const SceneSpec& spec, const P2gVariant<Real>& variant, const P2gVariant<Real>& base, const G2pVariant<Real>& b) {
+void time_p2g(const SceneSpec& spec, const P2gVariant<Real>& variant, const P2gVariant<Real>& base,
+              const G2pVariant<Real>& b) {
     static Stepper<Real> s;
     s.init(spec);
     s.refresh_every = 16;
@@ -130,7 +132,8 @@ void time_p2g(const SceneSpec& spec, const P2gVariant<Real>& variant, const P2gV
     Stopwatch w;
     for (int i = 0; i < 24; ++i) {
         s.step(base, b);
-        if (i >= 8 && i % 2 == 0) s.file(), ++s.steps, t.push_back(w.time([&] { s.p2g(variant); })), s.p2g(base), s.nodes(), s.g2p(b);
+        if (i >= 8 && i % 2 == 0)
+            s.file(), ++s.steps, t.push_back(w.time([&] { s.p2g(variant); })), s.p2g(base), s.nodes(), s.g2p(b);
     }
     print_kernel(s, "p2g", variant.name, median(t), traffic(s).p2g);
     std::fflush(stdout);

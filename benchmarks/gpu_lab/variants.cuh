@@ -39,24 +39,17 @@ inline std::vector<P2gVariant<double>> p2g_variants() {
 }
 template <>
 inline std::vector<G2pVariant<float>> g2p_variants() {
-    return {{"steps-128x6", run_ahead<float, 128, 6, true>},
-            {"steps-128x5", run_ahead<float, 128, 5, true>},
-            {"ahead-128x6", run_ahead<float, 128, 6, false>},
-            {"ahead-128x5", run_ahead<float, 128, 5, false>},
-            {"128x5 narrow", run_g2p<float, 128, 5, true>},
-            {"128x4 narrow", run_g2p<float, 128, 4, true>},
-            {"128x4 wide", run_g2p<float, 128, 4, false>},
-            {"128x6 narrow", run_g2p<float, 128, 6, true>},
+    return {{"steps-128x6", run_ahead<float, 128, 6, true>},  {"steps-128x5", run_ahead<float, 128, 5, true>},
+            {"ahead-128x6", run_ahead<float, 128, 6, false>}, {"ahead-128x5", run_ahead<float, 128, 5, false>},
+            {"128x5 narrow", run_g2p<float, 128, 5, true>},   {"128x4 narrow", run_g2p<float, 128, 4, true>},
+            {"128x4 wide", run_g2p<float, 128, 4, false>},    {"128x6 narrow", run_g2p<float, 128, 6, true>},
             {"256x2 narrow", run_g2p<float, 256, 2, true>}};
 }
 template <>
 inline std::vector<G2pVariant<double>> g2p_variants() {
-    return {{"ahead-128x4", run_ahead<double, 128, 4, false>},
-            {"steps-128x4", run_ahead<double, 128, 4, true>},
-            {"ahead-128x3", run_ahead<double, 128, 3, false>},
-            {"128x3 narrow", run_g2p<double, 128, 3, true>},
-            {"128x2 narrow", run_g2p<double, 128, 2, true>},
-            {"128x4 narrow", run_g2p<double, 128, 4, true>},
+    return {{"ahead-128x4", run_ahead<double, 128, 4, false>}, {"steps-128x4", run_ahead<double, 128, 4, true>},
+            {"ahead-128x3", run_ahead<double, 128, 3, false>}, {"128x3 narrow", run_g2p<double, 128, 3, true>},
+            {"128x2 narrow", run_g2p<double, 128, 2, true>},   {"128x4 narrow", run_g2p<double, 128, 4, true>},
             {"128x3 wide", run_g2p<double, 128, 3, false>}};
 }
 

@@ -27,8 +27,8 @@ inline constexpr int side = tile_side(Quadratic::width);
 inline constexpr int tile_nodes = side * side * side;
 inline constexpr int cells = Block<3>::cells;
 inline constexpr int offsets = Block<3>::offsets;
-inline constexpr int bounds = cells + 1;       ///< cell bounds stored per block
-inline constexpr int exits = offsets + 1;      ///< leaver bounds stored per block
+inline constexpr int bounds = cells + 1;   ///< cell bounds stored per block
+inline constexpr int exits = offsets + 1;  ///< leaver bounds stored per block
 
 template <class Real>
 struct alignas(4 * sizeof(Real)) Place {
@@ -63,9 +63,9 @@ template <class Real>
 struct View {
     int blocks;
     int node_blocks;
-    const std::int32_t* neighbour;   ///< blocks x 27, -1 none
-    const std::int32_t* node_block;  ///< blocks x 8
-    const std::int32_t* source;      ///< node blocks x 8, -1 none
+    const std::int32_t* neighbour;         ///< blocks x 27, -1 none
+    const std::int32_t* node_block;        ///< blocks x 8
+    const std::int32_t* source;            ///< node blocks x 8, -1 none
     const Vec<std::int32_t, 3>* position;  ///< node blocks; the first `blocks` are the blocks
     const std::uint8_t* border;            ///< node blocks
 

@@ -3,8 +3,7 @@
 //
 //   T = a particles + c cells + d blocks      least squares of the relative error over the cost cases
 //
-// cells are counted as the weight counts them: min(particles, cells of a block). A cell that seems to
-// cost less than nothing (in sparse blocks it is a particle) is left out of the fit.
+// A cell that seems to cost less than nothing is left out of the fit.
 
 #include <string>
 #include <vector>

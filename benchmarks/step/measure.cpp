@@ -14,7 +14,12 @@ void look_at(Simulation<Host, Real, Dim>& sim, Measured& m) {
     m.particles = static_cast<double>(filed.slot.size());
     m.blocks = static_cast<double>(filed.key.size());
     m.cells = 0;
-    for (std::uint32_t n : filed.count) m.cells += std::min<int>(static_cast<int>(n), Block<Dim>::cells);
+    const ListView<Dim> list = sim.patch().list();
+    for (int b = 0; b < sim.patch().own(); ++b) {
+        if (list.count(b) == 0) continue;
+        const std::uint32_t* first = list.cell_first + static_cast<std::size_t>(b) * (Block<Dim>::cells + 1);
+        for (int c = 0; c < Block<Dim>::cells; ++c) m.cells += first[c + 1] > first[c] ? 1 : 0;
+    }
     const ParticleView<Real, Dim> p = sim.patch().particles.view();
     double moved = 0;
     double yielded = 0;

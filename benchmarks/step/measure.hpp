@@ -18,10 +18,10 @@ struct Plan {
 
 struct Measured {
     double particles = 0;
-    double cells = 0;    ///< occupied, as the weight of a block counts them: at most one per particle
-    double blocks = 0;   ///< occupied
-    Spread wall{};       ///< of a run [s]
-    Spread processor{};  ///< of a run [s]
+    double cells = 0;                            ///< occupied
+    double blocks = 0;                           ///< occupied
+    Spread wall{};                               ///< of a run [s]
+    Spread processor{};                          ///< of a run [s]
     std::array<double, Phases::count> phases{};  ///< seconds per step, mean over all runs
     double step_seconds = 0;                     ///< wall, mean over all runs
     double moved = 0;                            ///< mean displacement of a particle per step [cells]

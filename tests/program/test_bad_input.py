@@ -15,7 +15,7 @@ radius = 0.5
 
 # What is replaced, by what, what the message must name, and the text in whose line the fault is.
 FAULTS = {
-    "a misspelt key": ("density = 1000.0", "densty = 1000.0", ["densty", "Did you mean material.jelly.density?"], "densty"),
+    "a misspelt key": ("density = 1000.0", "densty = 1000.0", ["densty", "mean material.jelly.density?"], "densty"),
     "a wrong type": ("cell = 0.25", 'cell = "fine"', ["domain.cell is a string", "a number [m]"], "cell ="),
     "a negative density": ("density = 1000.0", "density = -1000.0", ["material.jelly.density", "-1000"], "density"),
     "a Poisson ratio of 0.6": ("poisson = 0.3", "poisson = 0.6", ["material.jelly.poisson", "0.6", "0.5"], "poisson"),
