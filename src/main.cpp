@@ -1,6 +1,7 @@
 // moraine: the command line. `run` a scene, or `check` it; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <mpi.h>
 #include <omp.h>
 
@@ -119,6 +120,7 @@ extern "C" void request_stop(int) {
 int main(int argc, char** argv) {
     std::signal(SIGTERM, moraine::request_stop);
     std::signal(SIGUSR1, moraine::request_stop);
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks
     const int code = moraine::run_program(argc, argv);

@@ -28,8 +28,9 @@
 
 namespace moraine {
 
-/// Cost of a block on one core in ns, measured by benchmarks/step: used by balance.weight = "cost".
-inline constexpr CostModel host_costs{250, 400, 4000};
+/// Cost of a block on one core, from benchmark_step --costs [ps per particle, occupied cell, block]: the cell
+/// term came out as nothing.
+inline constexpr CostModel host_costs{150000, 0, 15600000};
 
 /// Counts over the whole run. Those of a rank are summed when they are reported.
 struct RunCounts {

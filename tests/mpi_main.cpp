@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 #include <mpi.h>
 
-
 int main(int argc, char** argv) {
     MPI_Init(&argc, &argv);
     int rank = 0;

@@ -48,7 +48,8 @@ struct Laboratory {
             {"cell sums, particles as lanes", [this] { sum_lanes(tiles); }, bring_tiles, reads + tile,
              "a cell's sums fill 6 KiB, a cell has too few particles, and each node ends with a sum across lanes"},
             {"particle by particle into the tile", [this] { sum_straight(tiles); }, bring_tiles, reads + tile,
-             "close to cell sums in one thread; on a device it needs atomics, and the order of a sum is that of the "
+             "a little faster in one thread (no second pass over sums of a cell); on a device it needs atomics, and "
+             "the order of a sum is that of the "
              "list"},
             {"scatter to the shared grid", [this] { scatter(sample, grid); }, nothing, reads + nodes,
              "nodes of neighbour rows lie far apart; a second thread or rank needs atomics or colours"},

@@ -7,6 +7,7 @@
 // [--particles N] [--runs N] [--steps N] [--list]
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <mpi.h>
 
 #include <cstdlib>
@@ -125,6 +126,7 @@ void benchmark(const Options& o) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);  // as the program does
     try {
         const moraine::Options options = moraine::parse(argc, argv);
         if (options.child.empty()) {

@@ -2,6 +2,16 @@
 
 namespace moraine {
 
+/// Room for n elements whose content does not matter: the old ones are given back before new ones are taken.
+template <class Array>
+void renew(Array& array, std::size_t n) {
+    if (n > array.capacity()) {
+        array.release();
+        array.reserve(n + n / 16);
+    }
+    array.resize(n);
+}
+
 template <class Space, class Real, int Dim>
 BlockTable<Dim> Patch<Space, Real, Dim>::table() const {
     BlockTable<Dim> t;
@@ -153,8 +163,8 @@ void Patch<Space, Real, Dim>::assign_storage() {
     Space::launch(t.node_blocks, PlaceTiles{t.node_blocks, 0, used_.data(), place_.data(), node_of_.data()});
 
     const int tile_reals = power<Dim>(tile_side(width_)) * node_reals;
-    tiles_.resize(static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals));
-    nodes_.resize(static_cast<std::size_t>(needed * Block<Dim>::cells * node_reals));
+    renew(tiles_, static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals));
+    renew(nodes_, static_cast<std::size_t>(needed * Block<Dim>::cells * node_reals));
 }
 
 template <class Space, class Real, int Dim>
@@ -162,7 +172,13 @@ void Patch<Space, Real, Dim>::refresh_memory(double share) {
     const auto n = static_cast<std::size_t>(count());
     const double loose = static_cast<double>(reordered_) + static_cast<double>(particles.size() - n);
     if (loose <= share * static_cast<double>(n)) return;
+    const std::size_t tiles = tiles_.size();
+    const std::size_t nodes = nodes_.size();
+    tiles_.release();  // of a step; their memory serves as the spare column
+    nodes_.release();
     particles.permute(slot_.data(), n);
+    tiles_.resize(tiles);
+    nodes_.resize(nodes);
     for (std::size_t k = 0; k < n; ++k) slot_[k] = static_cast<std::uint32_t>(k);
     free_.clear();
     reordered_ = 0;

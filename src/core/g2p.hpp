@@ -119,6 +119,7 @@ struct GridToParticles {
         const bool border = table.border[block] != 0;
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
+            p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
             const W n = stencil<Real, Dim, Shape>(context, p, s, base, border);
             Gathered g = sum_nodes(n, nodes);
@@ -151,14 +152,17 @@ struct GridToParticles {
                 const Real dyz = n.dw[1][j] * wz;
                 const Real ydz = Dim == 2 ? Real(0) : n.w[1][j] * n.dw[Dim - 1][k];
                 const Q* row = nodes + 2 * (side * (j + side * k));
-                Q across = Q::zero();
+                Q across = Q::zero(), along = Q::zero(), change = Q::zero(), lever = Q::zero();
                 for (int i = 0; i < width; ++i) {
                     const Q& v = row[2 * i];
                     across = fma(n.w[0][i], v, across);
-                    g.change = fma(n.w[0][i] * wyz, row[2 * i + 1], g.change);
-                    g.gradient[0] = fma(n.dw[0][i] * wyz, v, g.gradient[0]);
-                    if constexpr (Affine) g.affine[0] = fma(slope[0][i] * wyz, v, g.affine[0]);
+                    along = fma(n.dw[0][i], v, along);
+                    change = fma(n.w[0][i], row[2 * i + 1], change);
+                    if constexpr (Affine) lever = fma(slope[0][i], v, lever);
                 }
+                g.change = fma(wyz, change, g.change);
+                g.gradient[0] = fma(wyz, along, g.gradient[0]);
+                if constexpr (Affine) g.affine[0] = fma(wyz, lever, g.affine[0]);
                 g.velocity = fma(wyz, across, g.velocity);
                 g.gradient[1] = fma(dyz, across, g.gradient[1]);
                 if constexpr (Dim == 3) g.gradient[Dim - 1] = fma(ydz, across, g.gradient[Dim - 1]);

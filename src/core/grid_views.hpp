@@ -34,6 +34,12 @@ struct ListView {
     const std::uint32_t* slot;        ///< the lists
 
     MORAINE_HD std::uint32_t count(int block) const { return first[block + 1] - first[block]; }
+
+    /// A slot that the loop over the block's list will come to some particles after entry k.
+    MORAINE_HD std::uint32_t ahead(int block, std::uint32_t k) const {
+        constexpr std::uint32_t distance = 8;
+        return slot[k + distance < first[block + 1] ? k + distance : k];
+    }
 };
 
 /// Where the tiles and node values of this step are: storage index by block, or -1.

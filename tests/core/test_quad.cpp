@@ -17,7 +17,7 @@ Real wild(std::mt19937_64& random) {
 
 template <class Real>
 Quad<Real> wild_quad(std::mt19937_64& random) {
-    return {{wild<Real>(random), wild<Real>(random), wild<Real>(random), wild<Real>(random)}};
+    return Quad<Real>::of(wild<Real>(random), wild<Real>(random), wild<Real>(random), wild<Real>(random));
 }
 
 }  // namespace
