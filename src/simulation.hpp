@@ -30,7 +30,7 @@ namespace moraine {
 
 /// Cost of a block on one core, from benchmark_step --costs [ps per particle, occupied cell, block]: the cell
 /// term came out as nothing.
-inline constexpr CostModel host_costs{150000, 0, 15600000};
+inline constexpr CostModel host_costs{130000, 0, 8000000};
 
 /// Counts over the whole run. Those of a rank are summed when they are reported.
 struct RunCounts {
