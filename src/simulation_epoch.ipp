@@ -5,13 +5,8 @@ namespace moraine {
 /// Cells of a block that hold particles.
 template <class Space, class Real, int Dim>
 std::int64_t Simulation<Space, Real, Dim>::occupied_cells(std::span<const std::uint32_t> slots) const {
-    const ParticleView<Real, Dim> p = patch_->particles.view();
     std::uint64_t seen = 0;
-    for (std::uint32_t s : slots) {
-        int cell = 0;
-        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(p.position[s][a]);
-        seen |= std::uint64_t(1) << cell;
-    }
+    for (std::uint32_t s : slots) seen |= std::uint64_t(1) << patch_->cell_of_slot(s);
     return std::popcount(seen);
 }
 
@@ -37,6 +32,18 @@ std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlo
         }
     }
     return loads;
+}
+
+/// Of this rank's blocks, from the owners of all.
+inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::vector<BlockLoad>& loads,
+                                           const std::vector<std::int32_t>& owners) {
+    std::vector<std::int32_t> result;
+    for (Key key : mine.key) {
+        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
+                                         [](const BlockLoad& load, Key k) { return load.key < k; });
+        result.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
+    }
+    return result;
 }
 
 /// A new topology from what is occupied now; owners are the ranks that hold the blocks.
@@ -119,14 +126,8 @@ template <class Space, class Real, int Dim>
 void Simulation<Space, Real, Dim>::repartition(const FiledBlocks& filed, const std::vector<BlockLoad>& loads,
                                                const std::vector<std::int32_t>& owners) {
     const auto start = std::chrono::steady_clock::now();
-    std::vector<std::int32_t> mine;
-    for (Key key : filed.key) {
-        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
-                                         [](const BlockLoad& load, Key k) { return load.key < k; });
-        mine.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
-    }
     BlockMoveCount moved;
-    const FiledBlocks next = move_blocks(comm_, *patch_, filed, mine, moved);
+    const FiledBlocks next = move_blocks(comm_, *patch_, filed, owners_of(filed, loads, owners), moved);
     begin_epoch(next);
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;

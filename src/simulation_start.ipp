@@ -116,11 +116,7 @@ FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
 template <class Space, class Real, int Dim>
 void Simulation<Space, Real, Dim>::sort_blocks(FiledBlocks& filed) const {
     const ParticleView<Real, Dim> p = patch_->particles.view();
-    const auto rank_of = [&](std::uint32_t s) {
-        int cell = 0;
-        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(p.position[s][a]);
-        return std::pair(cell, p.id[s]);
-    };
+    const auto rank_of = [&](std::uint32_t s) { return std::pair(patch_->cell_of_slot(s), p.id[s]); };
     auto first = filed.slot.begin();
     for (std::uint32_t count : filed.count) {
         std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
@@ -135,14 +131,8 @@ void Simulation<Space, Real, Dim>::seed() {
     for (BlockLoad& load : loads) load.owner = -1;
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
-    std::vector<std::int32_t> mine;
-    for (Key key : share.key) {
-        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
-                                         [](const BlockLoad& load, Key k) { return load.key < k; });
-        mine.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
-    }
     BlockMoveCount not_counted;
-    FiledBlocks filed = move_blocks(comm_, *patch_, share, mine, not_counted);
+    FiledBlocks filed = move_blocks(comm_, *patch_, share, owners_of(share, loads, owners), not_counted);
     sort_blocks(filed);
     begin_epoch(filed);
     patch_->refresh_memory(-1);

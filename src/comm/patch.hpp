@@ -72,8 +72,8 @@ class Patch {
     /// Puts the memory into list order if more than `share` of it is out of order or unused.
     void refresh_memory(double share);
 
-    /// Bytes held in arrays.
-    std::size_t bytes();
+    /// Cell within its block of the particle in a slot.
+    int cell_of_slot(std::uint32_t slot);
 
   private:
     void assign_storage();

@@ -74,17 +74,22 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const FiledBlocks
     assign_storage();
 }
 
+template <class Space, class Real, int Dim>
+int Patch<Space, Real, Dim>::cell_of_slot(std::uint32_t slot) {
+    const auto& u = particles.view().position[slot];
+    int cell = 0;
+    for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(u[a]);
+    return cell;
+}
+
 /// The list is sorted by cell already: only the bounds are missing.
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::count_cells(int block) {
     std::uint32_t* first = cell_first_.data() + static_cast<std::size_t>(block) * (Block<Dim>::cells + 1);
     std::fill_n(first, Block<Dim>::cells + 1, 0u);
-    const auto* position = particles.view().position;
     for (std::uint32_t k = first_[static_cast<std::size_t>(block)]; k < first_[static_cast<std::size_t>(block) + 1];
          ++k) {
-        int cell = 0;
-        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(position[slot_[k]][a]);
-        ++first[cell + 1];
+        ++first[cell_of_slot(slot_[k]) + 1];
     }
     for (int c = 0; c < Block<Dim>::cells; ++c) first[c + 1] += first[c];
 }
@@ -182,13 +187,6 @@ void Patch<Space, Real, Dim>::refresh_memory(double share) {
     for (std::size_t k = 0; k < n; ++k) slot_[k] = static_cast<std::uint32_t>(k);
     free_.clear();
     reordered_ = 0;
-}
-
-template <class Space, class Real, int Dim>
-std::size_t Patch<Space, Real, Dim>::bytes() {
-    const auto of = [](const auto& array) { return array.capacity() * sizeof(*array.data()); };
-    return particles.size() * particles.row_bytes() + of(first_) + of(cell_first_) + of(slot_) + of(next_slot_) +
-           of(moves_) + of(leaver_) + of(tiles_) + of(nodes_) + of(outcome_);
 }
 
 }  // namespace moraine
