@@ -1,0 +1,75 @@
+#pragma once
+// Memory on the device, and the one check of what CUDA answers.
+
+#include <cuda_runtime.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.hpp"
+
+namespace moraine::gpu {
+
+/// Throws MachineError `what failed (CUDA's words). ...`.
+inline void check(cudaError_t e, const char* what) {
+    if (e != cudaSuccess)
+        throw MachineError(std::string(what) + " failed (" + cudaGetErrorString(e) + "). Is the device in order?");
+}
+
+/// Contiguous device memory whose content is not initialised. Grows; content is kept only where a member says so.
+template <class T>
+class Array {
+  public:
+    Array() = default;
+    Array(const Array&) = delete;
+    Array& operator=(const Array&) = delete;
+    ~Array() { cudaFree(data_); }
+
+    T* data() const { return data_; }
+    std::size_t size() const { return size_; }
+    std::size_t capacity() const { return capacity_; }
+
+    /// Room for n elements; the old content is lost when it grows.
+    void resize(std::size_t n) {
+        if (n > capacity_) reserve(n + (capacity_ > 0 ? n / 16 : 0));
+        size_ = n;
+    }
+    void reserve(std::size_t n) {
+        if (n <= capacity_) return;
+        release();
+        check(cudaMalloc(&data_, n * sizeof(T)), "Allocating device memory");
+        capacity_ = n;
+    }
+    void release() {
+        cudaFree(data_);
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
+
+    /// Synchronous copies.
+    void assign(const T* from, std::size_t n) {
+        resize(n);
+        if (n > 0) check(cudaMemcpy(data_, from, n * sizeof(T), cudaMemcpyHostToDevice), "Copying to the device");
+    }
+    void assign(const std::vector<T>& from) { assign(from.data(), from.size()); }
+    std::vector<T> host() const {
+        std::vector<T> to(size_);
+        if (size_ > 0)
+            check(cudaMemcpy(to.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost), "Copying from the device");
+        return to;
+    }
+
+    void swap(Array& other) {
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+    }
+
+  private:
+    T* data_ = nullptr;
+    std::size_t size_ = 0;
+    std::size_t capacity_ = 0;
+};
+
+}  // namespace moraine::gpu
