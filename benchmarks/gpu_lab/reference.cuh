@@ -61,8 +61,7 @@ class Reference {
             const double cell = std::floor(q.local[a]);
             base[a] = int(cell) - 1;
             Quadratic::weights(q.local[a] - cell, 0.0, w[a], d[a]);
-            fold_weights<3>(base[a], walls_.plane[a][0], walls_.plane[a][1], walls_.fold[a][0], walls_.fold[a][1], w[a],
-                            d[a]);
+            fold(a, base[a], w[a], d[a]);
             for (int i = 0; i < 3; ++i) d[a][i] /= SceneSpec::h;
         }
         for (int k = 0; k < 3; ++k)
@@ -72,6 +71,15 @@ class Reference {
                                          w[0][i] * w[1][j] * d[2][k]};
                     f(node(base[0] + i, base[1] + j, base[2] + k), w[0][i] * w[1][j] * w[2][k], g);
                 }
+    }
+
+    /// The ghost's weight goes to the two nodes that it follows.
+    void fold(int a, int base, double* w, double* d) const {
+        for (int s = 0; s < 2; ++s) {
+            const int in = s == 0 ? 1 : -1, ghost = walls_.plane[a][s] - in - base;
+            if (!walls_.fold[a][s] || ghost < 0 || ghost > 2) continue;
+            for (double* q : {w, d}) q[ghost + in] += 2 * q[ghost], q[ghost + 2 * in] -= q[ghost], q[ghost] = 0;
+        }
     }
 
     void solve() {

@@ -109,8 +109,7 @@ struct Brought {
     Quad<Real> traction[3];
 
     MORAINE_HD Brought(const StencilContext<Real, 3>& context, const ParticleView<Real, 3>& p, std::uint32_t s) {
-        const int base[3] = {8, 8, 8};
-        n = stencil<Real, 3, Quadratic>(context, p, s, base, false);
+        n = stencil<Real, 3, Quadratic>(context, p, s);
         carried = Quad<Real>::zero();
         carried[0] = p.mass[s];
         for (int a = 0; a < 3; ++a) carried[1 + a] = p.mass[s] * p.velocity[s][a];

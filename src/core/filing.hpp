@@ -7,8 +7,8 @@
 // The rule does not see ranks: what came from another rank stands in the leavers of a ghost block.
 // Particles do not move in memory; a block in which no particle changed its cell keeps its list.
 
-#include "core/g2p.hpp"
 #include "core/grid_views.hpp"
+#include "core/place_step.hpp"
 
 namespace moraine {
 

@@ -12,6 +12,7 @@
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
+#include "core/place_step.hpp"
 #include "core/quad.hpp"
 #include "core/stencil.hpp"
 #include "core/stress.hpp"
@@ -25,25 +26,6 @@ enum Gather : unsigned {
     gather_gradient = 4,      ///< dL and stress, by the first quad
     gather_second_motion = 8  ///< x_p, by the second quad (MUSL: the velocity of round one)
 };
-
-/// Faces of the domain in filing coordinates, where a particle leaves it.
-template <class Real, int Dim>
-struct DomainEnds {
-    std::int32_t cell[Dim][2];
-    Real fraction[Dim][2];
-    bool open[Dim][2];
-};
-
-/// A particle's next cell and the code of its next block's offset, in one number.
-constexpr MORAINE_HD std::uint16_t encode_move(int code, int cell) {
-    return static_cast<std::uint16_t>(code * 64 + cell);
-}
-constexpr MORAINE_HD int move_code(std::uint16_t m) {
-    return m >> 6;
-}
-constexpr MORAINE_HD int move_cell(std::uint16_t m) {
-    return m & 63;
-}
 
 template <class Real, int Dim, class Shape, bool Affine, class Stress>
 struct GridToParticles {
@@ -86,6 +68,7 @@ struct GridToParticles {
         if (list.count(block) > 0) {
             team.each(tile_nodes, [&](int n) { load_node(block, n, scratch); });
             team.sync();
+            if (Shape::width > 2 && table.border[block]) set_ghosts(block, scratch.nodes);
             int filled = 0;
             for (int c = 0; c < Block<Dim>::cells; ++c) gather_cell(block, c, scratch, filled, out);
             flush(scratch, filled, out);
@@ -110,19 +93,33 @@ struct GridToParticles {
         scratch.nodes[2 * n + 1] = Q::load(from + quad);
     }
 
+    /// Ghost nodes behind walls follow the two nodes before them.
+    MORAINE_HD void set_ghosts(int block, Q* nodes) const {
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a) base[a] = 4 * table.position[block][a] - Shape::origin;
+        each_ghost(context.walls, base, side, [&](int ghost, int step) {
+            for (int half = 0; half < 2; ++half) {
+                const Q* first = nodes + 2 * (ghost + step) + half;
+                nodes[2 * ghost + half] = fma(Real(-1), first[2 * step], Real(2) * first[0]);
+            }
+        });
+    }
+
     MORAINE_HD void gather_cell(int block, int c, Scratch& scratch, int& filled, BlockOutcome& out) const {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
-        int base[Dim];
-        for (int a = 0; a < Dim; ++a)
-            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
         const bool border = table.border[block] != 0;
+        bool folded[Dim];
+        for (int a = 0; a < Dim; ++a) {
+            const int base = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
+            folded[a] = border && context.walls.folds(a, base, width);
+        }
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
-            const W n = stencil<Real, Dim, Shape>(context, p, s, base, border);
-            Gathered g = sum_nodes(n, nodes);
+            const W n = stencil<Real, Dim, Shape>(context, p, s);
+            Gathered g = sum_nodes(n, nodes, folded);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
                 for (int a = 0; a < Dim; ++a)
@@ -175,13 +172,13 @@ struct GridToParticles {
         return g;
     }
 
-    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes) const {
+    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes, const bool* folded) const {
         Gathered g;
         g.velocity = g.change = Q::zero();
         for (int a = 0; a < Dim; ++a) g.gradient[a] = g.affine[a] = Q::zero();
         if constexpr (Affine) {
             Real slope[Dim][width];
-            for (int a = 0; a < Dim; ++a) affine_slopes(n, a, slope[a]);
+            for (int a = 0; a < Dim; ++a) affine_slopes(n, a, folded[a], slope[a]);
             return sum_nodes_plain(n, nodes, slope, g);
         } else {
             return sum_nodes_plain(n, nodes, nullptr, g);
@@ -189,8 +186,8 @@ struct GridToParticles {
     }
 
     /// w (x_i - x_p) / D along one axis [1/m], or the slopes themselves.
-    MORAINE_HD void affine_slopes(const W& n, int a, Real* slope) const {
-        const bool plain = tpic || Shape::width == 2 || n.folded[a];
+    MORAINE_HD void affine_slopes(const W& n, int a, bool folded, Real* slope) const {
+        const bool plain = tpic || Shape::width == 2 || folded;
         Real D = Real(0);
         for (int i = 0; i < width; ++i) {
             const Real d = Real(i) - n.f[a] - Shape::template reach<Real>;
@@ -228,58 +225,16 @@ struct GridToParticles {
         filled = 0;
     }
 
-    /// Moves the particle of list entry k and notes where it is to be filed next. One that would leave
-    /// a closed domain stays where it was: the run ends, and the last state must be whole.
+    /// Moves the particle of list entry k and notes where it is to be filed next.
     MORAINE_HD void move(int block, std::uint32_t s, std::uint32_t k, int from, const Q& velocity, bool border,
                          BlockOutcome& out) const {
-        const Vec<Coordinate<Real>, Dim> old = p.position[s];
-        int code = 0;
-        int cell = 0;
-        int carry[Dim];
-        for (int a = Dim - 1; a >= 0; --a) {
-            Real step = dt * velocity[a] * context.inverse_cell;
-            const Real size = step < Real(0) ? -step : step;
-            if (!(size < Real(1))) {
-                out.fault(size >= Real(1) ? fault_far : fault_nan, p.id[s]);
-                step = Real(0);
-            } else if (double(size) > out.moved) {
-                out.moved = double(size);
-            }
-            carry[a] = advance<Real>(p.position[s][a], step);
-            code = 3 * code + carry[a] + 1;
-            cell = 4 * cell + cell_of<Real>(p.position[s][a]);
-        }
-        const int end = border ? end_passed(block, s, carry) : inside;
-        if (end == closed_end) {
-            out.fault(fault_left, p.id[s]);
-            p.position[s] = old;
-            code = Block<Dim>::centre;
-            cell = from;
-        } else if (end == open_end) {
-            code = Block<Dim>::gone;
-        }
-        moves[k] = encode_move(code, cell);
-        if (code != Block<Dim>::centre) ++leavers[block];
-        if (code != Block<Dim>::centre || cell != from) shuffled[block] = 1;
-    }
-
-    static constexpr int inside = 0;
-    static constexpr int open_end = 1;
-    static constexpr int closed_end = 2;
-
-    MORAINE_HD int end_passed(int block, std::uint32_t s, const int* carry) const {
-        int passed = inside;
-        for (int a = 0; a < Dim; ++a) {
-            const std::int32_t cell = 4 * (table.position[block][a] + carry[a]) + cell_of<Real>(p.position[s][a]);
-            const Real f = fraction_of<Real>(p.position[s][a]);
-            const bool below = cell < ends.cell[a][0] || (cell == ends.cell[a][0] && f < ends.fraction[a][0]);
-            const bool above = cell > ends.cell[a][1] || (cell == ends.cell[a][1] && f > ends.fraction[a][1]);
-            if (below || above) {
-                const int end = ends.open[a][below ? 0 : 1] ? open_end : closed_end;
-                passed = end > passed ? end : passed;
-            }
-        }
-        return passed;
+        const PlaceStep<Real> step =
+            advance_place(ends, table.position[block], border, velocity, dt, context.inverse_cell, p.position[s]);
+        if (step.faults) out.fault(step.faults, p.id[s]);
+        if (double(step.moved) > out.moved) out.moved = double(step.moved);
+        moves[k] = step.move;
+        if (move_code(step.move) != Block<Dim>::centre) ++leavers[block];
+        if (step.move != encode_move(Block<Dim>::centre, from)) shuffled[block] = 1;
     }
 };
 

@@ -43,6 +43,7 @@ struct ParticlesToGrid {
         team.each(tile_nodes * node_reals, [&](int n) { tile[n] = Real(0); });
         team.sync();
         team.each(Block<Dim>::cells, [&](int c) { add_cell(block, c, scratch.sums, tile); });
+        if (Shape::width > 2 && table.border[block]) fold_ghosts(block, tile);
     }
 
   private:
@@ -52,13 +53,9 @@ struct ParticlesToGrid {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
         for (int n = 0; n < 2 * stencil_nodes; ++n) sums[n] = Q::zero();
-        int base[Dim];
-        for (int a = 0; a < Dim; ++a)
-            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
-        const bool border = table.border[block] != 0;
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
             p.fetch(list.ahead(block, k));
-            add_particle(list.slot[k], base, border, sums);
+            add_particle(list.slot[k], sums);
         }
         Real* to = tile + tile_offset<Dim, width>(c) * node_reals;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
@@ -66,6 +63,23 @@ struct ParticlesToGrid {
             for (int half = 0; half < 2; ++half) {
                 Real* q = to + at * node_reals + half * quad;
                 (Q::load(q) + from[half]).store(q);
+            }
+        });
+    }
+
+    /// What ghost nodes behind walls were given goes to the nodes that they follow.
+    MORAINE_HD void fold_ghosts(int block, Real* tile) const {
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a) base[a] = 4 * table.position[block][a] - Shape::origin;
+        each_ghost(context.walls, base, side, [&](int ghost, int step) {
+            for (int half = 0; half < 2; ++half) {
+                Real* from = tile + ghost * node_reals + half * quad;
+                Real* first = from + step * node_reals;
+                Real* second = first + step * node_reals;
+                const Q sums = Q::load(from);
+                fma(Real(2), sums, Q::load(first)).store(first);
+                fma(Real(-1), sums, Q::load(second)).store(second);
+                Q::zero().store(from);
             }
         });
     }
@@ -79,9 +93,9 @@ struct ParticlesToGrid {
         bool pulled;
     };
 
-    MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
+    MORAINE_HD void add_particle(std::uint32_t s, Q* sums) const {
         using std::fma;
-        const Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s, base, border);
+        const Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s);
         const Real m = p.mass[s];
         Load load;
         const Sym<Real, Dim> sigma = p.stress[s];

@@ -1,5 +1,5 @@
 #pragma once
-// The stencil of one particle: weights and slopes per axis, folded at walls; and how a cell prepares it.
+// The stencil of one particle: weights and slopes per axis.
 
 #include "core/particles.hpp"
 #include "core/position.hpp"
@@ -13,8 +13,7 @@ template <class Real, int Dim, class Shape>
 struct Weights {
     Real w[Dim][Shape::width];
     Real dw[Dim][Shape::width];
-    Real f[Dim];       ///< place in the filing cell [cells]
-    bool folded[Dim];  ///< a ghost node was folded along this axis
+    Real f[Dim];  ///< place in the filing cell [cells]
 };
 
 /// Half-sizes of the GIMP box of each body per axis at ln stretch 0 [cells].
@@ -38,23 +37,16 @@ MORAINE_HD Real gimp_half(const StencilContext<Real, Dim>& context, const Partic
     return half < Real(0.5) ? half : Real(0.5);
 }
 
-/// Weights of the particle in slot s whose stencil starts at node base[]; folds only where `border`.
+/// Weights of the particle in slot s.
 template <class Real, int Dim, class Shape>
 MORAINE_HD Weights<Real, Dim, Shape> stencil(const StencilContext<Real, Dim>& context, const ParticleView<Real, Dim>& p,
-                                             std::uint32_t s, const int* base, bool border) {
+                                             std::uint32_t s) {
     Weights<Real, Dim, Shape> n;
     for (int a = 0; a < Dim; ++a) {
         n.f[a] = fraction_of<Real>(p.position[s][a]);
         Real half = Real(0);
         if constexpr (Shape::sized) half = gimp_half(context, p, s, a);
         Shape::weights(n.f[a], half, n.w[a], n.dw[a]);
-        n.folded[a] = false;
-        if constexpr (Shape::width > 2) {
-            if (border)
-                n.folded[a] =
-                    fold_weights<Shape::width>(base[a], context.walls.plane[a][0], context.walls.plane[a][1],
-                                               context.walls.fold[a][0], context.walls.fold[a][1], n.w[a], n.dw[a]);
-        }
         for (int i = 0; i < Shape::width; ++i) n.dw[a][i] *= context.inverse_cell;
     }
     return n;

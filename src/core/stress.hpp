@@ -65,31 +65,52 @@ MORAINE_HD Real signal_speed(const Law& law, const PointState<Real, Dim>& state,
     return sqrt(law.wave_modulus(state) * J * inverse_density) + sqrt(square);
 }
 
-/// dL: dt grad v at the particle [-]. inverse_density: 1/rho0 [m3/kg].
+/// What a step of one point tells besides its new state.
+template <class Real>
+struct PointStep {
+    Real volume;           ///< at the end [m3]
+    double work;           ///< of the stresses [J]
+    double signal;         ///< c + |v| at the end [m/s]
+    std::uint32_t faults;  ///< bits of Fault
+};
+
+/// The point of mass m and velocity v after the step. inverse_density: 1/rho0 [m3/kg].
 template <class Law, class Real, int Dim>
-MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
-                             const StrainIncrement<Real, Dim>& increment, Real inverse_density, BlockOutcome& out) {
+MORAINE_HD PointStep<Real> advance_point(const Law& law, const StrainIncrement<Real, Dim>& increment,
+                                         PointState<Real, Dim>& state, Real mass, const Vec<Real, Dim>& v,
+                                         Real inverse_density) {
     using std::exp;
-    PointState<Real, Dim> state = load_point<Law>(p, s);
     const Sym<Real, Dim> before = state.stress;
     state.ln_J += increment.volumetric;
     if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, increment.gradient);
     law.update(increment, state);
 
     const Real J = exp(state.ln_J);
-    const Real volume = p.mass[s] * inverse_density * J;
+    PointStep<Real> step;
+    step.volume = mass * inverse_density * J;
+    step.work = double(step.volume) * 0.5 *
+                double(contract(before, increment.middle) + contract(state.stress, increment.middle));
+    step.signal = double(signal_speed(law, state, v, J, inverse_density));
+    step.faults = fault_none;
+    if (!(increment.stretch > Real(0))) step.faults |= increment.stretch <= Real(0) ? fault_inverted : fault_nan;
+    if (!(step.signal < 1e300) || !(contract(state.stress, state.stress) >= Real(0))) step.faults |= fault_nan;
+    return step;
+}
+
+/// The same for the particle in slot s.
+template <class Law, class Real, int Dim>
+MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
+                             const StrainIncrement<Real, Dim>& increment, Real inverse_density, BlockOutcome& out) {
+    PointState<Real, Dim> state = load_point<Law>(p, s);
+    const PointStep<Real> step = advance_point(law, increment, state, p.mass[s], p.velocity[s], inverse_density);
     p.stress[s] = state.stress;
     p.ln_J[s] = state.ln_J;
-    p.volume[s] = volume;
+    p.volume[s] = step.volume;
     for (int k = 0; k < Law::history; ++k) p.history[k][s] = state.history[k];
     if constexpr (Law::uses_left_stretch) p.left_stretch[s] = state.left_stretch;
-
-    out.work +=
-        double(volume) * 0.5 * double(contract(before, increment.middle) + contract(state.stress, increment.middle));
-    const double signal = double(signal_speed(law, state, p.velocity[s], J, inverse_density));
-    if (signal > out.signal) out.signal = signal;
-    if (!(increment.stretch > Real(0))) out.fault(increment.stretch <= Real(0) ? fault_inverted : fault_nan, p.id[s]);
-    if (!(signal < 1e300) || !(contract(state.stress, state.stress) >= Real(0))) out.fault(fault_nan, p.id[s]);
+    out.work += step.work;
+    if (step.signal > out.signal) out.signal = step.signal;
+    if (step.faults) out.fault(step.faults, p.id[s]);
 }
 
 }  // namespace moraine

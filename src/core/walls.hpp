@@ -1,14 +1,14 @@
 #pragma once
-// Walls on the faces of the domain: what they do to nodes, to spline weights, and to particles.
+// Walls on the faces of the domain: what they do to nodes and to splines.
 //
 // Nodes: no-slip sets the velocity to zero, free-slip its normal part; friction does so while the
 // wall is pressed, and takes at most mu |dv_n| from the tangential part (Coulomb on the impulse).
 //
 // Splines: a stencil of three or four nodes reaches one ghost node behind a closed wall. The ghost
-// follows by linear extrapolation, v_-1 = 2 v_0 - v_1, so its weight is folded into the particle's:
-//   w_0 += 2 w_-1,  w_1 -= w_-1,  w_-1 = 0
-// Constants and straight lines stay exact, all folded weights are >= 0 (quadratic: the hat function
-// in the last half cell), v_0 = 0 holds the wall exactly, and it is local to one particle, so it is
+// follows by linear extrapolation, and what it is given goes to the two nodes it follows (the transpose):
+//   v_-1 = 2 v_0 - v_1;     sums_0 += 2 sums_-1,  sums_1 -= sums_-1,  sums_-1 = 0
+// Constants and straight lines stay exact, all weights in effect are >= 0 (quadratic: the hat function
+// in the last half cell), v_0 = 0 holds the wall exactly, and it is local to one tile, so it is
 // the same on any rank. docs/adr/0002 compares it with unconstrained ghosts.
 
 #include <cmath>
@@ -33,6 +33,11 @@ struct Walls {
             if (node[a] <= plane[a][0]) constrain_at(a, 0, v);
             if (node[a] >= plane[a][1]) constrain_at(a, 1, v);
         }
+    }
+
+    /// Whether a stencil of `width` nodes from `base` on reaches a ghost node along axis a.
+    MORAINE_HD bool folds(int a, int base, int width) const {
+        return (fold[a][0] && base < plane[a][0]) || (fold[a][1] && base + width - 1 > plane[a][1]);
     }
 
   private:
@@ -64,27 +69,22 @@ struct Walls {
     }
 };
 
-/// Folds the ghost nodes of one axis: `base` is the node index of weight 0.
-template <int Width, class Real>
-MORAINE_HD bool fold_weights(int base, int lower, int upper, bool fold_lower, bool fold_upper, Real* w, Real* dw) {
-    bool folded = false;
-    if (fold_lower && base == lower - 1) {
-        w[1] += Real(2) * w[0], dw[1] += Real(2) * dw[0];
-        w[2] -= w[0], dw[2] -= dw[0];
-        w[0] = dw[0] = Real(0);
-        folded = true;
-    }
-    const int ghost = upper + 1 - base;
-    if (fold_upper && ghost < Width) {
-        for (int g = 2; g < Width; ++g)
-            if (g == ghost) {
-                w[g - 1] += Real(2) * w[g], dw[g - 1] += Real(2) * dw[g];
-                w[g - 2] -= w[g], dw[g - 2] -= dw[g];
-                w[g] = dw[g] = Real(0);
+/// Calls f(at, step) for the ghost nodes behind closed walls in a tile of `side` nodes per axis that begins at node
+/// base[], axis after axis: `at` is the ghost's place in the tile, at + step its first inner neighbour.
+template <class Real, int Dim, class F>
+MORAINE_HD void each_ghost(const Walls<Real, Dim>& walls, const int* base, int side, const F& f) {
+    int stride = 1;
+    for (int a = 0; a < Dim; ++a, stride *= side)
+        for (int s = 0; s < 2; ++s) {
+            const int inward = s == 0 ? 1 : -1;
+            const int ghost = walls.plane[a][s] - inward - base[a];
+            const int second = ghost + 2 * inward;
+            if (!walls.fold[a][s] || ghost < 0 || ghost >= side || second < 0 || second >= side) continue;
+            for (int rest = 0; rest < power<Dim>(side) / side; ++rest) {
+                const int low = rest % stride;
+                f((rest - low) * side + low + ghost * stride, inward * stride);
             }
-        folded = true;
-    }
-    return folded;
+        }
 }
 
 template <class Real, int Dim>

@@ -172,27 +172,21 @@ struct AxisWeight {
     double distance;  ///< x_i - x_p [cells]
 };
 
-/// Weights along one axis; ghosts behind closed walls follow by linear extrapolation.
-inline std::vector<AxisWeight> axis_weights(const Scene& scene, std::size_t a, int nodes, double x, double half,
-                                            bool& folded) {
-    std::map<int, std::array<double, 2>> all;
-    folded = false;
+/// Weights along one axis. Ghosts behind closed walls follow by linear extrapolation: what they have counts 2 and -1
+/// times for the two nodes before them, and the distance stays theirs.
+inline std::vector<AxisWeight> axis_weights(const Scene& scene, std::size_t a, int nodes, double x, double half) {
+    std::vector<AxisWeight> weights;
     for (int i = static_cast<int>(std::floor(x)) - 2; i <= static_cast<int>(std::floor(x)) + 3; ++i) {
         const std::array<double, 2> n = shape_at(scene.shape, x - i, half);
         if (n[0] == 0 && n[1] == 0) continue;
+        const auto add = [&](int node, double times) { weights.push_back({node, times * n[0], times * n[1], i - x}); };
         const bool ghost = scene.shape != moraine::Shape::linear && !scene.periodic[a] && (i < 0 || i > nodes);
-        if (!ghost) {
-            all[i][0] += n[0], all[i][1] += n[1];
-            continue;
+        if (ghost) {
+            add(i < 0 ? 0 : nodes, 2);
+            add(i < 0 ? 1 : nodes - 1, -1);
+        } else {
+            add(scene.periodic[a] ? (i % nodes + nodes) % nodes : i, 1);
         }
-        const int wall = i < 0 ? 0 : nodes;
-        const int inner = i < 0 ? 1 : nodes - 1;
-        for (std::size_t q = 0; q < 2; ++q) all[wall][q] += 2 * n[q], all[inner][q] -= n[q];
-    }
-    std::vector<AxisWeight> weights;
-    for (const auto& [i, n] : all) {
-        const int node = scene.periodic[a] ? (i % nodes + nodes) % nodes : i;
-        weights.push_back({node, n[0], n[1], i - x});
     }
     return weights;
 }
@@ -210,8 +204,7 @@ void each_weight(Sample<Real, Dim>& sample, std::uint32_t slot, const PerAxis<do
         const BodySpec& body = sample.scene.bodies[p.body[slot]];
         double half = 0.5 / body.particles_per_cell[a];
         if (p.log_stretch) half *= std::exp(double(p.log_stretch[slot][static_cast<int>(a)]));
-        bool folded = false;
-        axis[a] = axis_weights(sample.scene, a, sample.domain.nodes[a], x[a], std::min(half, 0.5), folded);
+        axis[a] = axis_weights(sample.scene, a, sample.domain.nodes[a], x[a], std::min(half, 0.5));
     }
     for (const AxisWeight& k : axis[2])
         for (const AxisWeight& j : axis[1])

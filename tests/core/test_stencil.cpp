@@ -43,29 +43,12 @@ TEST_CASE("slopes are per metre and places per cell") {
     Sample<double, 2> sample(test::sample_scene(2, moraine::Shape::quadratic, false), 1, 1);
     const auto p = sample.patch.particles.view();
     p.position[0] = {{one_cell<double> / 4, 2 * one_cell<double> + one_cell<double> / 2}};
-    const int base[2] = {3, 3};
-    const auto n = stencil<double, 2, Quadratic>(sample.method.context, p, 0, base, true);
+    const auto n = stencil<double, 2, Quadratic>(sample.method.context, p, 0);
     CHECK(n.f[0] == 0.25);
     CHECK(n.f[1] == 0.5);
     CHECK(n.w[0][0] == 0.5 * 0.75 * 0.75);
     CHECK(n.dw[0][0] == -0.75 / sample.scene.cell);
     CHECK(n.dw[1][2] == 0.5 / sample.scene.cell);
-    CHECK(!n.folded[0]);
-}
-
-TEST_CASE("a stencil is folded at a closed wall, along that axis only, and only in blocks of the border") {
-    Sample<double, 2> sample(test::sample_scene(2, moraine::Shape::quadratic, false), 1, 1);
-    const auto p = sample.patch.particles.view();
-    p.position[0] = {{one_cell<double> * 3 / 4, one_cell<double> / 4}};
-    const int base[2] = {-1, 4};
-    const auto border = stencil<double, 2, Quadratic>(sample.method.context, p, 0, base, true);
-    CHECK(border.folded[0]);
-    CHECK(!border.folded[1]);
-    CHECK(border.w[0][0] == 0);
-    CHECK(border.w[1][0] > 0);
-    const auto inner = stencil<double, 2, Quadratic>(sample.method.context, p, 0, base, false);
-    CHECK(!inner.folded[0]);
-    CHECK(inner.w[0][0] > 0);
 }
 
 TEST_CASE_TEMPLATE("a contiguous gimp box follows the stretch up to half a cell", Real, float, double) {

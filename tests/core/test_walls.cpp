@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/shape.hpp"
 #include "core/walls.hpp"
@@ -18,20 +20,40 @@ struct Case {
     using Real = R;
 };
 
-/// Folded weights of a particle at x [cells], 0 <= x <= upper.
+/// Weights of a particle at x [cells], 0 <= x <= upper, when the ghosts' share has gone to the nodes they follow.
 template <class C>
 struct Folded {
+    using Real = typename C::Real;
     static constexpr int width = C::Shape::width;
-    typename C::Real w[width], dw[width];
+    static constexpr int side = tile_side(width);
+    Real w[width], dw[width];
     int base;
     bool folded;
 
     explicit Folded(double x, double half = 0.25, bool lower_on = true, bool upper_on = true) {
-        using Real = typename C::Real;
         const double reach = double(C::Shape::template reach<Real>);
         base = static_cast<int>(std::floor(x - reach));
         C::Shape::weights(static_cast<Real>(x - reach - base), static_cast<Real>(half), w, dw);
-        folded = fold_weights<width>(base, 0, upper, lower_on, upper_on, w, dw);
+        Walls<Real, 2> walls{};
+        walls.plane[0][1] = upper;
+        walls.fold[0][0] = lower_on, walls.fold[0][1] = upper_on;
+        folded = walls.folds(0, base, width);
+        fold(walls, w);
+        fold(walls, dw);
+    }
+
+  private:
+    /// As the first row of a tile.
+    void fold(const Walls<Real, 2>& walls, Real* values) const {
+        Real tile[side * side] = {};
+        std::copy_n(values, width, tile);
+        const int origin[2] = {base, 4};
+        each_ghost(walls, origin, side, [&](int ghost, int step) {
+            tile[ghost + step] += 2 * tile[ghost];
+            tile[ghost + 2 * step] -= tile[ghost];
+            tile[ghost] = 0;
+        });
+        std::copy_n(tile, width, values);
     }
 };
 
@@ -163,4 +185,24 @@ TEST_CASE("only closed walls of stencils that reach a ghost are folded, and only
     scene.boundary_spline = true;
     scene.shape = moraine::Shape::linear;
     CHECK(!make_walls<double, 2>(scene).fold[0][0]);
+}
+
+TEST_CASE("every ghost of a tile is named once, with the way inward, axis after axis") {
+    Walls<double, 3> walls{};
+    for (int a = 0; a < 3; ++a) walls.plane[a][1] = 4, walls.fold[a][0] = true;
+    walls.fold[1][1] = true;
+    const int side = 6, origin[3] = {-1, 0, -1};
+    std::vector<std::pair<int, int>> seen;
+    each_ghost(walls, origin, side, [&](int ghost, int step) { seen.emplace_back(ghost, step); });
+    REQUIRE(seen.size() == 3 * 36);  // x below, y above (y below lies outside the tile), z below
+    for (std::size_t k = 0; k < 36; ++k) {
+        CHECK(seen[k].first % side == 0);
+        CHECK(seen[k].second == 1);
+        CHECK(seen[36 + k].first / side % side == 5);
+        CHECK(seen[36 + k].second == -side);
+        CHECK(seen[72 + k].first / (side * side) == 0);
+        CHECK(seen[72 + k].second == side * side);
+    }
+    std::sort(seen.begin(), seen.end());
+    CHECK(std::unique(seen.begin(), seen.end()) == seen.end());
 }

@@ -1,0 +1,102 @@
+#pragma once
+// One particle's motion: its new place, the cell and block where it is to be filed next, and whether it left the
+// domain.
+//
+//   x <- x + dt v,  in fixed point: the cell is the top bits, a change of block is a carry (core/position.hpp)
+
+#include <cstdint>
+
+#include "core/block.hpp"
+#include "core/position.hpp"
+#include "core/stress.hpp"
+
+namespace moraine {
+
+/// Faces of the domain in filing coordinates, where a particle leaves it.
+template <class Real, int Dim>
+struct DomainEnds {
+    std::int32_t cell[Dim][2];
+    Real fraction[Dim][2];
+    bool open[Dim][2];
+};
+
+/// A particle's next cell and the code of its next block's offset, in one number.
+constexpr MORAINE_HD std::uint16_t encode_move(int code, int cell) {
+    return static_cast<std::uint16_t>(code * 64 + cell);
+}
+constexpr MORAINE_HD int move_code(std::uint16_t m) {
+    return m >> 6;
+}
+constexpr MORAINE_HD int move_cell(std::uint16_t m) {
+    return m & 63;
+}
+
+/// What a motion tells besides the new place.
+template <class Real>
+struct PlaceStep {
+    std::uint16_t move;    ///< encode_move of the next block's offset and cell; Block::gone: out by an open wall
+    std::uint32_t faults;  ///< bits of Fault
+    Real moved;            ///< largest displacement along an axis [cells]
+};
+
+enum class End { none, open, closed };
+
+/// The end of the domain that a place in block + carry has passed.
+template <class Real, int Dim>
+MORAINE_HD End end_passed(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block, const int* carry,
+                          const Vec<Coordinate<Real>, Dim>& u) {
+    End passed = End::none;
+    for (int a = 0; a < Dim; ++a) {
+        const std::int32_t cell = 4 * (block[a] + carry[a]) + cell_of<Real>(u[a]);
+        const Real f = fraction_of<Real>(u[a]);
+        const bool below = cell < ends.cell[a][0] || (cell == ends.cell[a][0] && f < ends.fraction[a][0]);
+        const bool above = cell > ends.cell[a][1] || (cell == ends.cell[a][1] && f > ends.fraction[a][1]);
+        if (below || above) {
+            if (!ends.open[a][below ? 0 : 1])
+                passed = End::closed;
+            else if (passed == End::none)
+                passed = End::open;
+        }
+    }
+    return passed;
+}
+
+/// Moves u by dt v. One that would leave a closed domain stays where it was: the run ends, and the last state must
+/// be whole. `border`: the block may touch an end. velocity[a]: [m/s].
+template <class Real, int Dim, class Velocity>
+MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
+                                         bool border, const Velocity& velocity, Real dt, Real inverse_cell,
+                                         Vec<Coordinate<Real>, Dim>& u) {
+    const Vec<Coordinate<Real>, Dim> old = u;
+    PlaceStep<Real> step{0, fault_none, Real(0)};
+    int code = 0;
+    int cell = 0;
+    int carry[Dim];
+    for (int a = Dim - 1; a >= 0; --a) {
+        Real move = dt * velocity[a] * inverse_cell;
+        const Real size = move < Real(0) ? -move : move;
+        if (!(size < Real(1))) {
+            step.faults |= size >= Real(1) ? fault_far : fault_nan;
+            move = Real(0);
+        } else if (size > step.moved) {
+            step.moved = size;
+        }
+        carry[a] = advance<Real>(u[a], move);
+        code = 3 * code + carry[a] + 1;
+        cell = 4 * cell + cell_of<Real>(u[a]);
+    }
+    const End end = border ? end_passed(ends, block, carry, u) : End::none;
+    if (end == End::closed) {
+        step.faults |= fault_left;
+        u = old;
+        code = Block<Dim>::centre;
+        cell = 0;
+        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(u[a]);
+    } else if (end == End::open) {
+        code = Block<Dim>::gone;
+    }
+    step.move = encode_move(code, cell);
+    return step;
+}
+
+}  // namespace moraine
