@@ -9,9 +9,9 @@ namespace {
 template <class Real>
 void run_precision(const Scene& scene, const Options& options, const Comm& comm) {
     if (scene.dimensions == 2)
-        Driver<Host, Real, 2>(scene, options, comm).run();
+        Driver<Real, 2>(scene, options, comm).run();
     else
-        Driver<Host, Real, 3>(scene, options, comm).run();
+        Driver<Real, 3>(scene, options, comm).run();
 }
 
 }  // namespace

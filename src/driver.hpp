@@ -19,7 +19,7 @@ namespace moraine {
 /// Set by the signal handler of main: SIGTERM or SIGUSR1 came.
 extern volatile bool stop_requested;
 
-template <class Space, class Real, int Dim>
+template <class Real, int Dim>
 class Driver {
   public:
     /// Collective.
@@ -44,7 +44,7 @@ class Driver {
     const Options& options_;
     const Comm& comm_;
     std::string directory_;
-    Simulation<Space, Real, Dim> sim_;
+    Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_;
     std::unique_ptr<ParticleSeries> series_;
     std::unique_ptr<Progress> progress_;

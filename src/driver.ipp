@@ -25,21 +25,21 @@ std::int64_t next_multiple(double interval, double t) {
 
 }  // namespace
 
-template <class Space, class Real, int Dim>
-Driver<Space, Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm)
+template <class Real, int Dim>
+Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm)
     : scene_(scene),
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
       sim_(scene, comm) {}
 
-template <class Space, class Real, int Dim>
-double Driver<Space, Real, Dim>::wall() const {
+template <class Real, int Dim>
+double Driver<Real, Dim>::wall() const {
     return wall_clock() - start_wall_;
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::begin() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::begin() {
     start_wall_ = wall_clock();
     const bool restarting = !options_.restart.empty();
     RunClaim claim = options_.overwrite ? RunClaim::overwrite : RunClaim::fresh;
@@ -67,8 +67,8 @@ void Driver<Space, Real, Dim>::begin() {
     if (!restarting) output();
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
+template <class Real, int Dim>
+void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
     std::optional<ResumeAfter> resume;
     if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", HistoryRow<Dim>::columns(), resume);
@@ -77,8 +77,8 @@ void Driver<Space, Real, Dim>::open_records(std::optional<double> resume_time, s
     if (resume_time) series_->truncate_to(*resume_time);
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::run() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::run() {
     begin();
     try {
         while (sim_.clock().time < scene_.end) advance();
@@ -93,8 +93,8 @@ void Driver<Space, Real, Dim>::run() {
     finish();
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::advance() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::advance() {
     if (stop_requested) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
@@ -105,8 +105,8 @@ void Driver<Space, Real, Dim>::advance() {
     after_step();
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::after_step() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::after_step() {
     const RunClock<Dim>& clock = sim_.clock();
     const double interval = scene_.output.interval;
     const double checkpoint_interval = scene_.output.checkpoint_interval;
@@ -130,18 +130,18 @@ void Driver<Space, Real, Dim>::after_step() {
                       wall());
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::output() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
         history_->row(observe(sim_, comm_).values());
-        Picture<Space, Real, Dim>(sim_).append_to(*series_);
+        Picture<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::checkpoint() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::checkpoint() {
     if (last_checkpoint_step_ == sim_.clock().step) return;
     sim_.phases().time(Phase::output, [&] {
         sim_.conclude();
@@ -152,13 +152,13 @@ void Driver<Space, Real, Dim>::checkpoint() {
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, sim_.clock().time);
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::record_balance() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::record_balance() {
     balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
 }
 
-template <class Space, class Real, int Dim>
-void Driver<Space, Real, Dim>::finish() {
+template <class Real, int Dim>
+void Driver<Real, Dim>::finish() {
     const RunClock<Dim>& clock = sim_.clock();
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, wall(), stepping_));

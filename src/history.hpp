@@ -67,8 +67,8 @@ inline double front_of(const std::vector<double>& columns, const Scene& scene) {
 }
 
 /// Filed state only. Collective.
-template <class Space, class Real, int Dim>
-HistoryRow<Dim> observe(Simulation<Space, Real, Dim>& sim, const Comm& comm) {
+template <class Real, int Dim>
+HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
     const Ledger<Dim>& ledger = sim.ledger();
@@ -77,7 +77,7 @@ HistoryRow<Dim> observe(Simulation<Space, Real, Dim>& sim, const Comm& comm) {
     row.time = clock.time;
     row.dt = clock.dt;
     row.totals = sim.totals();
-    row.particles = comm.sum(sim.patch().count());
+    row.particles = comm.sum(sim.engine().census().particles);
     row.lost_particles = comm.sum(ledger.lost_count);
     row.lost_mass = sim.sum_of(ledger.lost_mass);
     row.front = front_of(sim.column_volumes(), scene);

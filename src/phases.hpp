@@ -25,6 +25,9 @@ class Phases {
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
+    /// Books time that somebody else measured [s].
+    void add(Phase phase, double seconds) { seconds_[static_cast<std::size_t>(phase)] += seconds; }
+
     double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
     const std::array<double, count>& all() const { return seconds_; }
 

@@ -9,11 +9,11 @@
 
 namespace moraine {
 
-template <class Space, class Real, int Dim>
+template <class Real, int Dim>
 class Picture {
   public:
     /// Filed state only. Not collective.
-    explicit Picture(Simulation<Space, Real, Dim>& sim)
+    explicit Picture(Simulation<Real, Dim>& sim)
         : sim_(sim), filed_(sim.patch().filed()), view_(sim.patch().particles.view()) {
         stored("id", "id");
         for (const std::string& field : sim.scene().output.fields) add(field);
@@ -67,7 +67,7 @@ class Picture {
             }
     }
 
-    Simulation<Space, Real, Dim>& sim_;
+    Simulation<Real, Dim>& sim_;
     FiledBlocks filed_;
     ParticleView<Real, Dim> view_;
     std::vector<Column> fields_;

@@ -16,9 +16,7 @@
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
-#include "comm/halo.hpp"
-#include "comm/migration.hpp"
-#include "comm/patch.hpp"
+#include "comm/host_engine.hpp"
 #include "core/error.hpp"
 #include "core/hash.hpp"
 #include "core/method.hpp"
@@ -75,14 +73,15 @@ struct BalanceLook {
     TriggerInput terms;
 };
 
-template <class Space, class Real, int Dim>
+template <class Real, int Dim>
 class Simulation {
   public:
-    using Share = Patch<Space, Real, Dim>;
+    using Share = Patch<Host, Real, Dim>;
+    using EngineMaker = std::function<std::unique_ptr<Engine<Real, Dim>>(const Method<Host, Real, Dim>&)>;
     using Acceleration = std::function<Vec<double, Dim>(std::uint64_t id, const std::array<double, Dim>& x, double t)>;
 
-    /// Scene and comm must outlive it. Collective.
-    Simulation(const Scene& scene, const Comm& comm);
+    /// On the host, or on what `make_engine` makes for the method. Scene and comm must outlive it. Collective.
+    Simulation(const Scene& scene, const Comm& comm, const EngineMaker& make_engine = {});
 
     /// Fills the ranks with the scene's bodies. Collective; throws InputError where a body is wrong.
     void seed();
@@ -100,13 +99,13 @@ class Simulation {
     /// Brings the share into the filed state. Collective.
     void file();
 
-    /// Files, and throws PhysicsError if the last step went wrong. Collective.
+    /// Files, books, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
 
     /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
     void balance();
 
-    /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed().
+    /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
@@ -122,8 +121,9 @@ class Simulation {
     const BalanceLook& last_look() const { return look_; }
     const Agreement& agreement() const { return agreed_; }
     Phases& phases() { return phases_; }
-    Share& patch() { return *patch_; }
-    const Method<Space, Real, Dim>& method() const { return method_; }
+    Share& patch() { return engine_->share(); }
+    const Engine<Real, Dim>& engine() const { return *engine_; }
+    const Method<Host, Real, Dim>& method() const { return method_; }
     const Partitioner& partitioner() const { return *partitioner_; }
     const RepartitionTrigger& trigger() const { return trigger_; }
     Quantum quantum() const { return {clock_.quantum_scale}; }
@@ -133,7 +133,6 @@ class Simulation {
 
     /// Calls f(slot, x [m]) for this rank's particles in list order, block by block. Filed state only.
     void each_particle(const std::function<void(std::uint32_t slot, const std::array<double, Dim>& x)>& f) const;
-    std::array<double, Dim> position_of(int block, std::uint32_t slot) const;
 
     /// Totals of the whole run. Filed state only. Collective.
     Totals<Dim> totals() const;
@@ -147,31 +146,20 @@ class Simulation {
     std::vector<double> column_volumes() const;
 
   private:
-    struct Offence {
-        std::uint64_t id;
-        std::uint32_t faults;
-        std::array<double, Dim> x;  ///< [m]
-    };
-
-    void p2g(std::span<const std::int32_t> blocks);
-    void nodes(const Round& round);
-    void g2p(const Round& round);
     void start_agreement();
-    double agree_on_dt();
-    void account(const Round& round);
-    void note_offence(std::int32_t block);
+    void agree_on_dt();
+    void book();
     void report_faults() const;
-    void lose(std::uint32_t slot);
     void apply_body_force();
+    StepScales<Dim> scales() const { return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull}; }
 
-    TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
-    std::int64_t occupied_cells(std::span<const std::uint32_t> slots) const;
-    std::vector<BlockLoad> gather_loads(const FiledBlocks& mine) const;
+    bool weighs_cells() const { return scene_.balance.weight == "cost"; }
+    std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
+    EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
-    void end_epoch();
+    void renew_epoch(const std::vector<BlockLoad>& loads);
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
-    void repartition(const FiledBlocks& filed, const std::vector<BlockLoad>& loads,
-                     const std::vector<std::int32_t>& owners);
+    void repartition(const std::vector<BlockLoad>& loads, const std::vector<std::int32_t>& owners);
     FiledBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);
     Sym<Real, Dim> geostatic_stress(const BodySpec& body, const Seed& seed) const;
@@ -180,16 +168,13 @@ class Simulation {
 
     const Scene& scene_;
     const Comm& comm_;
-    Method<Space, Real, Dim> method_;
+    Method<Host, Real, Dim> method_;
     DomainBlocks<Dim> domain_;
     std::unique_ptr<Partitioner> partitioner_;
     RepartitionTrigger trigger_;
     BlockWeight weight_;
 
-    HostTransport halo_wire_, migration_wire_;
-    std::unique_ptr<Share> patch_;
-    std::unique_ptr<Halo<Real, Dim>> halo_;
-    std::unique_ptr<Migration<Space, Real, Dim>> migration_;
+    std::unique_ptr<Engine<Real, Dim>> engine_;
     AgreementReduction reduction_;
 
     RunClock<Dim> clock_;
@@ -198,39 +183,38 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
-    std::vector<Offence> offences_;
     Acceleration body_force_;
-    typename Space::template Array<ExactSum> impulse_;
+    std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the epoch began
     double wandered_ = 0;      ///< largest sum of displacements in this epoch, up to the step before [cells]
     double computed_ = 0;      ///< computing time up to the last step [s]
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition
     std::int64_t last_repartition_ = 0;
     std::uint32_t asked_ = 0;
-    bool moving_ = false;  ///< migration under way: not filed
+    bool unbooked_ = false;  ///< a step's report is still with the engine
 };
 
-// The step. Every message between ranks is visible here.
+// The step. Every message between ranks is visible here. A device queues the work and is waited for once, where the
+// agreement starts.
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::step() {
-    file();             // arrivals of the last step; each block's list is filed by cell
-    start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
+template <class Real, int Dim>
+void Simulation<Real, Dim>::step() {
+    file();  // arrivals of the last step; each block's list is filed by cell
     apply_body_force();
-    double dt = clock_.dt;
     for (const Round& round : method_.rounds) {
-        p2g(patch_->boundary());
-        halo_->start(patch_->grid());
-        p2g(patch_->interior());
-        if (&round == &method_.rounds.front()) dt = agree_on_dt();
-        phases_.time(Phase::halo, [&] { halo_->finish(patch_->grid(), patch_->tile_of()); });
-        nodes(round);
-        g2p(round);
-        account(round);
+        const bool first = &round == &method_.rounds.front();
+        phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });
+        if (first) start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
+        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        phases_.time(Phase::p2g, [&] { engine_->sum_interior(); });
+        if (first) agree_on_dt();
+        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
+        phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
     }
-    phases_.time(Phase::migrate, [&] { migration_->start([this](std::uint32_t slot) { lose(slot); }); });
-    moving_ = true;
-    clock_.time += dt;
+    phases_.time(Phase::migrate, [&] { engine_->send_leavers(scales()); });
+    unbooked_ = true;
+    clock_.time += clock_.dt;
     ++clock_.step;
 }
 

@@ -2,22 +2,12 @@
 
 namespace moraine {
 
-/// Cells of a block that hold particles.
-template <class Space, class Real, int Dim>
-std::int64_t Simulation<Space, Real, Dim>::occupied_cells(std::span<const std::uint32_t> slots) const {
-    std::uint64_t seen = 0;
-    for (std::uint32_t s : slots) seen |= std::uint64_t(1) << patch_->cell_of_slot(s);
-    return std::popcount(seen);
-}
-
 /// Occupied blocks of all ranks, in key order; a block held by several ranks (seeding) is one entry.
-template <class Space, class Real, int Dim>
-std::vector<BlockLoad> Simulation<Space, Real, Dim>::gather_loads(const FiledBlocks& mine) const {
+template <class Real, int Dim>
+std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mine) const {
     std::vector<BlockLoad> rows;
-    const bool by_cost = scene_.balance.weight == "cost";
-    std::size_t at = 0;
-    for (std::size_t b = 0; b < mine.key.size(); at += mine.count[b], ++b) {
-        const std::int64_t cells = by_cost ? occupied_cells(std::span(mine.slot).subspan(at, mine.count[b])) : 0;
+    for (std::size_t b = 0; b < mine.key.size(); ++b) {
+        const std::int64_t cells = mine.cells.empty() ? 0 : mine.cells[b];
         rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
     }
     std::vector<BlockLoad> all = comm_.all_gather(rows);
@@ -46,63 +36,71 @@ inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::v
     return result;
 }
 
-/// A new topology from what is occupied now; owners are the ranks that hold the blocks.
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::begin_epoch(const FiledBlocks& filed) {
-    std::vector<OccupiedBlock> occupied;
-    for (const BlockLoad& load : gather_loads(filed)) occupied.push_back({load.key, load.owner});
-    const Topology<Dim> topology = make_topology<Dim>(domain_, occupied, [this](const BlockPosition<Dim>& at) {
+/// This rank's part of a topology made from what is occupied now; owners are the ranks that hold the blocks.
+template <class Real, int Dim>
+EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>& loads) {
+    occupied_.clear();
+    for (const BlockLoad& load : loads) occupied_.push_back({load.key, load.owner});
+    const Topology<Dim> topology = make_topology<Dim>(domain_, occupied_, [this](const BlockPosition<Dim>& at) {
         Position position{};
         std::copy(at.begin(), at.end(), position.begin());
         return partitioner_->owner_at(position);
     });
-    end_epoch();
-    patch_->install(make_epoch<Dim>(topology, domain_, method_.stencil, comm_.rank()), filed);
-    patch_->refresh_memory(0.1);
-    halo_ = std::make_unique<Halo<Real, Dim>>(patch_->tables(), halo_wire_, method_.stencil.width);
-    migration_ = std::make_unique<Migration<Space, Real, Dim>>(*patch_, migration_wire_);
     wandered_ = 0;
+    return make_epoch<Dim>(topology, domain_, method_.stencil, comm_.rank());
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::end_epoch() {
-    if (!halo_) return;
-    counts_ = counts_so_far();
-    halo_.reset();
-    migration_.reset();
+/// With particles that were put into the host's share.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
+    engine_->adopt(next_epoch(gather_loads(counts_of(patch(), filed, false))), filed);
+    engine_->refresh_memory(false);
 }
 
-template <class Space, class Real, int Dim>
-RunCounts Simulation<Space, Real, Dim>::counts_so_far() const {
+/// With the particles of now. Where no block became occupied or empty, the old tables serve on.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::renew_epoch(const std::vector<BlockLoad>& loads) {
+    const auto same = [](const BlockLoad& load, const OccupiedBlock& block) {
+        return load.key == block.key && load.owner == block.owner;
+    };
+    if (std::equal(loads.begin(), loads.end(), occupied_.begin(), occupied_.end(), same))
+        wandered_ = 0;
+    else
+        engine_->renew(next_epoch(loads));
+    engine_->refresh_memory(false);
+}
+
+template <class Real, int Dim>
+RunCounts Simulation<Real, Dim>::counts_so_far() const {
     RunCounts counts = counts_;
-    if (halo_) counts.halo_bytes += halo_->bytes();
-    if (migration_) counts.crossed_particles += migration_->crossed();
+    const Traffic traffic = engine_->traffic();
+    counts.halo_bytes = traffic.halo_bytes;
+    counts.crossed_particles = traffic.crossed_particles;
     return counts;
 }
 
 /// A block's particles may have moved `wandered_` cells by the step before and less than one more in
 /// the last: below 4 in all they are still in blocks of the topology.
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::balance() {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::balance() {
     const bool look = trigger_.is_due(clock_.step);
     const bool used_up = wandered_ > 2;
     look_.repartitioned = false;
     if (!look && !used_up) return;
     file();
     phases_.time(Phase::balance, [&] {
-        const FiledBlocks filed = patch_->filed();
+        std::vector<BlockLoad> loads = gather_loads(engine_->block_counts(look && weighs_cells()));
         if (look) {
-            std::vector<BlockLoad> loads = gather_loads(filed);
             const std::vector<std::int32_t> owners = plan(loads);
-            if (look_.repartitioned) return repartition(filed, loads, owners);
+            if (look_.repartitioned) return repartition(loads, owners);
         }
-        if (used_up) begin_epoch(filed);
+        if (used_up) renew_epoch(loads);
     });
 }
 
 /// Looks at the balance; if it is worth it, the owners to be.
-template <class Space, class Real, int Dim>
-std::vector<std::int32_t> Simulation<Space, Real, Dim>::plan(std::vector<BlockLoad>& loads) {
+template <class Real, int Dim>
+std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& loads) {
     const int ranks = comm_.size();
     TriggerInput& terms = look_.terms;
     terms = TriggerInput{};
@@ -122,12 +120,12 @@ std::vector<std::int32_t> Simulation<Space, Real, Dim>::plan(std::vector<BlockLo
     return owners;
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::repartition(const FiledBlocks& filed, const std::vector<BlockLoad>& loads,
-                                               const std::vector<std::int32_t>& owners) {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::repartition(const std::vector<BlockLoad>& loads, const std::vector<std::int32_t>& owners) {
     const auto start = std::chrono::steady_clock::now();
     BlockMoveCount moved;
-    const FiledBlocks next = move_blocks(comm_, *patch_, filed, owners_of(filed, loads, owners), moved);
+    const FiledBlocks filed = patch().filed();
+    const FiledBlocks next = move_blocks(comm_, patch(), filed, owners_of(filed, loads, owners), moved);
     begin_epoch(next);
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;

@@ -2,45 +2,43 @@
 
 namespace moraine {
 
-template <class Space, class Real, int Dim>
-std::array<double, Dim> Simulation<Space, Real, Dim>::position_of(int block, std::uint32_t slot) const {
-    std::array<double, Dim> x{};
-    const Vec<Coordinate<Real>, Dim>& u = patch_->particles.view().position[slot];
-    for (int a = 0; a < Dim; ++a) {
-        const auto i = static_cast<std::size_t>(a);
-        const double local = local_of<Real>(patch_->table().position[block][a], u[a]);
-        x[i] = scene_.min[i] + scene_.cell * (local - method_.stencil.offset());
-    }
-    return x;
-}
-
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::each_particle(
+template <class Real, int Dim>
+void Simulation<Real, Dim>::each_particle(
     const std::function<void(std::uint32_t, const std::array<double, Dim>&)>& f) const {
-    const ListView<Dim> list = patch_->list();
-    for (int b = 0; b < patch_->own(); ++b)
-        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) f(list.slot[k], position_of(b, list.slot[k]));
+    Share& share = engine_->share();
+    const ListView<Dim> list = share.list();
+    const BlockTable<Dim> table = share.table();
+    const auto* position = share.particles.view().position;
+    for (int b = 0; b < table.own; ++b)
+        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+            const std::uint32_t s = list.slot[k];
+            f(s, place_in<Real, Dim>(scene_, method_.stencil, table.position[b], position[s]));
+        }
 }
 
-template <class Space, class Real, int Dim>
-double Simulation<Space, Real, Dim>::sum_of(const ExactSum& mine) const {
+template <class Real, int Dim>
+double Simulation<Real, Dim>::sum_of(const ExactSum& mine) const {
     const std::vector<ExactSum> all = comm_.all_gather(std::vector<ExactSum>{mine});
     ExactSum sum;
     for (const ExactSum& s : all) sum.add(s);
     return quantum().value(sum);
 }
 
-template <class Space, class Real, int Dim>
-Totals<Dim> Simulation<Space, Real, Dim>::totals() const {
-    const ListView<Dim> list = patch_->list();
-    const ParticleView<Real, Dim> p = patch_->particles.view();
+template <class Real, int Dim>
+Totals<Dim> Simulation<Real, Dim>::totals() const {
+    Share& share = engine_->share();
+    const ListView<Dim> list = share.list();
+    const BlockTable<Dim> table = share.table();
+    const ParticleView<Real, Dim> p = share.particles.view();
     std::array<ExactSum, Totals<Dim>::sums> sums{};
     Totals<Dim> extremes;
-    for (int b = 0; b < patch_->own(); ++b) {
+    for (int b = 0; b < table.own; ++b) {
         Totals<Dim> block;
         for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
             const std::uint32_t s = list.slot[k];
-            add_particle<Real, Dim>(block, p, s, position_of(b, s), method_.law_of(p.body[s]));
+            add_particle<Real, Dim>(block, p, s,
+                                    place_in<Real, Dim>(scene_, method_.stencil, table.position[b], p.position[s]),
+                                    method_.law_of(p.body[s]));
         }
         const auto parts = block.additive();
         for (std::size_t q = 0; q < parts.size(); ++q) sums[q].add(quantum().of(parts[q]));
@@ -56,20 +54,20 @@ Totals<Dim> Simulation<Space, Real, Dim>::totals() const {
     return extremes;
 }
 
-template <class Space, class Real, int Dim>
-double Simulation<Space, Real, Dim>::potential_energy(const Totals<Dim>& totals) const {
+template <class Real, int Dim>
+double Simulation<Real, Dim>::potential_energy(const Totals<Dim>& totals) const {
     double energy = 0;
     for (std::size_t a = 0; a < Dim; ++a)
         energy -= scene_.gravity[a] * (totals.centre[a] - totals.mass * scene_.min[a]);
     return energy;
 }
 
-template <class Space, class Real, int Dim>
-std::vector<double> Simulation<Space, Real, Dim>::column_volumes() const {
+template <class Real, int Dim>
+std::vector<double> Simulation<Real, Dim>::column_volumes() const {
     const double cell_volume = std::pow(scene_.cell, Dim);
     const double quanta = std::ldexp(1.0, 30);  // per cell volume: 2^33 full cells fit in a column
     std::vector<std::int64_t> columns(static_cast<std::size_t>(domain_.nodes[0]) + 1, 0);
-    const ParticleView<Real, Dim> p = patch_->particles.view();
+    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) {
         const double at = std::floor((x[0] - scene_.min[0]) / scene_.cell);
         const auto column = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(columns.size() - 1)));
@@ -82,14 +80,15 @@ std::vector<double> Simulation<Space, Real, Dim>::column_volumes() const {
     return volumes;
 }
 
-template <class Space, class Real, int Dim>
-std::uint64_t Simulation<Space, Real, Dim>::state_hash(bool with_lists) const {
-    const ListView<Dim> list = patch_->list();
-    const std::vector<ColumnBytes> columns = patch_->particles.columns();
+template <class Real, int Dim>
+std::uint64_t Simulation<Real, Dim>::state_hash(bool with_lists) const {
+    Share& share = engine_->share();
+    const ListView<Dim> list = share.list();
+    const std::vector<ColumnBytes> columns = share.particles.columns();
     std::uint64_t sum = 0;
-    for (int b = 0; b < patch_->own(); ++b)
+    for (int b = 0; b < share.own(); ++b)
         for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
-            std::uint64_t h = mix(patch_->tables().own[static_cast<std::size_t>(b)]);
+            std::uint64_t h = mix(share.tables().own[static_cast<std::size_t>(b)]);
             if (with_lists) h = mix(h ^ (k - list.first[b]));
             for (const ColumnBytes& c : columns) h = mix_bytes(h, c.data + list.slot[k] * c.row_bytes, c.row_bytes);
             sum += h;
@@ -99,9 +98,9 @@ std::uint64_t Simulation<Space, Real, Dim>::state_hash(bool with_lists) const {
     return all;
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::refresh_signal() {
-    const ParticleView<Real, Dim> p = patch_->particles.view();
+template <class Real, int Dim>
+void Simulation<Real, Dim>::refresh_signal() {
+    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     double signal = 0;
     each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
         signal = std::max(signal, method_.law_of(p.body[s]).signal(p, s));
@@ -109,9 +108,10 @@ void Simulation<Space, Real, Dim>::refresh_signal() {
     own_.signal = clock_.signal = comm_.max(signal);
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::conclude() {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::conclude() {
     file();
+    book();
     reduction_.start(own_);
     const Agreement all = reduction_.finish();
     if (all.faults) report_faults();

@@ -10,8 +10,8 @@ Layout layout_of(const DomainBlocks<Dim>& domain) {
     return layout;
 }
 
-template <class Space, class Real, int Dim>
-Simulation<Space, Real, Dim>::Simulation(const Scene& scene, const Comm& comm)
+template <class Real, int Dim>
+Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const EngineMaker& make_engine)
     : scene_(scene),
       comm_(comm),
       method_(scene),
@@ -19,22 +19,24 @@ Simulation<Space, Real, Dim>::Simulation(const Scene& scene, const Comm& comm)
       partitioner_(make_partitioner(scene.balance, layout_of(domain_), comm.size())),
       trigger_(scene.balance, *partitioner_),
       weight_(scene.balance, host_costs),
-      halo_wire_(comm, 1),
-      migration_wire_(comm, 2),
-      patch_(std::make_unique<Share>(method_.needs, method_.stencil.width)),
-      reduction_(comm) {}
+      reduction_(comm) {
+    if (make_engine)
+        engine_ = make_engine(method_);
+    else
+        engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
+}
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::set_body_force(Acceleration acceleration) {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::set_body_force(Acceleration acceleration) {
     body_force_ = std::move(acceleration);
     method_.needs.body_force = true;
-    patch_ = std::make_unique<Share>(method_.needs, method_.stencil.width);
+    engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
 }
 
 /// The state of one seed, in its slot.
-template <class Space, class Real, int Dim>
-Key Simulation<Space, Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
-    const ParticleView<Real, Dim> p = patch_->particles.view();
+template <class Real, int Dim>
+Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
+    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     const BodySpec& body = scene_.bodies[static_cast<std::size_t>(seed.body)];
     BlockPosition<Dim> block{};
     for (int a = 0; a < Dim; ++a) {
@@ -60,8 +62,8 @@ Key Simulation<Space, Real, Dim>::place_seed(const Seed& seed, std::uint32_t slo
 }
 
 /// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v, along gravity's main axis.
-template <class Space, class Real, int Dim>
-Sym<Real, Dim> Simulation<Space, Real, Dim>::geostatic_stress(const BodySpec& body, const Seed& seed) const {
+template <class Real, int Dim>
+Sym<Real, Dim> Simulation<Real, Dim>::geostatic_stress(const BodySpec& body, const Seed& seed) const {
     Sym<Real, Dim> stress = zero_sym<Real, Dim>();
     if (!body.geostatic) return stress;
     std::size_t up = 0;
@@ -77,8 +79,8 @@ Sym<Real, Dim> Simulation<Space, Real, Dim>::geostatic_stress(const BodySpec& bo
 
 /// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
 /// so that a seed needs memory only until it is a particle.
-template <class Space, class Real, int Dim>
-FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
+template <class Real, int Dim>
+FiledBlocks Simulation<Real, Dim>::seed_share() {
     std::vector<std::pair<Key, std::uint32_t>> placed;
     std::vector<Seed> seeds;
     for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
@@ -87,13 +89,13 @@ FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
         const std::int64_t last = part.rows() * (comm_.rank() + 1) / comm_.size();
         const std::int64_t mine = part.count(first, last);
         const std::int64_t total = comm_.sum(mine);
-        patch_->particles.reserve(placed.size() + static_cast<std::size_t>(mine));
+        patch().particles.reserve(placed.size() + static_cast<std::size_t>(mine));
         placed.reserve(placed.size() + static_cast<std::size_t>(mine));
         const std::int64_t step = std::max<std::int64_t>(1, (last - first) / 32);
         for (std::int64_t row = first; row < last; row += step) {
             seeds.clear();
             part.fill(row, std::min(row + step, last), total, seeds);
-            const std::vector<std::uint32_t> slots = patch_->take_slots(seeds.size());
+            const std::vector<std::uint32_t> slots = patch().take_slots(seeds.size());
             for (std::size_t k = 0; k < seeds.size(); ++k)
                 placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);
         }
@@ -113,10 +115,11 @@ FiledBlocks Simulation<Space, Real, Dim>::seed_share() {
 }
 
 /// The initial order: (block, cell, id).
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::sort_blocks(FiledBlocks& filed) const {
-    const ParticleView<Real, Dim> p = patch_->particles.view();
-    const auto rank_of = [&](std::uint32_t s) { return std::pair(patch_->cell_of_slot(s), p.id[s]); };
+template <class Real, int Dim>
+void Simulation<Real, Dim>::sort_blocks(FiledBlocks& filed) const {
+    Share& share = engine_->share();
+    const ParticleView<Real, Dim> p = share.particles.view();
+    const auto rank_of = [&](std::uint32_t s) { return std::pair(share.cell_of_slot(s), p.id[s]); };
     auto first = filed.slot.begin();
     for (std::uint32_t count : filed.count) {
         std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
@@ -124,18 +127,18 @@ void Simulation<Space, Real, Dim>::sort_blocks(FiledBlocks& filed) const {
     }
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::seed() {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::seed() {
     const FiledBlocks share = seed_share();
-    std::vector<BlockLoad> loads = gather_loads(share);
+    std::vector<BlockLoad> loads = gather_loads(counts_of(patch(), share, weighs_cells()));
     for (BlockLoad& load : loads) load.owner = -1;
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     BlockMoveCount not_counted;
-    FiledBlocks filed = move_blocks(comm_, *patch_, share, owners_of(share, loads, owners), not_counted);
+    FiledBlocks filed = move_blocks(comm_, patch(), share, owners_of(share, loads, owners), not_counted);
     sort_blocks(filed);
     begin_epoch(filed);
-    patch_->refresh_memory(-1);
+    engine_->refresh_memory(true);
     set_scales();
     refresh_signal();
     const Totals<Dim> start = totals();
@@ -146,9 +149,9 @@ void Simulation<Space, Real, Dim>::seed() {
 }
 
 /// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::set_scales() {
-    const ParticleView<Real, Dim> p = patch_->particles.view();
+template <class Real, int Dim>
+void Simulation<Real, Dim>::set_scales() {
+    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     double lightest = std::numeric_limits<double>::infinity();
     double heaviest = 0;
     each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
@@ -158,13 +161,13 @@ void Simulation<Space, Real, Dim>::set_scales() {
     lightest = comm_.min(lightest);
     heaviest = comm_.max(heaviest);
     clock_.mass_cutoff = lightest * (sizeof(Real) == 8 ? 1e-18 : 1e-12);
-    clock_.quantum_scale = Quantum::for_largest(heaviest * static_cast<double>(comm_.sum(patch_->count()))).scale;
+    clock_.quantum_scale = Quantum::for_largest(heaviest * static_cast<double>(comm_.sum(patch().count()))).scale;
 }
 
-template <class Space, class Real, int Dim>
-void Simulation<Space, Real, Dim>::restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts,
-                                           const RunClock<Dim>& clock, const Ledger<Dim>& ledger,
-                                           const std::vector<std::int64_t>& partitioner_state, const ReadRows& read) {
+template <class Real, int Dim>
+void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts,
+                                    const RunClock<Dim>& clock, const Ledger<Dim>& ledger,
+                                    const std::vector<std::int64_t>& partitioner_state, const ReadRows& read) {
     std::vector<BlockLoad> loads;
     for (std::size_t b = 0; b < keys.size(); ++b) {
         const std::int64_t weight = weight_(counts[b], std::min<std::int64_t>(counts[b], Block<Dim>::cells));
@@ -184,7 +187,7 @@ void Simulation<Space, Real, Dim>::restore(const std::vector<Key>& keys, const s
     }
     std::size_t rows = 0;
     for (std::uint32_t count : filed.count) rows += count;
-    filed.slot = patch_->take_slots(rows);
+    filed.slot = patch().take_slots(rows);
     read(ranges, filed.slot);
     begin_epoch(filed);
     if (comm_.is_root()) ledger_ = ledger;

@@ -80,8 +80,8 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
 }
 
 /// Filed state only; after conclude().
-template <class Space, class Real, int Dim>
-void save(Simulation<Space, Real, Dim>& sim, const Comm& comm, const std::string& path) {
+template <class Real, int Dim>
+void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
     CheckpointHeader header = clock_header(sim.clock());
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(sim.state_hash());
@@ -102,8 +102,8 @@ void save(Simulation<Space, Real, Dim>& sim, const Comm& comm, const std::string
 }
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.
-template <class Space, class Real, int Dim>
-void load(Simulation<Space, Real, Dim>& sim, const CheckpointReader& file, const std::string& path) {
+template <class Real, int Dim>
+void load(Simulation<Real, Dim>& sim, const CheckpointReader& file, const std::string& path) {
     const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
     if (!difference.empty())
         throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",

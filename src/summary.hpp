@@ -41,22 +41,22 @@ struct BalanceRow {
 };
 
 /// `reported` and `reported_seconds` are the counts of the row before, and are moved on. Collective.
-template <class Space, class Real, int Dim>
-BalanceRow balance_row(Simulation<Space, Real, Dim>& sim, const Comm& comm, RunCounts& reported,
+template <class Real, int Dim>
+BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& reported,
                        std::array<double, Phases::count>& reported_seconds) {
     const RunCounts now = sim.counts_so_far();
     BalanceRow row;
     row.step = static_cast<double>(sim.clock().step);
     row.time = sim.clock().time;
-    const double mine = static_cast<double>(sim.patch().count());
+    const Census census = sim.engine().census();
+    const double mine = static_cast<double>(census.particles);
     row.particles_min = comm.min(mine);
     row.particles_max = comm.max(mine);
-    row.particles_mean = static_cast<double>(comm.sum(sim.patch().count())) / comm.size();
+    row.particles_mean = static_cast<double>(comm.sum(census.particles)) / comm.size();
     row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
-    std::vector<std::int64_t> sums{sim.patch().tiles_in_use(), now.halo_bytes - reported.halo_bytes,
-                                   now.migrated_particles - reported.migrated_particles,
-                                   now.migrated_blocks - reported.migrated_blocks,
-                                   now.crossed_particles - reported.crossed_particles};
+    std::vector<std::int64_t> sums{
+        census.blocks, now.halo_bytes - reported.halo_bytes, now.migrated_particles - reported.migrated_particles,
+        now.migrated_blocks - reported.migrated_blocks, now.crossed_particles - reported.crossed_particles};
     comm.sum(sums);
     row.blocks = static_cast<double>(sums[0]);
     row.halo_bytes = static_cast<double>(sums[1]);
@@ -80,8 +80,8 @@ BalanceRow balance_row(Simulation<Space, Real, Dim>& sim, const Comm& comm, RunC
 }
 
 /// Filed state only. Collective.
-template <class Space, class Real, int Dim>
-Json summarize(Simulation<Space, Real, Dim>& sim, const Comm& comm, double wall, double stepping) {
+template <class Real, int Dim>
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double stepping) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const HistoryRow<Dim> last = observe(sim, comm);
@@ -98,7 +98,7 @@ Json summarize(Simulation<Space, Real, Dim>& sim, const Comm& comm, double wall,
         {"commit", commit_text},
         {"scene", scene.name},
         {"title", scene.title},
-        {"device", "cpu"},
+        {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},
         {"threads", omp_get_max_threads()},

@@ -81,7 +81,7 @@ struct Result {
 
 /// What is left of the momentum balance, as a part of mass times reference speed.
 template <class Real, int Dim>
-double unexplained_momentum(Simulation<Host, Real, Dim>& sim) {
+double unexplained_momentum(Simulation<Real, Dim>& sim) {
     const Totals<Dim> now = sim.totals();
     const RunClock<Dim>& clock = sim.clock();
     double worst = 0;
@@ -96,7 +96,7 @@ double unexplained_momentum(Simulation<Host, Real, Dim>& sim) {
 
 template <class Real, int Dim>
 Result run(const Scene& scene, const Comm& comm, int steps) {
-    Simulation<Host, Real, Dim> sim(scene, comm);
+    Simulation<Real, Dim> sim(scene, comm);
     sim.seed();
     const double mass = sim.totals().mass;
     for (int n = 0; n < steps; ++n) {

@@ -8,7 +8,7 @@ namespace {
 
 /// Particles, cells, blocks, and how the particles move and yield, as they are now.
 template <class Real, int Dim>
-void look_at(Simulation<Host, Real, Dim>& sim, Measured& m) {
+void look_at(Simulation<Real, Dim>& sim, Measured& m) {
     sim.conclude();
     const FiledBlocks filed = sim.patch().filed();
     m.particles = static_cast<double>(filed.slot.size());
@@ -37,7 +37,7 @@ void look_at(Simulation<Host, Real, Dim>& sim, Measured& m) {
 template <class Real, int Dim>
 Measured measure_as(const Scene& scene, const Plan& plan) {
     const Comm comm(MPI_COMM_WORLD);
-    Simulation<Host, Real, Dim> sim(scene, comm);
+    Simulation<Real, Dim> sim(scene, comm);
     const auto advance = [&](int steps) {
         for (int i = 0; i < steps; ++i) sim.step(), sim.balance();
     };

@@ -81,6 +81,17 @@ struct Ledger {
     std::array<ExactSum, Dim> lost_momentum;
     std::array<ExactSum, Dim> lost_pull;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
+
+    void add(const Ledger& o) {
+        work.add(o.work);
+        lost_mass.add(o.lost_mass);
+        for (std::size_t a = 0; a < Dim; ++a) {
+            impulse[a].add(o.impulse[a]);
+            lost_momentum[a].add(o.lost_momentum[a]);
+            lost_pull[a].add(o.lost_pull[a]);
+        }
+        lost_count += o.lost_count;
+    }
 };
 
 }  // namespace moraine

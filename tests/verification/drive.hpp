@@ -84,13 +84,13 @@ inline void make_periodic(Scene& scene, std::size_t axis) {
 
 /// Where each particle began, by id (one body). Collective.
 template <class Real, int Dim>
-std::vector<std::array<double, Dim>> places(const Simulation<Host, Real, Dim>& sim, const Comm& comm) {
+std::vector<std::array<double, Dim>> places(const Simulation<Real, Dim>& sim, const Comm& comm) {
     struct Row {
         std::uint64_t id;
         std::array<double, Dim> x;
     };
     std::vector<Row> rows;
-    auto& patch = const_cast<Simulation<Host, Real, Dim>&>(sim).patch();
+    auto& patch = const_cast<Simulation<Real, Dim>&>(sim).patch();
     const ParticleView<Real, Dim> p = patch.particles.view();
     sim.each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) { rows.push_back({p.id[s], x}); });
     rows = comm.all_gather(rows);
@@ -159,7 +159,7 @@ class Run {
     std::vector<Point> X_;
 
   public:
-    Simulation<Host, Real, Dim> sim;
+    Simulation<Real, Dim> sim;
 };
 
 /// Observed order between neighbours of a ladder that halves h.

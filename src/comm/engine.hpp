@@ -1,0 +1,116 @@
+#pragma once
+// How one rank's share is stepped: on the threads of the host (comm/host_engine.hpp) or on a device (gpu/).
+//
+// The simulation knows the order of a step and speaks with the other ranks about dt and ownership; an engine does the
+// work of each part and holds the share. What a step tells (signal speed, faults, sums for the books) is taken once
+// per step, by take_report(): on a device that is the only moment at which the host waits for it.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "comm/patch.hpp"
+#include "core/method.hpp"
+#include "core/totals.hpp"
+
+namespace moraine {
+
+/// What the particles of the last step tell the step control and the books.
+template <int Dim>
+struct StepReport {
+    double signal = 0;  ///< largest c + |v| [m/s]
+    double moved = 0;   ///< largest displacement along an axis [cells]
+    std::uint32_t faults = 0;
+    std::int64_t clamped = 0;         ///< contiguous GIMP boxes held at half a cell
+    Ledger<Dim> ledger;               ///< to be added
+    std::array<double, 3> seconds{};  ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
+};
+
+/// A particle that went wrong.
+template <int Dim>
+struct Offence {
+    std::uint64_t id;
+    std::uint32_t faults;
+    std::array<double, Dim> x;  ///< [m]
+};
+
+/// What holds for all particles of a step.
+template <int Dim>
+struct StepScales {
+    double dt;                     ///< [s]
+    double mass_cutoff;            ///< [kg]
+    Quantum quantum;               ///< of the exact sums
+    std::array<double, Dim> pull;  ///< integral of gravity up to the end of the step [m/s]
+};
+
+/// Occupied blocks of this rank.
+struct BlockCounts {
+    std::vector<Key> key;  ///< ascending
+    std::vector<std::uint32_t> count;
+    std::vector<std::int64_t> cells;  ///< that hold particles; empty unless asked for
+};
+
+/// Sizes of the share in the last filed state.
+struct Census {
+    std::int64_t particles = 0;
+    std::int64_t blocks = 0;  ///< occupied
+};
+
+/// What this rank has sent since the run began.
+struct Traffic {
+    std::int64_t halo_bytes = 0;
+    std::int64_t crossed_particles = 0;
+};
+
+template <class Real, int Dim>
+class Engine {
+  public:
+    using Share = Patch<Host, Real, Dim>;
+    virtual ~Engine() = default;
+
+    virtual std::string device() const = 0;  ///< for the records: "cpu", or a device's name
+
+    /// The share in the memory of the host; in the filed state it is that of now. What is changed in it counts after
+    /// adopt(). Not collective.
+    virtual Share& share() = 0;
+    virtual Census census() const = 0;
+    /// Filed state only. Not collective.
+    virtual BlockCounts block_counts(bool with_cells) = 0;
+
+    /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Not collective.
+    virtual void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) = 0;
+    /// Begins an epoch with the same particles. Filed state only. Not collective.
+    virtual void renew(EpochTables<Dim> tables) = 0;
+    /// Puts memory into list order where that pays, or always. Filed state only. Not collective.
+    virtual void refresh_memory(bool always) = 0;
+
+    // The parts of a step, in this order. Collective over peers where they send or receive.
+    virtual void file() = 0;  ///< arrivals; each block's list by cell
+    virtual void sum_boundary() = 0;
+    virtual void send_halo() = 0;
+    virtual void sum_interior() = 0;
+    virtual void receive_halo() = 0;
+    virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
+    virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;
+    virtual void send_leavers(const StepScales<Dim>& step) = 0;
+
+    /// Of the steps since it was last taken. Filed state only. Not collective.
+    virtual StepReport<Dim> take_report() = 0;
+    /// The first particle of each block with faults, or of the share. Not collective.
+    virtual std::vector<Offence<Dim>> offences() = 0;
+    virtual Traffic traffic() const = 0;
+};
+
+/// Place of a particle of an own block [m].
+template <class Real, int Dim>
+std::array<double, Dim> place_in(const Scene& scene, const Stencil& stencil, const Vec<std::int32_t, Dim>& block,
+                                 const Vec<Coordinate<Real>, Dim>& u) {
+    std::array<double, Dim> x{};
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        x[i] = scene.min[i] + scene.cell * (local_of<Real>(block[a], u[a]) - stencil.offset());
+    }
+    return x;
+}
+
+}  // namespace moraine

@@ -1,0 +1,82 @@
+#pragma once
+// The engine of the host: OpenMP threads over blocks, messages by MPI. The plain reference of every other engine.
+
+#include <memory>
+
+#include "comm/engine.hpp"
+#include "comm/halo.hpp"
+#include "comm/migration.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+class HostEngine final : public Engine<Real, Dim> {
+  public:
+    using Share = Patch<Host, Real, Dim>;
+
+    /// All must outlive it. Not collective.
+    HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method);
+
+    std::string device() const override { return "cpu"; }
+    Share& share() override { return patch_; }
+    Census census() const override { return {patch_.count(), patch_.tiles_in_use()}; }
+    BlockCounts block_counts(bool with_cells) override;
+
+    void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.filed()); }
+    void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
+
+    void file() override;
+    void sum_boundary() override { sum(patch_.boundary()); }
+    void send_halo() override { halo_->start(patch_.grid()); }
+    void sum_interior() override { sum(patch_.interior()); }
+    void receive_halo() override { halo_->finish(patch_.grid(), patch_.tile_of()); }
+    void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
+    void gather(const Round& round, const StepScales<Dim>& step) override;
+    void send_leavers(const StepScales<Dim>& step) override;
+
+    StepReport<Dim> take_report() override;
+    std::vector<Offence<Dim>> offences() override { return offences_; }
+    Traffic traffic() const override;
+
+  private:
+    TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
+    void sum(std::span<const std::int32_t> blocks);
+    void book(const Quantum& quantum);
+    void note_offence(std::int32_t block, const BlockOutcome& out);
+    void lose(std::uint32_t slot, const StepScales<Dim>& step);
+
+    const Scene& scene_;
+    const Method<Host, Real, Dim>& method_;
+    HostTransport halo_wire_, migration_wire_;
+    Share patch_;
+    std::unique_ptr<Halo<Real, Dim>> halo_;
+    std::unique_ptr<Migration<Host, Real, Dim>> migration_;
+    Traffic ended_;  ///< of the epochs before
+    StepReport<Dim> report_;
+    std::vector<Offence<Dim>> offences_;
+    Host::Array<ExactSum> impulse_;
+    bool moving_ = false;  ///< migration under way: not filed
+};
+
+/// Cells of a block that hold particles.
+template <class Real, int Dim>
+std::int64_t occupied_cells(Patch<Host, Real, Dim>& patch, std::span<const std::uint32_t> slots) {
+    std::uint64_t seen = 0;
+    for (std::uint32_t s : slots) seen |= std::uint64_t(1) << patch.cell_of_slot(s);
+    return std::popcount(seen);
+}
+
+/// Of blocks that are not yet those of an epoch.
+template <class Real, int Dim>
+BlockCounts counts_of(Patch<Host, Real, Dim>& patch, const FiledBlocks& filed, bool with_cells) {
+    BlockCounts counts{filed.key, filed.count, {}};
+    std::size_t at = 0;
+    for (std::size_t b = 0; with_cells && b < filed.key.size(); at += filed.count[b], ++b)
+        counts.cells.push_back(occupied_cells(patch, std::span(filed.slot).subspan(at, filed.count[b])));
+    return counts;
+}
+
+}  // namespace moraine
+
+#include "comm/host_engine.ipp"

@@ -1,0 +1,146 @@
+// Definitions of comm/host_engine.hpp.
+
+namespace moraine {
+
+template <class Real, int Dim>
+HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method)
+    : scene_(scene),
+      method_(method),
+      halo_wire_(comm, 1),
+      migration_wire_(comm, 2),
+      patch_(method.needs, method.stencil.width) {}
+
+template <class Real, int Dim>
+BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
+    return counts_of(patch_, patch_.filed(), with_cells);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
+    ended_ = traffic();
+    halo_.reset();
+    migration_.reset();
+    patch_.install(std::move(tables), filed);
+    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_wire_, method_.stencil.width);
+    migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_wire_);
+}
+
+template <class Real, int Dim>
+Traffic HostEngine<Real, Dim>::traffic() const {
+    Traffic t = ended_;
+    if (halo_) t.halo_bytes += halo_->bytes();
+    if (migration_) t.crossed_particles += migration_->crossed();
+    return t;
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::file() {
+    if (moving_) migration_->finish();
+    moving_ = false;
+}
+
+template <class Real, int Dim>
+TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std::int32_t> blocks) {
+    return {method_.context,
+            patch_.particles.view(),
+            patch_.table(),
+            patch_.list(),
+            patch_.grid(),
+            blocks.data(),
+            static_cast<std::int64_t>(blocks.size())};
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks) {
+    method_.kernels.p2g(transfer_call(blocks), method_.cell);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
+    const std::span<const std::int32_t> needed = patch_.node_blocks();
+    impulse_.resize(needed.size() * Dim);
+    const SolveNodes<Real, Dim> kernel{method_.context.walls,
+                                       patch_.table(),
+                                       patch_.grid(),
+                                       needed.data(),
+                                       method_.stencil.width,
+                                       method_.stencil.origin,
+                                       round.nodes,
+                                       static_cast<Real>(step.dt),
+                                       method_.gravity,
+                                       method_.damping,
+                                       static_cast<Real>(step.mass_cutoff),
+                                       step.quantum,
+                                       impulse_.data()};
+    Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
+    const GatherCall<Real, Dim> gather{
+        method_.stress(),           method_.ends,   round.gather,     method_.tpic,      method_.flip,
+        static_cast<Real>(step.dt), patch_.moves(), patch_.leavers(), patch_.shuffled(), patch_.outcome()};
+    method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
+    if (&round == &method_.rounds.front()) offences_.clear();
+    book(step.quantum);
+}
+
+/// Books what the round did.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::book(const Quantum& quantum) {
+    for (std::int32_t b : patch_.blocks()) {
+        const BlockOutcome& out = patch_.outcome(b);
+        report_.signal = std::max(report_.signal, out.signal);
+        report_.moved = std::max(report_.moved, out.moved);
+        report_.faults |= out.faults;
+        if (out.faults) note_offence(b, out);
+        report_.clamped += out.clamped;
+        report_.ledger.work.add(quantum.of(out.work));
+    }
+    for (std::size_t k = 0; k < impulse_.size(); ++k) report_.ledger.impulse[k % Dim].add(impulse_[k]);
+}
+
+/// Notes who went wrong in a block, before filing moves it on.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome& out) {
+    const ListView<Dim> list = patch_.list();
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    Offence<Dim> offence{out.offender, out.faults, {}};
+    for (std::uint32_t k = list.first[block]; k < list.first[block + 1]; ++k) {
+        const std::uint32_t s = list.slot[k];
+        if (p.id[s] != out.offender) continue;
+        offence.x = place_in<Real, Dim>(scene_, method_.stencil, patch_.table().position[block], p.position[s]);
+        const int code = move_code(patch_.moves()[k]);
+        for (int a = 0; a < Dim && code < Block<Dim>::offsets; ++a)
+            offence.x[static_cast<std::size_t>(a)] += 4 * scene_.cell * Block<Dim>::offset(code, a);
+    }
+    offences_.push_back(offence);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::send_leavers(const StepScales<Dim>& step) {
+    migration_->start([&](std::uint32_t slot) { lose(slot, step); });
+    moving_ = true;
+}
+
+/// A particle that left through an open wall.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::lose(std::uint32_t slot, const StepScales<Dim>& step) {
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    const double m = static_cast<double>(p.mass[slot]);
+    Ledger<Dim>& ledger = report_.ledger;
+    ledger.lost_mass.add(step.quantum.of(m));
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        ledger.lost_momentum[i].add(step.quantum.of(m * static_cast<double>(p.velocity[slot][a])));
+        ledger.lost_pull[i].add(step.quantum.of(m * step.pull[i]));
+    }
+    ++ledger.lost_count;
+}
+
+template <class Real, int Dim>
+StepReport<Dim> HostEngine<Real, Dim>::take_report() {
+    return std::exchange(report_, StepReport<Dim>{});
+}
+
+}  // namespace moraine
