@@ -26,12 +26,20 @@ endif()
 
 add_library(moraine_flags INTERFACE)
 target_compile_definitions(moraine_flags INTERFACE OMPI_SKIP_MPICXX=1)
-target_compile_options(moraine_flags INTERFACE
-    -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -Werror -ffp-contract=off -fno-math-errno)
+function(moraine_host_options)
+    foreach(option ${ARGN})
+        target_compile_options(moraine_flags INTERFACE $<$<COMPILE_LANGUAGE:C,CXX>:${option}>)
+    endforeach()
+endfunction()
+moraine_host_options(-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -Werror -ffp-contract=off
+    -fno-math-errno)
 if(MORAINE_MARCH)
-    target_compile_options(moraine_flags INTERFACE -march=${MORAINE_MARCH})
+    moraine_host_options(-march=${MORAINE_MARCH})
 endif()
+# Device code: no -march (a register of the host is no type of the device); what its files do on the host keeps the rules.
+target_compile_options(moraine_flags INTERFACE
+    $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Werror=all-warnings -Xcompiler=-Wall,-ffp-contract=off>)
 if(MORAINE_SANITIZE)
-    target_compile_options(moraine_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    moraine_host_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(moraine_flags INTERFACE -fsanitize=address,undefined)
 endif()

@@ -7,20 +7,20 @@ namespace moraine {
 namespace {
 
 template <class Real>
-void run_precision(const Scene& scene, const Options& options, const Comm& comm) {
+void run_precision(const Scene& scene, const Options& options, const Comm& comm, bool on_device) {
     if (scene.dimensions == 2)
-        Driver<Real, 2>(scene, options, comm).run();
+        Driver<Real, 2>(scene, options, comm, on_device).run();
     else
-        Driver<Real, 3>(scene, options, comm).run();
+        Driver<Real, 3>(scene, options, comm, on_device).run();
 }
 
 }  // namespace
 
-void run_scene(const Scene& scene, const Options& options, const Comm& comm) {
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, bool on_device) {
     if (scene.precision == Precision::double_)
-        run_precision<double>(scene, options, comm);
+        run_precision<double>(scene, options, comm, on_device);
     else
-        run_precision<float>(scene, options, comm);
+        run_precision<float>(scene, options, comm, on_device);
 }
 
 }  // namespace moraine

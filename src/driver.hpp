@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "device.hpp"
 #include "history.hpp"
 #include "io/options.hpp"
 #include "io/progress.hpp"
@@ -23,7 +24,7 @@ template <class Real, int Dim>
 class Driver {
   public:
     /// Collective.
-    Driver(const Scene& scene, const Options& options, const Comm& comm);
+    Driver(const Scene& scene, const Options& options, const Comm& comm, bool on_device);
 
     /// Collective. Throws what the simulation throws, after the last state was written.
     void run();
@@ -59,7 +60,8 @@ class Driver {
     std::int64_t reported_halo_ = 0;
 };
 
-/// Reads nothing, runs all: the instance for the scene's precision and dimension. Collective.
-void run_scene(const Scene& scene, const Options& options, const Comm& comm);
+/// Reads nothing, runs all: the instance for the scene's precision and dimension, on the host or on this rank's
+/// device. Collective.
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, bool on_device);
 
 }  // namespace moraine

@@ -26,12 +26,12 @@ std::int64_t next_multiple(double interval, double t) {
 }  // namespace
 
 template <class Real, int Dim>
-Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm)
+Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, bool on_device)
     : scene_(scene),
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
-      sim_(scene, comm) {}
+      sim_(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene, comm) : nullptr) {}
 
 template <class Real, int Dim>
 double Driver<Real, Dim>::wall() const {

@@ -12,6 +12,7 @@
 
 #include "comm/comm.hpp"
 #include "core/error.hpp"
+#include "device.hpp"
 #include "driver.hpp"
 #include "io/check.hpp"
 #include "io/options.hpp"
@@ -60,8 +61,6 @@ void choose_threads() {
 }
 
 void execute(const Options& options, const Comm& comm) {
-    if (options.device == "cuda")
-        throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");
     if (options.transport != "auto" && options.transport != "host")
         throw InputError("This program was built without CUDA (--transport " + options.transport +
                          " moves device memory). Use --transport host?");
@@ -71,7 +70,9 @@ void execute(const Options& options, const Comm& comm) {
         return;
     }
     choose_threads();
-    run_scene(scene, options, comm);
+    const DeviceChoice device = choose_device(options.device, comm);
+    if (comm.is_root() && !options.quiet) fmt::print(stderr, "{}\n", device.words);
+    run_scene(scene, options, comm, device.cuda);
 }
 
 int run_program(int argc, char** argv) {

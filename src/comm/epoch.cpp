@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "comm/key_map.hpp"
+
 namespace moraine {
 
 namespace {
@@ -51,7 +53,9 @@ class Builder {
     EpochTables<Dim> build() {
         for (std::size_t i = 0; i < topology_.keys.size(); ++i)
             if (topology_.owner[i] == rank_) e_.own.push_back(topology_.keys[i]);
-        find_ghosts();
+        own_index_ = KeyMap(e_.own);
+        if (e_.own.size() < topology_.keys.size()) find_ghosts();
+        ghost_index_ = KeyMap(e_.ghost);
         link_blocks();
         make_node_blocks();
         make_halo();
@@ -66,48 +70,54 @@ class Builder {
     }
 
     void find_ghosts() {
-        std::map<Key, std::int32_t> foreign;
+        const KeyMap all(topology_.keys);
+        std::vector<std::pair<std::int32_t, Key>> foreign;
         BlockPosition<Dim> near{};
         for (Key key : e_.own) {
             const BlockPosition<Dim> at = Morton<Dim>::decode(key);
             for (int code = 0; code < Block<Dim>::offsets; ++code) {
                 if (!shifted(at, code, near)) continue;
-                const std::int64_t i = topology_.find(Morton<Dim>::encode(near));
-                if (i >= 0 && topology_.owner[static_cast<std::size_t>(i)] != rank_)
-                    foreign[topology_.keys[static_cast<std::size_t>(i)]] = topology_.owner[static_cast<std::size_t>(i)];
+                const std::int32_t i = all.find(Morton<Dim>::encode(near));
+                if (i < 0) continue;
+                const std::int32_t owner = topology_.owner[static_cast<std::size_t>(i)];
+                if (owner != rank_) foreign.emplace_back(owner, topology_.keys[static_cast<std::size_t>(i)]);
             }
         }
-        std::vector<std::pair<std::int32_t, Key>> order;
-        for (const auto& [key, owner] : foreign) order.emplace_back(owner, key);
-        std::sort(order.begin(), order.end());
-        for (std::size_t g = 0; g < order.size(); ++g) {
-            e_.ghost.push_back(order[g].second);
-            e_.ghost_owner.push_back(order[g].first);
-            ghost_index_[order[g].second] = static_cast<std::int32_t>(g);
+        std::sort(foreign.begin(), foreign.end());
+        foreign.erase(std::unique(foreign.begin(), foreign.end()), foreign.end());
+        for (const auto& [owner, key] : foreign) {
+            e_.ghost.push_back(key);
+            e_.ghost_owner.push_back(owner);
         }
     }
 
     /// Own index, own count + ghost index, or -1.
     std::int32_t local(Key key) const {
-        const std::int32_t own = index_of(e_.own, key);
+        const std::int32_t own = own_index_.find(key);
         if (own >= 0) return own;
-        const auto it = ghost_index_.find(key);
-        return it == ghost_index_.end() ? -1 : static_cast<std::int32_t>(e_.own.size()) + it->second;
+        const std::int32_t ghost = ghost_index_.find(key);
+        return ghost < 0 ? -1 : static_cast<std::int32_t>(e_.own.size()) + ghost;
     }
 
     void link_blocks() {
-        BlockPosition<Dim> near{};
-        for (Key key : e_.own) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(key);
-            e_.position.push_back(as_vec<Dim>(at));
+        const std::size_t n = e_.own.size();
+        e_.position.resize(n);
+        e_.border.resize(n);
+        e_.neighbour.resize(n * Block<Dim>::offsets);
+#pragma omp parallel for schedule(static)
+        for (std::size_t i = 0; i < n; ++i) {
+            const BlockPosition<Dim> at = Morton<Dim>::decode(e_.own[i]);
+            BlockPosition<Dim> near{};
+            e_.position[i] = as_vec<Dim>(at);
             bool border = false;
             for (std::size_t a = 0; a < Dim; ++a)
                 border =
                     border || (!domain_.periodic[a] &&
                                (at[a] <= 0 || 4 * at[a] - stencil_.origin + 4 + stencil_.width >= domain_.nodes[a]));
-            e_.border.push_back(border);
+            e_.border[i] = border;
             for (int code = 0; code < Block<Dim>::offsets; ++code)
-                e_.neighbour.push_back(shifted(at, code, near) ? local(Morton<Dim>::encode(near)) : -1);
+                e_.neighbour[i * Block<Dim>::offsets + static_cast<std::size_t>(code)] =
+                    shifted(at, code, near) ? local(Morton<Dim>::encode(near)) : -1;
         }
     }
 
@@ -118,31 +128,52 @@ class Builder {
         return at;
     }
 
-    void make_node_blocks() {
+    /// Own blocks, and those at their upper corners that are not.
+    void find_node_blocks() {
+        std::vector<Key> others;
         for (Key key : e_.own)
-            for (int delta = 0; delta < Block<Dim>::corners; ++delta)
-                e_.node_key.push_back(Morton<Dim>::encode(corner(Morton<Dim>::decode(key), delta, 1)));
-        std::vector<Key> all = e_.node_key;
-        std::sort(e_.node_key.begin(), e_.node_key.end());
-        e_.node_key.erase(std::unique(e_.node_key.begin(), e_.node_key.end()), e_.node_key.end());
-        for (Key key : all) e_.node_block.push_back(index_of(e_.node_key, key));
-        for (Key key : e_.node_key) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(key);
-            e_.node_position.push_back(as_vec<Dim>(at));
+            for (int delta = 1; delta < Block<Dim>::corners; ++delta) {
+                const Key up = Morton<Dim>::encode(corner(Morton<Dim>::decode(key), delta, 1));
+                if (own_index_.find(up) < 0) others.push_back(up);
+            }
+        std::sort(others.begin(), others.end());
+        others.erase(std::unique(others.begin(), others.end()), others.end());
+        e_.node_key.resize(e_.own.size() + others.size());
+        std::merge(e_.own.begin(), e_.own.end(), others.begin(), others.end(), e_.node_key.begin());
+    }
+
+    void make_node_blocks() {
+        constexpr std::size_t corners = Block<Dim>::corners;
+        find_node_blocks();
+        const KeyMap index(e_.node_key);
+        e_.node_block.resize(e_.own.size() * corners);
+#pragma omp parallel for schedule(static)
+        for (std::size_t i = 0; i < e_.own.size(); ++i)
+            for (std::size_t delta = 0; delta < corners; ++delta)
+                e_.node_block[i * corners + delta] =
+                    index.find(Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), static_cast<int>(delta), 1)));
+        const std::size_t n = e_.node_key.size();
+        e_.node_position.resize(n);
+        e_.node_border.resize(n);
+        e_.source.resize(n * corners);
+#pragma omp parallel for schedule(static)
+        for (std::size_t i = 0; i < n; ++i) {
+            const BlockPosition<Dim> at = Morton<Dim>::decode(e_.node_key[i]);
+            e_.node_position[i] = as_vec<Dim>(at);
             bool border = false;
             for (std::size_t a = 0; a < Dim; ++a)
                 border = border ||
                          (!domain_.periodic[a] && (at[a] <= 0 || 4 * at[a] - stencil_.origin + 3 >= domain_.nodes[a]));
-            e_.node_border.push_back(border);
-            for (int delta = 0; delta < Block<Dim>::corners; ++delta)
-                e_.source.push_back(local(Morton<Dim>::encode(corner(at, delta, -1))));
+            e_.node_border[i] = border;
+            for (std::size_t delta = 0; delta < corners; ++delta)
+                e_.source[i * corners + delta] = local(Morton<Dim>::encode(corner(at, static_cast<int>(delta), -1)));
         }
     }
 
     void make_halo() {
         std::map<int, std::map<std::int32_t, std::uint32_t>> sends, receives;  // peer -> block -> offsets
         const auto own = static_cast<std::int32_t>(e_.own.size());
-        for (std::int32_t b = 0; b < own; ++b)
+        for (std::int32_t b = 0; b < own && !e_.ghost.empty(); ++b)
             for (int code = 0; code < Block<Dim>::offsets; ++code) {
                 const std::int32_t n = e_.neighbour[static_cast<std::size_t>(b * Block<Dim>::offsets + code)];
                 if (n < own) continue;
@@ -180,7 +211,7 @@ class Builder {
     const Stencil stencil_;
     const int rank_;
     EpochTables<Dim> e_;
-    std::map<Key, std::int32_t> ghost_index_;
+    KeyMap own_index_, ghost_index_;
     std::map<std::uint32_t, std::vector<std::uint16_t>> nodes_;
 };
 

@@ -44,6 +44,16 @@ std::vector<std::uint32_t> Patch<Space, Real, Dim>::take_slots(std::size_t n) {
 }
 
 template <class Space, class Real, int Dim>
+std::vector<std::uint32_t> Patch<Space, Real, Dim>::start_over(std::size_t n) {
+    free_.clear();
+    reordered_ = 0;
+    particles.resize(n);
+    std::vector<std::uint32_t> slots(n);
+    for (std::size_t k = 0; k < n; ++k) slots[k] = static_cast<std::uint32_t>(k);
+    return slots;
+}
+
+template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const FiledBlocks& filed) {
     tables_ = std::move(tables);
     position_.assign(tables_.position);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comm/key_map.hpp"
+
 namespace moraine {
 
 template <int Dim>
@@ -43,34 +45,62 @@ bool neighbour(const DomainBlocks<Dim>& domain, const BlockPosition<Dim>& at, in
     return domain.wrap(result);
 }
 
+/// Empty blocks beside occupied ones, sorted.
+template <int Dim>
+std::vector<Key> apron_of(const DomainBlocks<Dim>& domain, const std::vector<Key>& keys, const KeyMap& place) {
+    std::vector<Key> apron;
+#pragma omp parallel
+    {
+        std::vector<Key> mine;
+        BlockPosition<Dim> near{};
+#pragma omp for schedule(static) nowait
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            const BlockPosition<Dim> at = Morton<Dim>::decode(keys[i]);
+            for (int code = 0; code < Block<Dim>::offsets; ++code) {
+                if (!neighbour<Dim>(domain, at, code, near)) continue;
+                const Key key = Morton<Dim>::encode(near);
+                if (place.find(key) < 0) mine.push_back(key);
+            }
+        }
+        std::sort(mine.begin(), mine.end());
+        mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
+#pragma omp critical
+        apron.insert(apron.end(), mine.begin(), mine.end());
+    }
+    std::sort(apron.begin(), apron.end());
+    apron.erase(std::unique(apron.begin(), apron.end()), apron.end());
+    return apron;
+}
+
 }  // namespace
 
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
                             const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at) {
+    std::vector<Key> keys;
+    keys.reserve(occupied.size());
+    for (const OccupiedBlock& b : occupied) keys.push_back(b.key);
+    const KeyMap place(keys);
+    const std::vector<Key> apron = apron_of<Dim>(domain, keys, place);
+
     Topology<Dim> t;
-    t.keys.reserve(occupied.size() * 2);
-    BlockPosition<Dim> near{};
-    for (const OccupiedBlock& b : occupied) {
-        const BlockPosition<Dim> at = Morton<Dim>::decode(b.key);
-        for (int code = 0; code < Block<Dim>::offsets; ++code)
-            if (neighbour<Dim>(domain, at, code, near)) t.keys.push_back(Morton<Dim>::encode(near));
-    }
-    std::sort(t.keys.begin(), t.keys.end());
-    t.keys.erase(std::unique(t.keys.begin(), t.keys.end()), t.keys.end());
+    t.keys.resize(keys.size() + apron.size());
+    std::merge(keys.begin(), keys.end(), apron.begin(), apron.end(), t.keys.begin());
     t.owner.assign(t.keys.size(), -1);
-    const auto owner_of_occupied = [&](Key key) {
-        const auto it = std::lower_bound(occupied.begin(), occupied.end(), key,
-                                         [](const OccupiedBlock& b, Key k) { return b.key < k; });
-        return it != occupied.end() && it->key == key ? it->owner : -1;
-    };
     for (std::size_t i = 0; i < t.keys.size(); ++i) {
-        t.owner[i] = owner_of_occupied(t.keys[i]);
-        if (t.owner[i] >= 0) continue;
+        const std::int32_t here = place.find(t.keys[i]);
+        if (here >= 0) {
+            t.owner[i] = occupied[static_cast<std::size_t>(here)].owner;
+            continue;
+        }
         const BlockPosition<Dim> at = Morton<Dim>::decode(t.keys[i]);
+        BlockPosition<Dim> near{};
         t.owner[i] = owner_at(at);
-        for (int code = 0; t.owner[i] < 0 && code < Block<Dim>::offsets; ++code)
-            if (neighbour<Dim>(domain, at, code, near)) t.owner[i] = owner_of_occupied(Morton<Dim>::encode(near));
+        for (int code = 0; t.owner[i] < 0 && code < Block<Dim>::offsets; ++code) {
+            if (!neighbour<Dim>(domain, at, code, near)) continue;
+            const std::int32_t there = place.find(Morton<Dim>::encode(near));
+            if (there >= 0) t.owner[i] = occupied[static_cast<std::size_t>(there)].owner;
+        }
     }
     return t;
 }

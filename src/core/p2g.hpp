@@ -43,7 +43,7 @@ struct ParticlesToGrid {
         team.each(tile_nodes * node_reals, [&](int n) { tile[n] = Real(0); });
         team.sync();
         team.each(Block<Dim>::cells, [&](int c) { add_cell(block, c, scratch.sums, tile); });
-        if (Shape::width > 2 && table.border[block]) fold_ghosts(block, tile);
+        if (!Affine && Shape::width > 2 && table.border[block]) fold_ghosts(block, tile);
     }
 
   private:
@@ -53,9 +53,13 @@ struct ParticlesToGrid {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
         for (int n = 0; n < 2 * stencil_nodes; ++n) sums[n] = Q::zero();
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a)
+            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
+        const bool border = table.border[block] != 0;
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
             p.fetch(list.ahead(block, k));
-            add_particle(list.slot[k], sums);
+            add_particle(list.slot[k], base, border, sums);
         }
         Real* to = tile + tile_offset<Dim, width>(c) * node_reals;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
@@ -93,9 +97,12 @@ struct ParticlesToGrid {
         bool pulled;
     };
 
-    MORAINE_HD void add_particle(std::uint32_t s, Q* sums) const {
+    MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
         using std::fma;
-        const Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s);
+        Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s);
+        if constexpr (Affine && Shape::width > 2)
+            for (int a = 0; border && a < Dim; ++a)
+                fold_weights<Shape::width>(context.walls, a, base[a], n.w[a], n.dw[a]);
         const Real m = p.mass[s];
         Load load;
         const Sym<Real, Dim> sigma = p.stress[s];

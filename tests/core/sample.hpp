@@ -173,19 +173,22 @@ struct AxisWeight {
 };
 
 /// Weights along one axis. Ghosts behind closed walls follow by linear extrapolation: what they have counts 2 and -1
-/// times for the two nodes before them, and the distance stays theirs.
+/// times for the two nodes before them.
 inline std::vector<AxisWeight> axis_weights(const Scene& scene, std::size_t a, int nodes, double x, double half) {
     std::vector<AxisWeight> weights;
     for (int i = static_cast<int>(std::floor(x)) - 2; i <= static_cast<int>(std::floor(x)) + 3; ++i) {
         const std::array<double, 2> n = shape_at(scene.shape, x - i, half);
         if (n[0] == 0 && n[1] == 0) continue;
-        const auto add = [&](int node, double times) { weights.push_back({node, times * n[0], times * n[1], i - x}); };
+        const auto add = [&](int node, double times) {
+            const int place = scene.periodic[a] ? (node % nodes + nodes) % nodes : node;
+            weights.push_back({place, times * n[0], times * n[1], node - x});
+        };
         const bool ghost = scene.shape != moraine::Shape::linear && !scene.periodic[a] && (i < 0 || i > nodes);
         if (ghost) {
             add(i < 0 ? 0 : nodes, 2);
             add(i < 0 ? 1 : nodes - 1, -1);
         } else {
-            add(scene.periodic[a] ? (i % nodes + nodes) % nodes : i, 1);
+            add(i, 1);
         }
     }
     return weights;

@@ -38,8 +38,16 @@ struct Folded {
         walls.plane[0][1] = upper;
         walls.fold[0][0] = lower_on, walls.fold[0][1] = upper_on;
         folded = walls.folds(0, base, width);
+        Real direct[width], slopes[width];
+        std::copy_n(w, width, direct);
+        std::copy_n(dw, width, slopes);
+        fold_weights<width>(walls, 0, base, direct, slopes);
         fold(walls, w);
         fold(walls, dw);
+        for (int i = 0; i < width; ++i) {  // particle by particle or per tile
+            REQUIRE(w[i] == direct[i]);
+            REQUIRE(dw[i] == slopes[i]);
+        }
     }
 
   private:

@@ -1,0 +1,99 @@
+#pragma once
+// The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
+//
+// A step is queued on one stream:  filing, report, P2G | nodes, G2P.  At the bar the host waits once, for the report of
+// the step before (dt needs it), while P2G runs. Nothing is allocated in a step, but when the flow has come to occupy
+// more blocks than there are tiles: then P2G has found empty lists, and is queued again.
+
+#include <cuda_runtime.h>
+
+#include <memory>
+#include <span>
+
+#include "comm/engine.hpp"
+#include "gpu/g2p.hpp"
+#include "gpu/lists.hpp"
+#include "gpu/p2g.hpp"
+#include "gpu/particles.hpp"
+#include "gpu/report.hpp"
+#include "gpu/stream.hpp"
+#include "gpu/tables.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+class DeviceEngine final : public Engine<Real, Dim> {
+  public:
+    using Share = Patch<Host, Real, Dim>;
+
+    /// On the current device. Both must outlive it. Not collective.
+    DeviceEngine(const Scene& scene, const Method<Host, Real, Dim>& method);
+
+    std::string device() const override { return name_; }
+    Share& share() override;
+    Census census() const override { return census_; }
+    BlockCounts block_counts(bool with_cells) override;
+
+    void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void renew(EpochTables<Dim> tables) override;
+    void refresh_memory(bool) override {}  // every few steps, by itself
+
+    void file() override;
+    void sum_boundary() override;
+    void send_halo() override {}
+    void sum_interior() override {}
+    void receive_halo() override {}
+    void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
+    void gather(const Round& round, const StepScales<Dim>& step) override;
+    void send_leavers(const StepScales<Dim>&) override { moving_ = true; }
+
+    StepReport<Dim> take_report() override;
+    std::vector<Offence<Dim>> offences() override;
+    Traffic traffic() const override { return {}; }
+
+  private:
+    void choose_kernels();
+    void begin_epoch();
+    void grow_tiles();
+    void make_tiles(std::size_t tiles);
+    void sum();
+    void refresh();
+    View<Real, Dim> view() const;
+    Launch launch() const;
+
+    const Scene& scene_;
+    const Method<Host, Real, Dim>& method_;
+    std::string name_;
+    Stream stream_;
+    Event reported_;
+
+    P2g<Real, Dim> p2g_ = nullptr;
+    std::unique_ptr<GatherKernel<Real, Dim>> gather_;
+    std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
+
+    Share share_;  ///< the host's
+    bool share_is_of_now_ = true;
+    EpochTables<Dim> epoch_;
+    Tables<Dim> tables_;
+    Lists<Dim> lists_;
+    DeviceParticles<Real, Dim> particles_;
+    Array<Quad<Real>> tiles_, nodes_;
+    Array<std::int32_t> node_of_;
+    Array<Vec<Real, Dim>> half_size_;
+    Array<std::uint16_t> material_of_;
+    Array<Real> gradient_;
+    Array<Account<Dim>> accounts_;
+    Pinned<Report<Dim>> report_;
+    Stopwatch watch_;  ///< of the steps: P2G with filing, nodes, G2P
+
+    Census census_;
+    std::size_t tile_room_ = 0;
+    std::size_t ghosts_ = 0;
+    int steps_since_refresh_ = 0;
+    std::uint32_t faults_ = 0;  ///< of the last report
+    std::uint64_t offender_ = 0;
+    bool moving_ = false;  ///< the last step's moves are not filed
+    bool summed_ = false;  ///< P2G of this round is queued, the nodes are not
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,61 @@
+#pragma once
+// The lists of a rank's blocks on the device, and all that a filing needs to make the next ones.
+//
+// All memory is taken when an epoch begins, by numbers that cannot grow in it: own blocks, and particles of this rank
+// (one rank: none arrives).
+
+#include <cuda_runtime.h>
+
+#include "comm/epoch.hpp"
+#include "comm/patch.hpp"
+#include "gpu/array.hpp"
+#include "gpu/filing.hpp"
+#include "gpu/view.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+class Lists {
+  public:
+    static constexpr std::size_t bounds = Block<Dim>::cells + 1;
+
+    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; cell bounds per own block. Synchronous.
+    void install(const EpochTables<Dim>& tables, const FiledBlocks& filed,
+                 const std::vector<std::uint32_t>& cell_first);
+    /// The same particles under other tables; `old_keys` were the own blocks. Synchronous.
+    void renew(const EpochTables<Dim>& tables, const std::vector<Key>& old_keys);
+
+    /// How many tiles there are: when more blocks become occupied, boundary() and interior() are empty until there are
+    /// enough. Synchronous.
+    void limit_tiles(std::uint32_t tiles);
+
+    ListView<Dim> view() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
+    Chosen boundary() const { return {boundary_.data(), occupied_.data() + 2}; }
+    Chosen interior() const { return {interior_.data(), occupied_.data() + 3}; }
+    const std::int32_t* tile_of() const { return tile_of_.data(); }
+    const std::uint32_t* particles() const { return first_.data() + own_; }
+    const std::uint32_t* occupied() const { return occupied_.data(); }  ///< boundary, interior: however many tiles
+    std::uint16_t* moves() const { return moves_.data(); }
+    std::uint32_t* changed() const { return changed_.data(); }
+    std::uint32_t* slots() const { return slot_.data(); }
+
+    std::vector<std::uint32_t> first() const { return first_.host(); }
+    std::vector<std::uint32_t> cell_first() const { return cell_first_.host(); }
+
+    /// Makes the next lists from moves() and changed(). Asynchronous.
+    void file(const BlockTable<Dim>& table, cudaStream_t stream);
+
+  private:
+    void place(const EpochTables<Dim>& tables, const std::vector<std::uint32_t>& counts, std::size_t particles);
+
+    std::size_t own_ = 0;
+    std::uint32_t tiles_ = 0;
+    Array<std::uint32_t> first_, next_first_, cell_first_, slot_, next_slot_, changed_, occupied_;
+    Array<std::int32_t> tile_of_, boundary_, interior_;
+    Array<std::uint8_t> is_boundary_, leaver_cell_;
+    Array<std::uint16_t> moves_;
+    Array<std::uint32_t> leaver_slot_, leaver_bound_, ghost_start_;
+    Array<Tally> tally_;
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,51 @@
+#pragma once
+// An epoch's tables on the device, and which blocks are occupied in its first filed state.
+
+#include <cuda_runtime.h>
+
+#include "comm/epoch.hpp"
+#include "core/grid_views.hpp"
+#include "gpu/array.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+class Tables {
+  public:
+    /// Copies what the kernels read. Synchronous.
+    void upload(const EpochTables<Dim>& t) {
+        own_ = static_cast<int>(t.own.size());
+        ghosts_ = static_cast<int>(t.ghost.size());
+        node_blocks_ = static_cast<int>(t.node_key.size());
+        position_.assign(t.position);
+        neighbour_.assign(t.neighbour);
+        node_block_.assign(t.node_block);
+        border_.assign(t.border);
+        node_position_.assign(t.node_position);
+        source_.assign(t.source);
+        node_border_.assign(t.node_border);
+    }
+
+    BlockTable<Dim> view() const {
+        BlockTable<Dim> t;
+        t.own = own_;
+        t.ghosts = ghosts_;
+        t.position = position_.data();
+        t.neighbour = neighbour_.data();
+        t.node_block = node_block_.data();
+        t.border = border_.data();
+        t.node_blocks = node_blocks_;
+        t.node_position = node_position_.data();
+        t.source = source_.data();
+        t.node_border = node_border_.data();
+        return t;
+    }
+
+  private:
+    int own_ = 0, ghosts_ = 0, node_blocks_ = 0;
+    Array<Vec<std::int32_t, Dim>> position_, node_position_;
+    Array<std::int32_t> neighbour_, node_block_, source_;
+    Array<std::uint8_t> border_, node_border_;
+};
+
+}  // namespace moraine::gpu
