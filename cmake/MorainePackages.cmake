@@ -39,8 +39,12 @@ option(MORAINE_CUDA "Build the device code" ${MORAINE_HAS_NVCC})
 set(MORAINE_CUDA_ARCHITECTURES "80-real;90" CACHE STRING "Devices to build for, as in CMAKE_CUDA_ARCHITECTURES")
 if(MORAINE_CUDA)
     set(CMAKE_CUDA_ARCHITECTURES ${MORAINE_CUDA_ARCHITECTURES})
-    set(CMAKE_CUDA_STANDARD 20)
     enable_language(CUDA)
+    if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know the flag of nvcc 12.4 and newer
+        set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
+        set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
+    endif()
+    set(CMAKE_CUDA_STANDARD 20)
     find_package(CUDAToolkit 12.4 REQUIRED)
 endif()
 

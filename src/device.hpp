@@ -22,8 +22,8 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm);
 template <class Real, int Dim>
 using DeviceEngineMaker = std::function<std::unique_ptr<Engine<Real, Dim>>(const Method<Host, Real, Dim>&)>;
 
-/// Makes engines on the device that choose_device() gave to this rank. Scene and comm must outlive what is made.
+/// Makes engines on the device that choose_device() gave to this rank. The scene must outlive what is made.
 template <class Real, int Dim>
-DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene, const Comm& comm);
+DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene);
 
 }  // namespace moraine

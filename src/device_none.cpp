@@ -12,13 +12,13 @@ DeviceChoice choose_device(const std::string& wanted, const Comm&) {
 }
 
 template <class Real, int Dim>
-DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&, const Comm&) {
+DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&) {
     return nullptr;
 }
 
-template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&, const Comm&);
-template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&, const Comm&);
-template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&, const Comm&);
-template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&, const Comm&);
+template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&);
+template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&);
+template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&);
+template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&);
 
 }  // namespace moraine

@@ -31,7 +31,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
-      sim_(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene, comm) : nullptr) {}
+      sim_(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene) : nullptr) {}
 
 template <class Real, int Dim>
 double Driver<Real, Dim>::wall() const {

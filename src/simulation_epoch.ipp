@@ -83,7 +83,8 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 /// the last: below 4 in all they are still in blocks of the topology.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
-    const bool look = trigger_.is_due(clock_.step);
+    const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
+    const bool look = trigger_.is_due(clock_.step) && !alone;
     const bool used_up = wandered_ > 2;
     look_.repartitioned = false;
     if (!look && !used_up) return;

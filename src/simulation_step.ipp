@@ -57,16 +57,20 @@ void Simulation<Real, Dim>::agree_on_dt() {
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
 }
 
+/// What happened, and what may help: of the worst of several faults.
+inline std::pair<const char*, const char*> words_of(std::uint32_t faults) {
+    if (faults & fault_nan) return {"is not a number", "Try a smaller time.cfl?"};
+    if (faults & fault_inverted) return {"was turned inside out (det(I + dL) <= 0)", "Try a smaller time.cfl?"};
+    if (faults & fault_left) return {"left the closed domain", "Give that face a wall, or open it?"};
+    return {"moved a whole cell or more in one step", "Try a smaller time.cfl?"};
+}
+
 template <class Real, int Dim>
 void Simulation<Real, Dim>::report_faults() const {
     const std::vector<Offence<Dim>> all = comm_.all_gather(engine_->offences());
     const Offence<Dim>& first =
         *std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-    const char* what = first.faults & fault_nan        ? "is not a number"
-                       : first.faults & fault_inverted ? "was turned inside out (det(I + dL) <= 0)"
-                       : first.faults & fault_left     ? "left the closed domain"
-                                                       : "moved a whole cell or more in one step";
-    const char* advice = first.faults & fault_left ? "Give that face a wall, or open it?" : "Try a smaller time.cfl?";
+    const auto [what, advice] = words_of(first.faults);
     std::string place;
     for (double x : first.x) place += fmt::format("{}{:.6g}", place.empty() ? "" : ", ", x);
     throw PhysicsError(fmt::format("step {}: particle {} at ({}) m {} ({} block{} with faults). {}", clock_.step,

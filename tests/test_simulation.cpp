@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "sample_scenes.hpp"
 #include "simulation.hpp"
 
 using namespace moraine;
@@ -9,68 +10,8 @@ using namespace moraine;
 
 namespace {
 
-MaterialSpec material(const std::string& law, double density, const std::map<std::string, double>& values) {
-    MaterialSpec m;
-    m.name = law;
-    m.law = law;
-    m.density = density;
-    for (const Parameter& p : find_law(law)->parameters) {
-        const auto it = values.find(p.key);
-        m.parameters.push_back(it == values.end() ? p.standard : it->second);
-    }
-    return m;
-}
-
-BodySpec box(const Triple& min, const Triple& max, int of_material) {
-    BodySpec b;
-    b.min = min;
-    b.max = max;
-    b.material = of_material;
-    b.seeding = Seeding::jittered;
-    b.jitter = 0.2;
-    return b;
-}
-
-/// A slurry that collapses in 2-D and flows out through an open wall.
-Scene slurry() {
-    Scene s;
-    s.dimensions = 2;
-    s.max = {4.1, 2, 0};
-    s.cell = 0.1;
-    s.gravity = {2, -9.81, 0};
-    s.walls[0][0].kind = WallKind::free_slip;
-    s.walls[0][1].kind = WallKind::open;
-    s.walls[1][0].kind = WallKind::no_slip;
-    s.materials = {
-        material("bingham", 1500,
-                 {{"young", 250e3}, {"poisson", 0.4}, {"yield_stress", 500}, {"consistency", 50}, {"viscosity", 50}})};
-    s.bodies = {box({2.5, 0, 0}, {4, 1, 0}, 0)};
-    s.bodies[0].velocity = {4, 0, 0};
-    s.bodies[0].geostatic = true;
-    s.bodies[0].geostatic_surface = 1;
-    return s;
-}
-
-/// Two soils in 3-D between friction and free-slip walls, periodic across.
-Scene column() {
-    Scene s;
-    s.dimensions = 3;
-    s.max = {8, 8, 7};
-    s.cell = 1;
-    s.gravity = {0, 0, -9.81};
-    s.periodic[1] = true;
-    s.walls[1][0].kind = s.walls[1][1].kind = WallKind::periodic;
-    s.walls[0][0].kind = s.walls[0][1].kind = WallKind::free_slip;
-    s.walls[2][0].kind = WallKind::friction;
-    s.walls[2][0].friction = 0.3;
-    s.walls[2][1].kind = WallKind::free_slip;
-    s.materials = {material("von-mises", 1500, {{"young", 1e6}, {"poisson", 0.4}, {"su", 2000}}),
-                   material("neo-hookean", 1800, {{"young", 2e6}, {"poisson", 0.3}})};
-    s.bodies = {box({0, 0, 0}, {4, 8, 5}, 0), box({4, 2, 0}, {7, 6, 3}, 1)};
-    s.bodies[0].velocity = {0.5, 3, 0};
-    s.damping = 0.05;
-    return s;
-}
+using test::column;
+using test::slurry;
 
 struct Result {
     std::uint64_t lists, state;

@@ -128,13 +128,22 @@ class Builder {
         return at;
     }
 
+    /// The neighbour of own block i at corner delta upwards (sign 1) or downwards (-1): own, own + ghost index, or -1.
+    std::int32_t beside(std::size_t i, int delta, int sign) const {
+        int code = 0;
+        for (int a = Dim - 1; a >= 0; --a) code = 3 * code + 1 + sign * Block<Dim>::corner(delta, a);
+        return delta == 0 ? static_cast<std::int32_t>(i)
+                          : e_.neighbour[i * Block<Dim>::offsets + static_cast<std::size_t>(code)];
+    }
+
     /// Own blocks, and those at their upper corners that are not.
     void find_node_blocks() {
         std::vector<Key> others;
-        for (Key key : e_.own)
+        for (std::size_t i = 0; i < e_.own.size(); ++i)
             for (int delta = 1; delta < Block<Dim>::corners; ++delta) {
-                const Key up = Morton<Dim>::encode(corner(Morton<Dim>::decode(key), delta, 1));
-                if (own_index_.find(up) < 0) others.push_back(up);
+                const std::int32_t up = beside(i, delta, 1);
+                if (up < 0 || up >= static_cast<std::int32_t>(e_.own.size()))
+                    others.push_back(Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), delta, 1)));
             }
         std::sort(others.begin(), others.end());
         others.erase(std::unique(others.begin(), others.end()), others.end());
@@ -146,12 +155,28 @@ class Builder {
         constexpr std::size_t corners = Block<Dim>::corners;
         find_node_blocks();
         const KeyMap index(e_.node_key);
+        std::vector<std::int32_t> node_of_own(e_.own.size()), own_of_node(e_.node_key.size(), -1);
+        for (std::size_t i = 0, n = 0; i < e_.own.size(); ++i, ++n) {
+            while (e_.node_key[n] != e_.own[i]) ++n;
+            node_of_own[i] = static_cast<std::int32_t>(n);
+            own_of_node[n] = static_cast<std::int32_t>(i);
+        }
         e_.node_block.resize(e_.own.size() * corners);
 #pragma omp parallel for schedule(static)
         for (std::size_t i = 0; i < e_.own.size(); ++i)
-            for (std::size_t delta = 0; delta < corners; ++delta)
+            for (std::size_t delta = 0; delta < corners; ++delta) {
+                const std::int32_t up = beside(i, static_cast<int>(delta), 1);
+                const bool own = up >= 0 && up < static_cast<std::int32_t>(e_.own.size());
                 e_.node_block[i * corners + delta] =
-                    index.find(Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), static_cast<int>(delta), 1)));
+                    own ? node_of_own[static_cast<std::size_t>(up)]
+                        : index.find(
+                              Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), static_cast<int>(delta), 1)));
+            }
+        describe_node_blocks(own_of_node);
+    }
+
+    void describe_node_blocks(const std::vector<std::int32_t>& own_of_node) {
+        constexpr std::size_t corners = Block<Dim>::corners;
         const std::size_t n = e_.node_key.size();
         e_.node_position.resize(n);
         e_.node_border.resize(n);
@@ -165,8 +190,12 @@ class Builder {
                 border = border ||
                          (!domain_.periodic[a] && (at[a] <= 0 || 4 * at[a] - stencil_.origin + 3 >= domain_.nodes[a]));
             e_.node_border[i] = border;
-            for (std::size_t delta = 0; delta < corners; ++delta)
-                e_.source[i * corners + delta] = local(Morton<Dim>::encode(corner(at, static_cast<int>(delta), -1)));
+            for (std::size_t delta = 0; delta < corners; ++delta) {
+                const auto d = static_cast<int>(delta);
+                e_.source[i * corners + delta] = own_of_node[i] >= 0
+                                                     ? beside(static_cast<std::size_t>(own_of_node[i]), d, -1)
+                                                     : local(Morton<Dim>::encode(corner(at, d, -1)));
+            }
         }
     }
 

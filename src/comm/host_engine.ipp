@@ -65,11 +65,8 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
                                        needed.data(),
                                        method_.stencil.width,
                                        method_.stencil.origin,
-                                       round.nodes,
-                                       static_cast<Real>(step.dt),
-                                       method_.gravity,
-                                       method_.damping,
-                                       static_cast<Real>(step.mass_cutoff),
+                                       {round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
+                                        static_cast<Real>(step.mass_cutoff)},
                                        step.quantum,
                                        impulse_.data()};
     Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);

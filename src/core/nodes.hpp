@@ -25,6 +25,55 @@ enum class NodeTask {
     velocity,  ///< v of the momentum; the former v' moves to the second quad (MUSL, USF)
 };
 
+/// What all nodes of a round share.
+template <class Real, int Dim>
+struct NodeRound {
+    NodeTask task;
+    Real dt;                 ///< [s]
+    Vec<Real, Dim> gravity;  ///< [m/s2]
+    Real damping;            ///< [-]
+    Real mass_cutoff;        ///< [kg]
+};
+
+/// Velocities of a node [m/s]: before the round, by forces and gravity alone, and with damping and walls.
+template <class Real, int Dim>
+struct NodeMotion {
+    Vec<Real, Dim> start, trial, end;
+
+    /// What damping and walls gave the node [kg m/s].
+    MORAINE_HD double impulse(Real mass, int a) const { return double(mass) * (double(end[a]) - double(trial[a])); }
+};
+
+/// Takes the damping of one round from v.
+template <class Real, int Dim>
+MORAINE_HD void damp_node(const NodeRound<Real, Dim>& round, const Quad<Real>& force, Real inverse, Vec<Real, Dim>& v) {
+    using std::fabs;
+    for (int a = 0; a < Dim; ++a) {
+        const Real brake = round.damping * round.dt * fabs(force[a] * inverse + round.gravity[a]);
+        v[a] -= v[a] > Real(0) ? brake : (v[a] < Real(0) ? -brake : Real(0));
+    }
+}
+
+/// The formula: from a node's sums (m, q) and (f, 0) to its velocities. `node`: its index; null where no wall is near.
+template <class Real, int Dim>
+MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, const Walls<Real, Dim>& walls,
+                                           const Quad<Real>& sums, const Quad<Real>& force, const int* node) {
+    NodeMotion<Real, Dim> motion;
+    motion.start = motion.trial = motion.end = zero_vec<Real, Dim>();
+    const Real m = sums[0];
+    if (!(m > round.mass_cutoff)) return motion;
+    const Real inverse = Real(1) / m;
+    for (int a = 0; a < Dim; ++a) motion.start[a] = sums[1 + a] * inverse;
+    Vec<Real, Dim> v = motion.start;
+    if (round.task == NodeTask::solve)
+        for (int a = 0; a < Dim; ++a) v[a] += round.dt * (force[a] * inverse + round.gravity[a]);
+    motion.trial = v;
+    if (round.damping > Real(0) && round.task == NodeTask::solve) damp_node(round, force, inverse, v);
+    if (node) walls.constrain(node, v);
+    motion.end = v;
+    return motion;
+}
+
 template <class Real, int Dim>
 struct SolveNodes {
     struct Scratch {
@@ -38,11 +87,7 @@ struct SolveNodes {
     const std::int32_t* chosen;  ///< node blocks to solve
     int width;
     int origin;
-    NodeTask task;
-    Real dt;                 ///< [s]
-    Vec<Real, Dim> gravity;  ///< [m/s2]
-    Real damping;            ///< [-]
-    Real mass_cutoff;        ///< [kg]
+    NodeRound<Real, Dim> round;
     Quantum quantum;
     ExactSum* impulse;  ///< node blocks x Dim: impulse of walls and damping of this step [kg m/s]
 
@@ -88,41 +133,18 @@ struct SolveNodes {
     MORAINE_HD void finish(int c, int item, int n, bool border, Scratch& scratch) const {
         Real* out = grid.nodes + (std::size_t(grid.node_of[c]) * Block<Dim>::cells + n) * node_reals;
         const Quad<Real>& sums = scratch.sums[2 * n];
-        const Quad<Real>& force = scratch.sums[2 * n + 1];
-        Vec<Real, Dim> start = zero_vec<Real, Dim>();
-        Vec<Real, Dim> v = start;
-        const Real m = sums[0];
-        if (m > mass_cutoff) {
-            const Real inverse = Real(1) / m;
-            for (int a = 0; a < Dim; ++a) start[a] = sums[1 + a] * inverse;
-            v = start;
-            if (task == NodeTask::solve)
-                for (int a = 0; a < Dim; ++a) v[a] += dt * (force[a] * inverse + gravity[a]);
-            const Vec<Real, Dim> trial = v;
-            if (damping > Real(0) && task == NodeTask::solve) damp(force, inverse, v);
-            if (border) {
-                int node[Dim];
-                for (int a = 0; a < Dim; ++a)
-                    node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
-                walls.constrain(node, v);
-            }
-            if ((border || damping > Real(0)) && task == NodeTask::solve && scratch.counted_by[n] < table.own)
-                for (int a = 0; a < Dim; ++a)
-                    impulse[item * Dim + a].add(quantum.of(double(m) * (double(v[a]) - double(trial[a]))));
-        }
+        int node[Dim];
+        for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+        const NodeMotion<Real, Dim> motion =
+            move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr);
+        const bool solved = round.task == NodeTask::solve;
+        if ((border || round.damping > Real(0)) && solved && scratch.counted_by[n] < table.own)
+            for (int a = 0; a < Dim; ++a) impulse[item * Dim + a].add(quantum.of(motion.impulse(sums[0], a)));
         for (int a = 0; a < Dim; ++a) {
-            out[quad + a] = task == NodeTask::solve ? v[a] - start[a] : out[a];
-            out[a] = v[a];
+            out[quad + a] = solved ? motion.end[a] - motion.start[a] : out[a];
+            out[a] = motion.end[a];
         }
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);
-    }
-
-    MORAINE_HD void damp(const Quad<Real>& force, Real inverse, Vec<Real, Dim>& v) const {
-        using std::fabs;
-        for (int a = 0; a < Dim; ++a) {
-            const Real brake = damping * dt * fabs(force[a] * inverse + gravity[a]);
-            v[a] -= v[a] > Real(0) ? brake : (v[a] < Real(0) ? -brake : Real(0));
-        }
     }
 };
 

@@ -89,13 +89,12 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tile_room_ = tiles;
     tiles_.release();
     tiles_.resize((tiles + ghosts_) * static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
-    lists_.limit_tiles(static_cast<std::uint32_t>(tiles));
+    lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
 }
 
 /// What an epoch's tables ask for, once the lists are in place.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_epoch() {
-    tables_.upload(epoch_);
     ghosts_ = epoch_.ghost.size();
     std::vector<std::int32_t> every(epoch_.node_key.size());
     std::iota(every.begin(), every.end(), 0);
@@ -104,7 +103,6 @@ void DeviceEngine<Real, Dim>::begin_epoch() {
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 16 + 16);
     if (room > tile_room_ || 2 * room < tile_room_) make_tiles(room);
-    lists_.limit_tiles(static_cast<std::uint32_t>(tile_room_));
 }
 
 template <class Real, int Dim>
@@ -112,8 +110,9 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     stream_.wait();
     share_.install(std::move(tables), filed);
     epoch_ = share_.tables();
+    tables_.upload(epoch_);
     const std::uint32_t* bounds = share_.list().cell_first;
-    lists_.install(epoch_, filed, {bounds, bounds + epoch_.own.size() * Lists<Dim>::bounds});
+    lists_.install(epoch_, tables_.view(), filed, {bounds, bounds + epoch_.own.size() * Lists<Dim>::bounds});
     particles_.upload(share_.particles.columns(), filed.slot);
     census_ = {static_cast<std::int64_t>(filed.slot.size()), static_cast<std::int64_t>(filed.key.size())};
     gradient_.resize(stress_.empty() ? 0 : filed.slot.size() * Dim * Dim);
@@ -127,7 +126,8 @@ void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     stream_.wait();
     const std::vector<Key> old = std::move(epoch_.own);
     epoch_ = std::move(tables);
-    lists_.renew(epoch_, old);
+    tables_.upload(epoch_);
+    lists_.renew(epoch_, tables_.view(), old, lists_.first());
     begin_epoch();
     share_is_of_now_ = false;
 }

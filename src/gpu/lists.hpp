@@ -19,15 +19,15 @@ class Lists {
   public:
     static constexpr std::size_t bounds = Block<Dim>::cells + 1;
 
-    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; cell bounds per own block. Synchronous.
-    void install(const EpochTables<Dim>& tables, const FiledBlocks& filed,
+    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there. Synchronous.
+    void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
                  const std::vector<std::uint32_t>& cell_first);
-    /// The same particles under other tables; `old_keys` were the own blocks. Synchronous.
-    void renew(const EpochTables<Dim>& tables, const std::vector<Key>& old_keys);
-
-    /// How many tiles there are: when more blocks become occupied, boundary() and interior() are empty until there are
-    /// enough. Synchronous.
-    void limit_tiles(std::uint32_t tiles);
+    /// The same particles under other tables; `first` and `old_keys` were the lists' starts and the own blocks.
+    /// Synchronous.
+    void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const std::vector<Key>& old_keys,
+               const std::vector<std::uint32_t>& first);
+    /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
+    void limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream);
 
     ListView<Dim> view() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
     Chosen boundary() const { return {boundary_.data(), occupied_.data() + 2}; }
@@ -46,15 +46,16 @@ class Lists {
     void file(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
-    void place(const EpochTables<Dim>& tables, const std::vector<std::uint32_t>& counts, std::size_t particles);
+    void make_room(const EpochTables<Dim>& tables, std::size_t particles);
+    Filing<Dim> filing(const BlockTable<Dim>& table) const;
 
     std::size_t own_ = 0;
-    std::uint32_t tiles_ = 0;
-    Array<std::uint32_t> first_, next_first_, cell_first_, slot_, next_slot_, changed_, occupied_;
-    Array<std::int32_t> tile_of_, boundary_, interior_;
+    std::uint32_t tiles_ = ~0u;
+    Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
+    Array<std::int32_t> tile_of_, boundary_, interior_, old_;
     Array<std::uint8_t> is_boundary_, leaver_cell_;
     Array<std::uint16_t> moves_;
-    Array<std::uint32_t> leaver_slot_, leaver_bound_, ghost_start_;
+    Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;
     Array<Tally> tally_;
 };
 

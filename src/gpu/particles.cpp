@@ -81,7 +81,7 @@ void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
             check(cudaMemcpy(staging_.data(), rows.data(), rows.size(), cudaMemcpyHostToDevice),
                   "Copying to the device");
             for (const Piece& piece : pieces_of(mine, c.name))
-                scatter(static_cast<std::uint32_t>(n), place_.data() + first, piece, staging_.data(), nullptr);
+                scatter_rows(static_cast<std::uint32_t>(n), place_.data() + first, piece, staging_.data(), nullptr);
         });
     check(cudaDeviceSynchronize(), "Taking particles in");
     place_.release();
@@ -94,7 +94,7 @@ void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& column
     for (const ColumnBytes& c : columns)
         each_chunk(c, n, [&](std::size_t first, std::size_t rows) {
             for (const Piece& piece : pieces_of(mine, c.name))
-                gather(static_cast<std::uint32_t>(rows), slot + first, piece, staging_.data(), nullptr);
+                gather_rows(static_cast<std::uint32_t>(rows), slot + first, piece, staging_.data(), nullptr);
             check(cudaMemcpy(c.data + first * c.row_bytes, staging_.data(), rows * c.row_bytes, cudaMemcpyDeviceToHost),
                   "Copying from the device");
         });

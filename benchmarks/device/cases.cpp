@@ -1,0 +1,60 @@
+#include "device/cases.hpp"
+
+#include <cmath>
+
+#include "core/material/laws.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// For a thousand steps and more: a hundred times as stiff and strong, so that the column shears and yields but does
+/// not fall apart; it slides by 1.6 % of a cell per step.
+Scene lasting(Scene s) {
+    MaterialSpec& m = s.materials.front();
+    const std::span<const Parameter> keys = find_law(m.law)->parameters;
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (std::string(keys[k].unit) == "Pa") m.parameters[k] *= 100;
+    s.bodies.front().velocity[0] = 12;
+    s.bodies.front().wave.velocity[static_cast<std::size_t>(s.dimensions - 1)] = 3;
+    return s;
+}
+
+/// 5 cells thick and square, on the floor: partly filled blocks, hardly a full one.
+Scene slab(const ColumnOptions& o, double particles) {
+    Scene s = column_case(o, 8).scene;
+    const double edge = std::round(std::sqrt(particles / (8 * 5)));
+    const double side = 4 * std::ceil(edge / 4) + 16;
+    s.max = {side, side, 24};
+    BodySpec& body = s.bodies.front();
+    body.min = {std::round(0.5 * (side - edge)), std::round(0.5 * (side - edge)), 0};
+    body.max = {body.min[0] + edge, body.min[1] + edge, 5};
+    return s;
+}
+
+struct Size {
+    const char* name;
+    double particles;
+};
+
+}  // namespace
+
+std::vector<DeviceCase> device_cases() {
+    std::vector<DeviceCase> cases;
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        const std::string tail = precision == Precision::single_ ? "single" : "double";
+        ColumnOptions o;
+        o.precision = precision;
+        for (const Size& size : {Size{"column-16M", 128.0 * 128 * 128 * 8}, Size{"column-2M", 64.0 * 64 * 64 * 8},
+                                 Size{"column-200k", 29.0 * 29 * 29 * 8}})
+            cases.push_back({std::string(size.name) + "-" + tail, lasting(column_case(o, size.particles).scene),
+                             size.particles < 3e6});
+        cases.push_back({"slab-8M-" + tail, lasting(slab(o, 8e6)), false});
+        cases.push_back({"column-64M-" + tail, lasting(column_case(o, 200.0 * 200 * 200 * 8).scene), false});
+        for (const Case& c : all_cases(96.0 * 96 * 96 * 8))
+            if (c.scene.precision == precision) cases.push_back({"7M-" + c.name, lasting(c.scene), false});
+    }
+    return cases;
+}
+
+}  // namespace moraine

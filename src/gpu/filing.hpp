@@ -1,0 +1,78 @@
+#pragma once
+// Filing on the device: each block's list made anew, by the rule of core/filing.hpp and to the same lists.
+//
+//   new list = stayers in list order, then arrivals by source offset, then by source order; stable sort by cell
+//
+// In two calls, so that leavers of ghost blocks may come from other ranks in between. Leavers are sorted by the exit
+// that they take and stand where their block's list is long: no capacity, no count ahead. The same prefix sum that
+// places the lists also numbers the occupied blocks, in block order, apart for boundary and interior. Work goes to
+// occupied blocks only; of an empty one a thread looks at the neighbours' counts of leavers.
+
+#include <cuda_runtime.h>
+
+#include "core/grid_views.hpp"
+
+namespace moraine::gpu {
+
+/// Exits of a block: the offset codes and, last, `gone`. Bounds of the exits within a block's leavers: one more.
+template <int Dim>
+inline constexpr int leaver_bounds = Block<Dim>::offsets + 2;
+
+/// Who leaves which block, by exit, in list order. Own leavers start where their block's list starts, those of a ghost
+/// where `ghost_start` says; whoever received them wrote them, their number and, if there are any, their bounds.
+struct Leavers {
+    std::uint32_t* slot;
+    std::uint8_t* cell;    ///< next cell
+    std::uint32_t* count;  ///< own + ghosts
+    std::uint32_t* bound;  ///< (own + ghosts) x leaver_bounds, from the first leaver; means nothing at count 0
+    const std::uint32_t* ghost_start;  ///< ghosts; at first[own] or behind
+};
+
+/// The blocks that hold particles: what a step's kernels run over.
+struct OccupiedBlocks {
+    std::int32_t* tile_of;   ///< own: storage index of the block's tile; -1: empty
+    std::int32_t* boundary;  ///< those that some peer needs, in block order: room for all
+    std::int32_t* interior;  ///< the others
+    std::uint32_t* count;    ///< 2: how many of boundary, of interior
+    std::uint32_t* served;   ///< 2: the same, or none while there are more of them than tiles
+    std::uint32_t tiles;     ///< of own blocks that there is room for
+};
+
+/// Sums over a chunk of blocks.
+struct Tally {
+    std::uint32_t particles, boundary, interior;
+};
+inline constexpr int filing_chunk = 256;
+constexpr int filing_chunks(int own) {
+    return own > 0 ? (own + filing_chunk - 1) / filing_chunk : 1;
+}
+
+template <int Dim>
+struct Filing {
+    BlockTable<Dim> table;
+    ListView<Dim> list;            ///< of the step that was
+    const std::uint16_t* moves;    ///< of all list entries: encode_move (core/g2p.hpp)
+    const std::uint32_t* changed;  ///< bit per list entry: another cell or block. Words of block b: first[b] / 32 + b
+    const std::uint8_t* boundary;  ///< own: 1 where some peer needs the tile, 0 elsewhere; for an epoch
+    int first_tile;                ///< storage indices of tiles below are taken
+    Leavers leavers;
+    OccupiedBlocks occupied;    ///< of the old lists; made anew in place
+    std::uint32_t* cell_first;  ///< list.cell_first; made anew in place. Means nothing in an empty block
+    std::uint32_t* next_first;  ///< own + 1
+    std::uint32_t* next_slot;   ///< room for all particles that there will be
+    Tally* tally;               ///< filing_chunks(own)
+};
+
+/// Occupied blocks of the present lists, at the start of an epoch.
+template <int Dim>
+void number_blocks(const Filing<Dim>& filing, cudaStream_t stream);
+
+/// Leavers of own blocks, by the moves of the step.
+template <int Dim>
+void collect_leavers(const Filing<Dim>& filing, cudaStream_t stream);
+
+/// The next lists, once the leavers of ghosts stand behind the own ones. The caller then swaps first and slot.
+template <int Dim>
+void make_lists(const Filing<Dim>& filing, cudaStream_t stream);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,135 @@
+#pragma once
+// Gather and stress update in one kernel: quadratic splines, no affine field, one material.
+//
+// One thread per particle; its gradient never leaves the registers, and its rows are read and written once.
+
+#include "core/material/laws.hpp"
+#include "gpu/g2p_particle.cuh"
+#include "gpu/launch.cuh"
+#include "gpu/stress_particle.cuh"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim, class Law>
+struct FusedGather {
+    using T = Team<Dim>;
+    static constexpr int side = tile_side(Quadratic::width);
+    using Tile = std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Quadratic::width>,
+                                    NodeTile<Real, Dim, Quadratic::width>>;
+    using Rows = RowsAhead<Real, law_rows<Law, Dim>, 0, T::threads>;
+    struct Shared {
+        Rows rows;
+        Tile tile;
+        double sums[T::warps];
+    };
+    using V = View<Real, Dim>;
+    using Args = GatherArgs<Real, Dim>;
+
+    static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
+                                                           Real inverse_density, const Work& work, std::uint32_t k,
+                                                           std::uint32_t s, int half, const Shared& shared,
+                                                           Seen<Real>& tally, double& power) {
+        const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = row(p.place);
+        Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
+        AxisWeights<Real, Quadratic, false> n[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Quadratic, false>(fraction_of<Real>(u[a]), Real(0), false);
+        const auto sums = gather<Quadratic, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+
+        const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
+        if (step.moved > tally.moved) tally.moved = step.moved;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
+        if constexpr (Dim == 3) store_row(v.p.core[p.place] + s, p.row[p.place]);
+
+        p.row[p.motion] = row(p.motion);
+        take_velocity(g.flip, sums, p);
+        p.row[p.normal] = row(p.normal);
+        p.row[p.shear] = row(p.shear);
+        Row<Real> b[stretch_rows<Dim>];
+        if constexpr (Law::uses_left_stretch)
+            for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
+        Mat<Real, Dim> dL;
+        const Real scale = g.dt * v.context.inverse_cell;
+#pragma unroll
+        for (int i = 0; i < Dim; ++i)
+#pragma unroll
+            for (int j = 0; j < Dim; ++j) dL(i, j) = scale * sums.gradient[j][i];
+        const std::uint32_t faults =
+            step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
+#pragma unroll
+        for (int r = Dim == 3 ? 1 : 0; r < core_rows<Dim>; ++r) store_row(v.p.core[r] + s, p.row[r]);
+        report(v, g, s, faults, step.move);
+        return faults;
+    }
+};
+
+template <class Real, int Dim, class Law, int MinBlocks>
+__global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
+    g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
+              const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
+              const Real inverse_density) {
+    using T = Team<Dim>;
+    using F = FusedGather<Real, Dim, Law>;
+    extern __shared__ __align__(32) unsigned char memory[];
+    auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
+    Seen<Real> tally;
+    const std::uint32_t count = *chosen.count;
+#pragma unroll 1
+    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
+        const Work work = work_on(v.list, chosen, item);
+        double power = 0;
+        each_entry<Dim>(
+            v.list.slot, work,
+            [&](int half, std::uint32_t, std::uint32_t s) {
+#pragma unroll
+                for (int r = 0; r < law_rows<Law, Dim>; ++r)
+                    shared.rows.start(half, T::rank(), r, law_row<Law>(v.p, r, s));
+                return 0u;
+            },
+            [&] { load_tile<Quadratic>(v, work.block, shared.tile); },
+            [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t) {
+                F::update(v, g, law, inverse_density, work, k, s, half, shared, tally, power);
+            });
+        power = T::sum(power, shared.sums);
+        if (T::rank() == 0) add_exact(account_of(v).work, g.quantum.of(power));
+    }
+    tally.fold_into(account_of(v));
+}
+
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
+template <class Real, int Dim, class Law>
+inline constexpr int fused_blocks = sizeof(Real) == 4 ? 5 : 3;
+
+template <class Real, int Dim, class Law>
+class FusedKernel final : public GatherKernel<Real, Dim> {
+  public:
+    FusedKernel(const Law& law, double density)
+        : law_(law),
+          inverse_density_(static_cast<Real>(1 / density)),
+          kernel_(g2p_fused<Real, Dim, Law, fused_blocks<Real, Dim, Law>>,
+                  sizeof(typename FusedGather<Real, Dim, Law>::Shared), "Launching the gather with stress") {}
+
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+             const Launch& launch) const override {
+        kernel_(launch, view, chosen, args, law_, inverse_density_);
+    }
+
+  private:
+    Law law_;
+    Real inverse_density_;
+    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real> kernel_;
+};
+
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material) {
+    return with_law<Real>(material.law, material.parameters.data(),
+                          [&](const auto& law) -> std::unique_ptr<GatherKernel<Real, Dim>> {
+                              using Law = std::decay_t<decltype(law)>;
+                              return std::make_unique<FusedKernel<Real, Dim, Law>>(law, material.density);
+                          });
+}
+
+}  // namespace moraine::gpu

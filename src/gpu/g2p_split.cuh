@@ -1,0 +1,211 @@
+#pragma once
+// Gather without stress: any shape, with or without an affine field, whatever a round of a scheme takes.
+//
+// dL goes to a buffer by list entry, component by component: written and read in full lines, and free of the order in
+// which particles lie in memory.
+
+#include "gpu/g2p_particle.cuh"
+#include "gpu/launch.cuh"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim, class Shape, bool Affine>
+struct SplitGather {
+    using T = Team<Dim>;
+    static constexpr int side = tile_side(Shape::width);
+    static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
+    static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
+    using Tile =
+        std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Shape::width>, NodeTile<Real, Dim, Shape::width>>;
+    using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
+    struct Shared {
+        Rows rows;
+        Tile tile;
+    };
+    using V = View<Real, Dim>;
+    using Args = GatherArgs<Real, Dim>;
+    using U = Vec<Coordinate<Real>, Dim>;
+    using Sums = Gathered<Real, Dim, levers>;
+
+    /// Asks for the particle's rows; returns its body.
+    static __device__ __forceinline__ std::uint32_t start(const V& v, const Args& g, int half, std::uint32_t s,
+                                                          Shared& shared) {
+        shared.rows.start(half, T::rank(), place, v.p.core[0] + s);
+        if (g.gather & gather_velocity) shared.rows.start(half, T::rank(), motion, v.p.core[1] + s);
+        if constexpr (Shape::sized) {
+            if (v.p.log_stretch) shared.rows.start(half, T::rank(), box, v.p.log_stretch + s);
+            return v.p.body[s];
+        }
+        return 0;
+    }
+
+    /// Half-size of a particle's box along an axis [cells], as gimp_half of core/stencil.hpp.
+    static __device__ __forceinline__ Real half_size(const V& v, std::uint32_t body, const Row<Real>& stretch, int a) {
+        Real half = v.context.half_size[body][a];
+        if (v.p.log_stretch) half *= std::exp(stretch.e[a]);
+        return half < Real(0.5) ? half : Real(0.5);
+    }
+
+    /// Whether along an axis C is the velocity gradient.
+    static __device__ __forceinline__ bool plain(const V& v, const Args& g, int block, const U& u, int a) {
+        if (g.tpic) return true;
+        if (!v.table.border[block]) return false;
+        const int base = 4 * v.table.position[block][a] - Shape::origin + cell_of<Real>(u[a]);
+        return v.context.walls.folds(a, base, Shape::width);
+    }
+
+    static __device__ __forceinline__ void store_affine(const V& v, const Sums& sums, std::uint32_t s) {
+        Row<Real> row[affine_rows<Dim>];
+#pragma unroll
+        for (int i = 0; i < Dim; ++i)
+#pragma unroll
+            for (int j = 0; j < Dim; ++j) {
+                Real& to = row[Dim == 3 ? i : 0].e[Dim == 3 ? j : 2 * i + j];
+                if constexpr (levers)
+                    to = v.context.inverse_cell * sums.affine[j][i];
+                else
+                    to = v.context.inverse_cell * sums.gradient[j][i];
+            }
+#pragma unroll
+        for (int i = 0; i < affine_rows<Dim>; ++i) {
+            if (Dim == 3) row[i].e[3] = Real(0);
+            store_row(v.p.affine[i] + s, row[i]);
+        }
+    }
+
+    static __device__ __forceinline__ void store_gradient(const V& v, const Args& g, const Sums& sums,
+                                                          std::uint32_t k) {
+        const Real scale = g.dt * v.context.inverse_cell;
+#pragma unroll
+        for (int i = 0; i < Dim; ++i)
+#pragma unroll
+            for (int j = 0; j < Dim; ++j)
+                g.gradient[std::uint64_t(Dim * i + j) * g.gradient_stride + k] = scale * sums.gradient[j][i];
+    }
+
+    /// The box follows the stretch; true when it is held at half a cell.
+    static __device__ __forceinline__ bool stretch_box(const V& v, const Args& g, const Sums& sums, std::uint32_t body,
+                                                       std::uint32_t s, Row<Real> stretch) {
+        bool held = false;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) {
+            stretch.e[a] += std::log1p(g.dt * v.context.inverse_cell * sums.gradient[a][a]);
+            held = held || v.context.half_size[body][a] * std::exp(stretch.e[a]) > Real(0.5);
+        }
+        store_row(v.p.log_stretch + s, stretch);
+        return held;
+    }
+
+    /// The particle of list entry k in slot s.
+    static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
+                                                std::uint32_t s, int half, std::uint32_t body, const Shared& shared,
+                                                Seen<Real>& tally) {
+        const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = row(place);
+        Row<Real> stretch;
+        if constexpr (Shape::sized)
+            if (v.p.log_stretch) stretch = row(box);
+        U u = place_of<Real, Dim>(p);
+        AxisWeights<Real, Shape, levers> n[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a)
+            n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
+                                               Shape::sized ? half_size(v, body, stretch, a) : Real(0),
+                                               levers && plain(v, g, work.block, u, a));
+        const Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+
+        if (g.gather & gather_velocity) {
+            p.row[p.motion] = row(motion);
+            take_velocity(g.flip, sums, p);
+            store_row(v.p.core[p.motion] + s, p.row[p.motion]);
+            if constexpr (Affine) store_affine(v, sums, s);
+        }
+        if (g.gather & gather_gradient) {
+            store_gradient(v, g, sums, k);
+            if constexpr (Shape::sized)
+                if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
+        }
+        if (g.gather & (gather_motion | gather_second_motion)) {
+            Real velocity[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) velocity[a] = g.gather & gather_motion ? sums.velocity[a] : sums.change[a];
+            const PlaceStep<Real> step = move_particle(v, g, work, k, velocity, u);
+            if (step.moved > tally.moved) tally.moved = step.moved;
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
+            store_row(v.p.core[p.place] + s, p.row[p.place]);
+            report(v, g, s, step.faults, step.move);
+        }
+    }
+};
+
+template <class Real, int Dim, class Shape, bool Affine, int MinBlocks>
+__global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
+    g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
+              const __grid_constant__ GatherArgs<Real, Dim> g) {
+    using T = Team<Dim>;
+    using S = SplitGather<Real, Dim, Shape, Affine>;
+    extern __shared__ __align__(32) unsigned char memory[];
+    auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
+    Seen<Real> tally;
+    const std::uint32_t count = *chosen.count;
+#pragma unroll 1
+    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
+        const Work work = work_on(v.list, chosen, item);
+        each_entry<Dim>(
+            v.list.slot, work,
+            [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
+            [&] { load_tile<Shape>(v, work.block, shared.tile); },
+            [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t body) {
+                S::take(v, g, work, k, s, half, body, shared, tally);
+            });
+        T::sync();
+    }
+    tally.fold_into(account_of(v));
+}
+
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
+template <class Real, class Shape, bool Affine>
+inline constexpr int split_blocks = sizeof(Real) == 8            ? (Affine ? 2 : 3)
+                                    : Affine&& Shape::sized      ? 3
+                                    : Affine || Shape::width > 3 ? 4
+                                                                 : 5;
+
+template <class Real, int Dim, class Shape, bool Affine>
+class SplitKernel final : public GatherKernel<Real, Dim> {
+  public:
+    SplitKernel()
+        : kernel_(g2p_split<Real, Dim, Shape, Affine, split_blocks<Real, Shape, Affine>>,
+                  sizeof(typename SplitGather<Real, Dim, Shape, Affine>::Shared), "Launching the gather") {}
+
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+             const Launch& launch) const override {
+        kernel_(launch, view, chosen, args);
+    }
+
+  private:
+    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>> kernel_;
+};
+
+template <class Real, int Dim, class Shape>
+std::unique_ptr<GatherKernel<Real, Dim>> split_gather(bool affine) {
+    if (affine) return std::make_unique<SplitKernel<Real, Dim, Shape, true>>();
+    return std::make_unique<SplitKernel<Real, Dim, Shape, false>>();
+}
+
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine) {
+    switch (shape) {
+        case moraine::Shape::linear:
+            return split_gather<Real, Dim, Linear>(affine);
+        case moraine::Shape::quadratic:
+            return split_gather<Real, Dim, Quadratic>(affine);
+        case moraine::Shape::cubic:
+            return split_gather<Real, Dim, Cubic>(affine);
+        default:
+            return split_gather<Real, Dim, Gimp>(affine);
+    }
+}
+
+}  // namespace moraine::gpu

@@ -1,0 +1,154 @@
+#pragma once
+// The lists of a share on the device with all that filing needs around them, for tests: uploaded once, then filed step
+// by step from moves that the host makes up. What filing writes is poisoned before each step, so that what it reads
+// it has written; leavers of ghost blocks come as the host has them and are sorted here by exit.
+
+#include <vector>
+
+#include "core/filing.hpp"
+#include "gpu/array.hpp"
+#include "gpu/filing.hpp"
+
+namespace moraine::test {
+
+/// Leavers of ghost blocks, sorted by exit as the device wants them.
+struct GhostLeavers {
+    std::vector<std::uint32_t> slot, start, count, bound;
+    std::vector<std::uint8_t> cell;
+
+    /// From the host's form: in ghost order, ghosts + 1 bounds.
+    template <int Dim>
+    static GhostLeavers of(const std::vector<Leaver>& leaver, const std::vector<std::uint32_t>& first) {
+        GhostLeavers g;
+        for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+            g.start.push_back(static_cast<std::uint32_t>(g.slot.size()));
+            for (int exit = 0; exit <= Block<Dim>::offsets; ++exit) {
+                g.bound.push_back(static_cast<std::uint32_t>(g.slot.size()) - g.start.back());
+                for (std::uint32_t k = first[i]; k < first[i + 1]; ++k)
+                    if (move_code(leaver[k].move) == exit) {
+                        g.slot.push_back(leaver[k].slot);
+                        g.cell.push_back(static_cast<std::uint8_t>(move_cell(leaver[k].move)));
+                    }
+            }
+            g.bound.push_back(static_cast<std::uint32_t>(g.slot.size()) - g.start.back());
+            g.count.push_back(g.bound.back());
+        }
+        return g;
+    }
+};
+
+template <int Dim>
+class DeviceLists {
+    static constexpr std::size_t bounds = gpu::leaver_bounds<Dim>;
+
+  public:
+    gpu::Filing<Dim> filing{};
+
+    /// room: the most particles, with ghosts' leavers, that there ever will be.
+    DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
+                std::size_t room)
+        : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
+        filing.table = table;
+        filing.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
+        filing.boundary = upload(on_boundary_, boundary.data(), own_);
+        filing.first_tile = table.ghosts;
+        first_.assign(list.first, own_ + 1), next_first_.resize(own_ + 1);
+        slot_.reserve(room), next_slot_.reserve(room), moves_.reserve(room);
+        slot_.assign(list.slot, list.first[own_]), next_slot_.resize(room);
+        filing.cell_first = upload(cell_first_, list.cell_first, own_ * (Block<Dim>::cells + 1));
+        changed_.reserve(room / 32 + own_ + 1);
+        leaver_slot_.resize(room), leaver_cell_.resize(room), leaver_bound_.resize((own_ + ghosts_) * bounds);
+        leaver_count_.resize(own_ + ghosts_);
+        tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(4);
+        tally_.resize(static_cast<std::size_t>(gpu::filing_chunks(table.own)));
+        poison_results();
+        point();
+        gpu::number_blocks(filing, nullptr);
+    }
+
+    void set_moves(const std::vector<std::uint16_t>& moves, const std::vector<std::uint32_t>& changed) {
+        moves_.assign(moves), changed_.assign(changed);
+        poison_results();
+        point();
+    }
+
+    /// Puts them behind the own leavers.
+    void set_ghosts(GhostLeavers ghosts) {
+        if (ghosts_ == 0) return;
+        const std::size_t behind = slot_.size();
+        for (std::uint32_t& s : ghosts.start) s += static_cast<std::uint32_t>(behind);
+        ghost_start_.assign(ghosts.start);
+        put(leaver_slot_.data() + behind, ghosts.slot), put(leaver_cell_.data() + behind, ghosts.cell);
+        put(leaver_bound_.data() + own_ * bounds, ghosts.bound), put(leaver_count_.data() + own_, ghosts.count);
+        point();
+    }
+
+    void launch() const {
+        gpu::collect_leavers(filing, nullptr);
+        gpu::make_lists(filing, nullptr);
+    }
+
+    /// The next lists become the lists.
+    void advance() {
+        gpu::check(cudaDeviceSynchronize(), "Filing");
+        first_.swap(next_first_);
+        const std::size_t room = next_slot_.size();
+        slot_.swap(next_slot_);
+        slot_.resize(first().back()), next_slot_.resize(room);
+        point();
+    }
+
+    std::vector<std::uint32_t> first() const { return first_.host(); }
+    std::vector<std::uint32_t> slot() const { return slot_.host(); }
+    std::vector<std::uint32_t> cell_first() const { return cell_first_.host(); }
+    void set_cell_first(const std::uint32_t* from) { cell_first_.assign(from, cell_first_.size()); }
+    std::vector<std::int32_t> tile_of() const { return tile_of_.host(); }
+    std::uint32_t tiles = ~0u;  ///< that there is room for; from the next step on
+    std::vector<std::uint32_t> counts() const { return occupied_.host(); }
+    std::vector<std::int32_t> boundary() const { return head(boundary_, occupied_.host()[0]); }
+    std::vector<std::int32_t> interior() const { return head(interior_, occupied_.host()[1]); }
+
+  private:
+    template <class T>
+    static T* upload(gpu::Array<T>& to, const T* from, std::size_t n) {
+        to.assign(from, n);
+        return to.data();
+    }
+    template <class T>
+    static void put(T* to, const std::vector<T>& from) {
+        gpu::check(cudaMemcpy(to, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice), "Copying");
+    }
+    template <class T>
+    static void poison(const gpu::Array<T>& array) {
+        gpu::check(cudaMemset(array.data(), 0xff, array.size() * sizeof(T)), "Poisoning");
+    }
+    void poison_results() {
+        poison(next_first_), poison(next_slot_), poison(tally_);
+        poison(leaver_slot_), poison(leaver_cell_), poison(leaver_count_), poison(leaver_bound_);
+    }
+    static std::vector<std::int32_t> head(const gpu::Array<std::int32_t>& array, std::size_t n) {
+        std::vector<std::int32_t> all = array.host();
+        all.resize(n);
+        return all;
+    }
+    void point() {
+        filing.list = {first_.data(), cell_first_.data(), slot_.data()};
+        filing.moves = moves_.data(), filing.changed = changed_.data();
+        filing.leavers = {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(),
+                          ghost_start_.data()};
+        filing.occupied = {tile_of_.data(),  boundary_.data(),     interior_.data(),
+                           occupied_.data(), occupied_.data() + 2, tiles};
+        filing.next_first = next_first_.data(), filing.next_slot = next_slot_.data();
+        filing.tally = tally_.data();
+    }
+
+    std::size_t own_, ghosts_;
+    gpu::Array<std::int32_t> neighbour_, tile_of_, boundary_, interior_;
+    gpu::Array<std::uint8_t> on_boundary_, leaver_cell_;
+    gpu::Array<std::uint32_t> first_, next_first_, slot_, next_slot_, cell_first_, changed_;
+    gpu::Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_, occupied_;
+    gpu::Array<std::uint16_t> moves_;
+    gpu::Array<gpu::Tally> tally_;
+};
+
+}  // namespace moraine::test

@@ -1,0 +1,243 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+
+#include "gpu/device_sample.cuh"
+#include "gpu/nodes.hpp"
+#include "gpu/stopwatch.hpp"
+
+using namespace moraine;
+using moraine::test::DeviceSample;
+using moraine::test::Sample;
+
+namespace {
+
+template <class R, int D>
+struct Case {
+    using Real = R;
+    static constexpr int dim = D;
+    static constexpr double tolerance = sizeof(R) == 8 ? 1e-12 : 1e-5;
+};
+
+template <class Real, int Dim>
+NodeRound<Real, Dim> round_of(NodeTask task, double damping) {
+    NodeRound<Real, Dim> round{task, Real(0.01), {}, Real(damping), Real(0.1)};
+    for (int a = 0; a < Dim; ++a) round.gravity[a] = Real(3 - 5 * a);
+    return round;
+}
+
+/// The sample with its tiles summed by the host, and a copy on the device; both solve the same nodes.
+template <class Real, int Dim>
+class Pair {
+  public:
+    Sample<Real, Dim> sample;
+    DeviceSample<Real, Dim> device;
+    const Quantum quantum = Quantum::for_largest(1e4);
+    int own;  ///< blocks from here on pass for another rank's
+
+    Pair(const Scene& scene, int particles) : sample(scene, particles, 31), device(sample), own(sample.patch.own()) {
+        sample.method.kernels.p2g(sample.call(), sample.method.cell);
+        const std::size_t reals = static_cast<std::size_t>(sample.patch.tiles_in_use()) *
+                                  power<Dim>(tile_side(sample.method.stencil.width)) * node_reals;
+        gpu::check(
+            cudaMemcpy(device.view.grid.tiles, sample.patch.grid().tiles, reals * sizeof(Real), cudaMemcpyHostToDevice),
+            "Copying tiles");
+    }
+
+    std::array<ExactSum, Dim> on_host(const NodeRound<Real, Dim>& round) {
+        const auto chosen = sample.patch.node_blocks();
+        std::vector<ExactSum> impulse(chosen.size() * Dim);
+        BlockTable<Dim> table = sample.patch.table();
+        table.own = own;
+        const SolveNodes<Real, Dim> kernel{sample.method.context.walls,
+                                           table,
+                                           sample.patch.grid(),
+                                           chosen.data(),
+                                           sample.method.stencil.width,
+                                           sample.method.stencil.origin,
+                                           round,
+                                           quantum,
+                                           impulse.data()};
+        Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
+        std::array<ExactSum, Dim> all{};
+        for (std::size_t k = 0; k < impulse.size(); ++k) all[k % Dim].add(impulse[k]);
+        return all;
+    }
+
+    std::array<ExactSum, Dim> on_device(const NodeRound<Real, Dim>& round) {
+        device.clear_accounts();
+        device.view.table.own = own;
+        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr);
+        gpu::check(cudaDeviceSynchronize(), "Solving nodes");
+        std::array<ExactSum, Dim> all{};
+        for (const gpu::Account<Dim>& a : device.accounts())
+            for (std::size_t i = 0; i < Dim; ++i) all[i].add(a.impulse[i]);
+        return all;
+    }
+
+    bool needed(int c) {
+        const BlockTable<Dim> table = sample.patch.table();
+        for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+            const std::int32_t source = table.source[c * Block<Dim>::corners + delta];
+            if (source >= 0 && source < own && sample.patch.tile_of()[source] >= 0) return true;
+        }
+        return false;
+    }
+
+    /// Largest difference of a node's values; node blocks that nobody needs must not have been touched.
+    double difference() {
+        const std::vector<Quad<Real>> found = device.nodes();
+        const TileView<Real> grid = sample.patch.grid();
+        constexpr std::size_t reals = Block<Dim>::cells * node_reals;
+        double worst = 0;
+        for (int c = 0; c < sample.patch.table().node_blocks; ++c) {
+            const auto* got = reinterpret_cast<const Real*>(found.data()) + static_cast<std::size_t>(c) * reals;
+            if (!needed(c)) {
+                const auto* bytes = reinterpret_cast<const unsigned char*>(got);
+                REQUIRE(std::all_of(bytes, bytes + reals * sizeof(Real), [](unsigned char x) { return x == 0xff; }));
+                continue;
+            }
+            const Real* expected = grid.nodes + static_cast<std::size_t>(grid.node_of[c]) * reals;
+            for (std::size_t k = 0; k < reals; ++k) test::widen(worst, std::fabs(double(got[k]) - double(expected[k])));
+        }
+        return worst;
+    }
+};
+
+/// Every kind of wall on some face; friction where particles press against it and where they do not.
+inline Scene scene_with_walls(int dim, moraine::Shape shape, bool periodic) {
+    Scene scene = test::sample_scene(dim, shape, periodic);
+    const WallSpec kinds[3][2] = {{{WallKind::friction, 0.4}, {WallKind::none, 0}},
+                                  {{WallKind::friction, 0.2}, {WallKind::free_slip, 0}},
+                                  {{WallKind::no_slip, 0}, {WallKind::open, 0}}};
+    for (std::size_t a = periodic ? 1 : 0; a < static_cast<std::size_t>(dim); ++a)
+        for (std::size_t s = 0; s < 2; ++s) scene.walls[a][s] = kinds[a][s];
+    if (dim == 2) scene.walls[1][1] = {WallKind::no_slip, 0};
+    return scene;
+}
+
+template <class C, class F>
+void each_pair(const F& f) {
+    using moraine::Shape;
+    for (Shape shape : {Shape::linear, Shape::gimp, Shape::quadratic, Shape::cubic})
+        for (bool periodic : {false, true})
+            for (int particles : {C::dim == 2 ? 400 : 900, 12}) {
+                CAPTURE(int(shape));
+                CAPTURE(periodic);
+                CAPTURE(particles);
+                Pair<typename C::Real, C::dim> pair(scene_with_walls(C::dim, shape, periodic), particles);
+                f(pair);
+            }
+}
+
+}  // namespace
+
+TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
+TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
+TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
+TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
+#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
+
+TEST_CASE_TEMPLATE("the device moves nodes as the host does, for both tasks, with damping and walls of all kinds", C,
+                   EVERY_CASE) {
+    each_pair<C>([](auto& pair) {
+        for (double damping : {0.0, 0.3})
+            for (NodeTask task : {NodeTask::solve, NodeTask::velocity}) {
+                CAPTURE(damping);
+                const auto round = round_of<typename C::Real, C::dim>(task, damping);
+                const auto expected = pair.on_host(round);
+                const auto found = pair.on_device(round);
+                CHECK(pair.difference() <= 10 * C::tolerance);
+                for (std::size_t a = 0; a < C::dim; ++a) {
+                    const double impulse = pair.quantum.value(expected[a]);
+                    CHECK(std::fabs(pair.quantum.value(found[a]) - impulse) <= 10 * C::tolerance * 900);
+                    if (task == NodeTask::velocity) CHECK(impulse == 0);
+                }
+            }
+    });
+}
+
+TEST_CASE_TEMPLATE("impulses of a second run are the same to the bit", C, EVERY_CASE) {
+    each_pair<C>([](auto& pair) {
+        const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);
+        const auto first = pair.on_device(round), second = pair.on_device(round);
+        for (std::size_t a = 0; a < C::dim; ++a) {
+            CHECK(first[a].high == second[a].high);
+            CHECK(first[a].low == second[a].low);
+            CHECK((first[a].high != 0 || first[a].low != 0));
+        }
+    });
+}
+
+TEST_CASE_TEMPLATE("where blocks belong to others, nodes are counted by the owner of the first block that covers them",
+                   C, EVERY_CASE) {
+    each_pair<C>([](auto& pair) {
+        const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);
+        const int all = pair.own;
+        for (int own : {all / 3, all - 1}) {
+            pair.own = own;
+            const auto expected = pair.on_host(round);
+            const auto found = pair.on_device(round);
+            for (std::size_t a = 0; a < C::dim; ++a)
+                CHECK(std::fabs(pair.quantum.value(found[a]) - pair.quantum.value(expected[a])) <=
+                      10 * C::tolerance * 900);
+        }
+    });
+}
+
+namespace {
+
+/// 32 x 32 x 32 blocks, periodic in x and y, walls below and above; tiles of any numbers.
+template <class Real>
+void time_nodes(double damping) {
+    constexpr int dim = 3;
+    Scene scene = test::sample_scene(dim, moraine::Shape::quadratic, true);
+    scene.cell = 1, scene.max = {128, 128, 127}, scene.periodic = {true, true, false};
+    for (auto& wall : scene.walls[1]) wall.kind = WallKind::periodic;
+    const DomainBlocks<dim> domain(scene);
+    const Stencil stencil = stencil_of(scene.shape);
+    std::vector<OccupiedBlock> occupied;
+    for (int i = 0; i < 32 * 32 * 32; ++i)
+        occupied.push_back({Morton<dim>::encode({i % 32, i / 32 % 32, i / 1024}), 0});
+    std::sort(occupied.begin(), occupied.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+    const EpochTables<dim> e =
+        make_epoch<dim>(make_topology<dim>(domain, occupied, [](const auto&) { return 0; }), domain, stencil, 0);
+    std::vector<std::int32_t> numbers(e.node_key.size());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    gpu::Array<std::int32_t> source, tile_of, node_of;
+    gpu::Array<Vec<std::int32_t, dim>> node_position;
+    gpu::Array<std::uint8_t> node_border;
+    gpu::Array<Quad<Real>> tiles, nodes;
+    gpu::Array<gpu::Account<dim>> accounts;
+    source.assign(e.source), node_position.assign(e.node_position), node_border.assign(e.node_border);
+    tile_of.assign(numbers.data(), e.own.size()), node_of.assign(numbers);
+    std::vector<Quad<Real>> some(e.own.size() * 216 * 2);
+    std::mt19937_64 random(3);
+    for (Quad<Real>& q : some)
+        q = Quad<Real>::of(Real(random() % 1000 + 1), Real(random() % 999), Real(random() % 999), Real(random() % 999));
+    tiles.assign(some), nodes.resize(numbers.size() * 64 * 2);
+    accounts.assign(std::vector<gpu::Account<dim>>(gpu::account_parts));
+    gpu::View<Real, dim> view{};
+    view.table.own = static_cast<int>(e.own.size()), view.table.node_blocks = static_cast<int>(e.node_key.size());
+    view.table.source = source.data(), view.table.node_position = node_position.data();
+    view.table.node_border = node_border.data();
+    view.grid = {tile_of.data(), reinterpret_cast<Real*>(tiles.data()), node_of.data(),
+                 reinterpret_cast<Real*>(nodes.data())};
+    view.context.walls = make_walls<Real, dim>(scene);
+    view.accounts = accounts.data();
+    const auto round = round_of<Real, dim>(NodeTask::solve, damping);
+    const double ms = test::median_ms(
+        20, [] {}, [&] { gpu::solve_nodes(view, stencil, round, Quantum::for_largest(1e9), nullptr); });
+    std::printf("nodes %s, damping %.1f: %zu blocks, %zu node blocks, %.4f ms\n",
+                sizeof(Real) == 4 ? "single" : "double", damping, e.own.size(), numbers.size(), ms);
+}
+
+}  // namespace
+
+TEST_CASE("timing of nodes, where MORAINE_TIMING asks for it") {
+    if (!std::getenv("MORAINE_TIMING")) return;
+    for (double damping : {0.0, 0.1}) time_nodes<float>(damping), time_nodes<double>(damping);
+}
