@@ -19,6 +19,9 @@ struct DeviceChoice {
 /// its devices in turn. Throws InputError, the same on all ranks, where cuda is wanted and cannot be had. Collective.
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm);
 
+/// Throws InputError if the device that was chosen has less than `bytes` free. Not collective.
+void check_device_memory(double bytes);
+
 template <class Real, int Dim>
 using DeviceEngineMaker = std::function<std::unique_ptr<Engine<Real, Dim>>(const Method<Host, Real, Dim>&)>;
 

@@ -3,6 +3,8 @@
 #include <cuda_runtime.h>
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/error.hpp"
 #include "device.hpp"
 #include "gpu/engine.hpp"
@@ -30,6 +32,12 @@ int devices_here() {
 
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm) {
     if (wanted == "cpu") return {false, "Computing on the host (--device cpu)"};
+    if (comm.size() > 1 && wanted == "cuda")
+        throw InputError(
+            fmt::format("{} ranks on devices (the halo of devices is not there yet). Use one rank, or "
+                        "--device cpu?",
+                        comm.size()));
+    if (comm.size() > 1) return {false, "Computing on the host (a device serves runs of one rank so far)"};
     const int devices = devices_here();
     const bool all = comm.min(devices > 0 ? 1.0 : 0.0) > 0;
     if (!all && wanted == "cuda")
@@ -41,6 +49,17 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm) {
     gpu::check(cudaGetDeviceProperties(&properties, mine), "Asking the device");
     return {true, fmt::format("Computing on {} ({} rank{}, {} device{} on this machine)", properties.name, comm.size(),
                               comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s")};
+}
+
+void check_device_memory(double bytes) {
+    std::size_t free = 0, total = 0;
+    gpu::check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
+    if (bytes <= static_cast<double>(free)) return;
+    throw InputError(
+        fmt::format("The scene needs {:.1f} GB of device memory ({:.1f} of {:.1f} GB are free). {} such GPUs "
+                    "would hold it; a larger domain.cell, single precision or --device cpu?",
+                    bytes * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
+                    static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total))))));
 }
 
 template <class Real, int Dim>

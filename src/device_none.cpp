@@ -11,6 +11,8 @@ DeviceChoice choose_device(const std::string& wanted, const Comm&) {
     return {false, "Computing on the host (this program was built without CUDA)"};
 }
 
+void check_device_memory(double) {}
+
 template <class Real, int Dim>
 DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&) {
     return nullptr;

@@ -112,7 +112,7 @@ struct GridToParticles {
         bool folded[Dim];
         for (int a = 0; a < Dim; ++a) {
             const int base = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
-            folded[a] = border && context.walls.folds(a, base, width);
+            folded[a] = border && context.walls.ghosts(a, base, width) != 0;
         }
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {

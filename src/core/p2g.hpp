@@ -102,7 +102,7 @@ struct ParticlesToGrid {
         Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s);
         if constexpr (Affine && Shape::width > 2)
             for (int a = 0; border && a < Dim; ++a)
-                fold_weights<Shape::width>(context.walls, a, base[a], n.w[a], n.dw[a]);
+                fold_weights<Shape::width>(context.walls.ghosts(a, base[a], width), n.w[a], n.dw[a]);
         const Real m = p.mass[s];
         Load load;
         const Sym<Real, Dim> sigma = p.stress[s];

@@ -38,9 +38,12 @@ struct Walls {
         }
     }
 
-    /// Whether a stencil of `width` nodes from `base` on reaches a ghost node along axis a.
-    MORAINE_HD bool folds(int a, int base, int width) const {
-        return (fold[a][0] && base < plane[a][0]) || (fold[a][1] && base + width - 1 > plane[a][1]);
+    /// Ghosts that a stencil of `width` nodes from `base` on reaches along axis a: bit 0 for the lower one, which is
+    /// its first node, above it the place of the upper one, or 0. At most 3 bits.
+    MORAINE_HD unsigned ghosts(int a, int base, int width) const {
+        const int above = plane[a][1] + 1 - base;
+        const unsigned upper = fold[a][1] && above < width ? unsigned(above) : 0;
+        return (fold[a][0] && base < plane[a][0] ? 1u : 0u) | upper << 1;
     }
 
   private:
@@ -72,17 +75,17 @@ struct Walls {
     }
 };
 
-/// Folds the ghost's weight of one axis; `base` is the node index of weight 0.
-template <int Width, class Real, int Dim>
-MORAINE_HD void fold_weights(const Walls<Real, Dim>& walls, int axis, int base, Real* w, Real* dw) {
-    if (walls.fold[axis][0] && base == walls.plane[axis][0] - 1) {
+/// Folds the ghosts' weights of one axis: bit 0 for the lower one, above it the place of the upper one, or 0
+/// (Walls::ghosts).
+template <int Width, class Real>
+MORAINE_HD void fold_weights(unsigned ghosts, Real* w, Real* dw) {
+    if (ghosts & 1) {
         w[1] += Real(2) * w[0], dw[1] += Real(2) * dw[0];
         w[2] -= w[0], dw[2] -= dw[0];
         w[0] = dw[0] = Real(0);
     }
-    const int ghost = walls.plane[axis][1] + 1 - base;
     for (int g = 2; g < Width; ++g)
-        if (walls.fold[axis][1] && g == ghost) {
+        if (int(ghosts >> 1) == g) {
             w[g - 1] += Real(2) * w[g], dw[g - 1] += Real(2) * dw[g];
             w[g - 2] -= w[g], dw[g - 2] -= dw[g];
             w[g] = dw[g] = Real(0);

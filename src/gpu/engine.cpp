@@ -187,7 +187,7 @@ void DeviceEngine<Real, Dim>::sum_boundary() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum() {
     for (const Chosen& chosen : {lists_.boundary(), lists_.interior()})
-        p2g_(view(), chosen, launch().blocks, method_.cell, stream_);
+        p2g_(view(), chosen, p2g_grid<Dim>(launch().blocks), method_.cell, stream_);
     watch_.mark(1, stream_);
     share_is_of_now_ = false;
     summed_ = true;

@@ -51,7 +51,7 @@ struct SplitGather {
         if (g.tpic) return true;
         if (!v.table.border[block]) return false;
         const int base = 4 * v.table.position[block][a] - Shape::origin + cell_of<Real>(u[a]);
-        return v.context.walls.folds(a, base, Shape::width);
+        return v.context.walls.ghosts(a, base, Shape::width) != 0;
     }
 
     static __device__ __forceinline__ void store_affine(const V& v, const Sums& sums, std::uint32_t s) {

@@ -39,9 +39,10 @@ struct Record {
     static constexpr bool needed(int row) {
         if (row >= half) return Case::Shape::sized;
         if (row >= first_affine) return Case::affine && Momentum;
-        if (row == Core::place) return true;
-        return row == Core::motion ? Momentum || Case::dim == 3 : Force;  // 3-D: the volume is in the motion row
+        return row == Core::place || (row == Core::motion ? Momentum : Force);
     }
+    /// 3-D: the volume is in the motion row; where no other of that row is needed it comes in place of the mass.
+    static constexpr bool volume_for_mass = Case::dim == 3 && !Momentum;
     /// Needed rows before this one.
     static constexpr int place_of(int row) {
         int n = 0;
@@ -54,7 +55,11 @@ struct Record {
 
     /// Copies the particle in slot s; `to` is this thread's record.
     static __device__ __forceinline__ void start(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {
-        each_row<0, first_affine>([&](auto r) { copy_row<r>(v.p.core[r], s, to); });
+        if constexpr (volume_for_mass)
+            copy_place(v, s, to);
+        else
+            copy_row<Core::place>(v.p.core[Core::place], s, to);
+        each_row<1, first_affine>([&](auto r) { copy_row<r>(v.p.core[r], s, to); });
         each_row<first_affine, half>([&](auto r) { copy_row<r>(v.p.affine[r - first_affine], s, to); });
         if constexpr (Case::Shape::sized) {
             if (v.p.log_stretch) copy_row<half>(v.p.log_stretch, s, to);
@@ -86,6 +91,7 @@ struct Record {
     static __device__ __forceinline__ Particle<Case> read(const uint4* from) {
         Particle<Case> p;
         each_row<0, first_affine>([&](auto r) { p.core.row[r] = read_row<r>(from); });
+        if constexpr (volume_for_mass) p.core.volume() = p.core.mass();
         each_row<first_affine, half>([&](auto r) { p.affine[r - first_affine] = read_row<r>(from); });
         each_row<half, half + 1>([&](auto r) { p.half = read_row<r>(from); });
         each_row<quarter, all>([&](auto r) { p.quarter = read_row<r>(from); });
@@ -94,7 +100,7 @@ struct Record {
 
   private:
     template <int R>
-    static constexpr int unit_of = place_of(R) * per_row* stride;
+    static constexpr int unit_of = (place_of(R) * per_row * stride);
 
     /// Calls f(integral constant) for the needed rows among [From, To).
     template <int From, int To, class F>
@@ -103,6 +109,15 @@ struct Record {
             if constexpr (needed(From)) f(std::integral_constant<int, From>{});
             each_row<From + 1, To>(f);
         }
+    }
+
+    static __device__ __forceinline__ void copy_place(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {
+        constexpr int size = int(sizeof(Real)), last = 2 * size / 16 * stride;  // unit of the third and fourth number
+        const Real* from = v.p.core[Core::place][s].e;
+        Real* end = reinterpret_cast<Real*>(to + last) + (size == 4 ? 2 : 0);
+        copy_async<2 * size>(to, from);
+        copy_async<size>(end, from + 2);
+        copy_async<size>(end + 1, v.p.core[Core::motion][s].e + 3);
     }
 
     template <int R>

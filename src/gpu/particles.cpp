@@ -53,7 +53,7 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
         check(cudaMemset(row.data(), 0, n * sizeof(Row<Real>)), "Clearing particles");
     });
     if (needs_.history > 1) second_history_.resize(n), spare_scalar_.resize(n);
-    id_.resize(n), body_.resize(n);
+    id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
     spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n);
 }
 

@@ -99,29 +99,72 @@ Prediction predict(const Scene& scene) {
     return p;
 }
 
-double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
-    const double real = scene.precision == Precision::single_ ? 4 : 8;
+namespace {
+
+/// What the scene's materials and transfer ask to be remembered, in reals per particle.
+struct Remembered {
+    int stress, history = 0, stretch = 0, affine = 0, box = 0;
+};
+
+Remembered remembered(const Scene& scene) {
     const int d = scene.dimensions;
-    const int stress = d == 2 ? 4 : 6;
-    int history = 0;
-    bool left_stretch = false;
+    Remembered r{d == 2 ? 4 : 6};
     for (const MaterialSpec& material : scene.materials) {
         const LawInfo& law = *find_law(material.law);
-        history = std::max(history, law.history);
-        left_stretch = left_stretch || law.uses_left_stretch;
+        r.history = std::max(r.history, law.history);
+        if (law.uses_left_stretch) r.stretch = r.stress;
     }
-    int reals = 2 * d + stress + 3 + history;
-    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) reals += d * d;
-    if (left_stretch) reals += stress;
-    if (scene.shape == Shape::gimp_contiguous) reals += d;
-    const double particle = reals * real + 8 + 2 + 10 + 8 * d;
+    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) r.affine = d * d;
+    if (scene.shape == Shape::gimp_contiguous) r.box = d;
+    return r;
+}
 
+double real_bytes(const Scene& scene) {
+    return scene.precision == Precision::single_ ? 4 : 8;
+}
+
+/// Blocks of a compact body of `blocks` with `layers` more along each axis.
+double grown(const Scene& scene, double blocks, int layers) {
+    return std::pow(std::pow(blocks, 1.0 / scene.dimensions) + layers, scene.dimensions);
+}
+
+double tile_bytes(const Scene& scene) {
+    return std::pow(tile_side(stencil_of(scene.shape).width), scene.dimensions) * node_reals * real_bytes(scene);
+}
+
+double node_block_bytes(const Scene& scene) {
+    return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
+}
+
+}  // namespace
+
+double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
+    const int d = scene.dimensions;
+    const Remembered r = remembered(scene);
+    const int reals = 2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box;
+    const double particle = reals * real_bytes(scene) + 8 + 2 + 10 + 8 * d;
     const double mine = static_cast<double>(p.blocks) / ranks;
-    const auto grown = [&](int layers) { return std::pow(std::pow(mine, 1.0 / d) + layers, d); };
-    const double tile = std::pow(tile_side(stencil_of(scene.shape).width), d) * node_reals * real;
-    const double nodes = std::pow(4, d) * node_reals * real;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
-    return static_cast<double>(p.particles) / ranks * particle + mine * tile + grown(1) * nodes + grown(2) * tables;
+    return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
+           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables;
+}
+
+/// gpu/particles.hpp, gpu/lists.hpp and gpu/engine.hpp say what is there: rows of four reals and one spare row; ids,
+/// bodies, lists and their next ones; tiles with a sixteenth to spare; nodes and tables of the epoch.
+double bytes_on_device(const Scene& scene, const Prediction& p) {
+    const int d = scene.dimensions;
+    const Remembered r = remembered(scene);
+    const bool fused = scene.shape == Shape::quadratic && !r.affine && scene.stress_update == StressUpdate::usl &&
+                       scene.materials.size() == 1;
+    int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
+    if (r.affine) rows += d == 3 ? 3 : 1;
+    if (r.stretch) rows += d == 3 ? 2 : 1;
+    const int reals = 4 * rows + (r.history > 1 ? 2 : 0) + (fused ? 0 : d * d);
+    const double particle = reals * real_bytes(scene) + 2 * (8 + 2) + 2 * 4 + 2 + 0.125 + 5;
+    const auto blocks = static_cast<double>(p.blocks);
+    const double tables = 4 * (2 * std::pow(3, d) + 2 * std::pow(4, d) + 2 * std::pow(2, d) + 12);
+    return static_cast<double>(p.particles) * particle + blocks * 17 / 16 * tile_bytes(scene) +
+           grown(scene, blocks, 2) * (node_block_bytes(scene) + tables);
 }
 
 std::string check_report(const Scene& scene, int ranks) {
@@ -138,6 +181,7 @@ std::string check_report(const Scene& scene, int ranks) {
     text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
+    text += fmt::format("           {} on one GPU (--device cuda)\n", bytes_text(bytes_on_device(scene, p)));
     return text;
 }
 

@@ -30,6 +30,9 @@ Prediction predict(const Scene& scene);
 ///             d^2 R; b (4 or 6) R; stretch of GIMP d R
 ///   block:    tile (4 + w - 1)^d 8 R; w: width of the stencil. Nodes 4^d 8 R, also of one more layer
 ///             of blocks, and tables, of two more, as if the body were a cube
+/// Device memory when one GPU holds it all [bytes].
+double bytes_on_device(const Scene& scene, const Prediction& p);
+
 double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
 
 /// What `moraine check` prints.

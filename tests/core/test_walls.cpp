@@ -37,11 +37,12 @@ struct Folded {
         Walls<Real, 2> walls{};
         walls.plane[0][1] = upper;
         walls.fold[0][0] = lower_on, walls.fold[0][1] = upper_on;
-        folded = walls.folds(0, base, width);
+        const unsigned ghosts = walls.ghosts(0, base, width);
+        folded = ghosts != 0;
         Real direct[width], slopes[width];
         std::copy_n(w, width, direct);
         std::copy_n(dw, width, slopes);
-        fold_weights<width>(walls, 0, base, direct, slopes);
+        fold_weights<width>(ghosts, direct, slopes);
         fold(walls, w);
         fold(walls, dw);
         for (int i = 0; i < width; ++i) {  // particle by particle or per tile
