@@ -38,7 +38,7 @@ if(MORAINE_MARCH)
 endif()
 # Device code: no -march (a register of the host is no type of the device); what its files do on the host keeps the rules.
 target_compile_options(moraine_flags INTERFACE
-    $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Werror=all-warnings -Xcompiler=-Wall,-ffp-contract=off>)
+    $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Werror=all-warnings -Xcompiler=-Wall,-ffp-contract=off,-fopenmp>)
 if(MORAINE_SANITIZE)
     moraine_host_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(moraine_flags INTERFACE -fsanitize=address,undefined)
