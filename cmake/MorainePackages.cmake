@@ -23,9 +23,15 @@ function(moraine_import name header library package)
     set_target_properties(${name}::${name} PROPERTIES IMPORTED_LOCATION ${${name}_LIBRARY}
         INTERFACE_INCLUDE_DIRECTORIES ${${name}_INCLUDE_DIR})
 endfunction()
-moraine_import(METIS metis.h metis libmetis-dev)
-moraine_import(Zoltan zoltan.h trilinos_zoltan libtrilinos-zoltan-dev)
-target_link_libraries(Zoltan::Zoltan INTERFACE MPI::MPI_C)
+option(MORAINE_METIS "The partitioner metis" ON)
+option(MORAINE_ZOLTAN "The partitioners rcb, hsfc and phg" ON)
+if(MORAINE_METIS)
+    moraine_import(METIS metis.h metis libmetis-dev)
+endif()
+if(MORAINE_ZOLTAN)
+    moraine_import(Zoltan zoltan.h trilinos_zoltan libtrilinos-zoltan-dev)
+    target_link_libraries(Zoltan::Zoltan INTERFACE MPI::MPI_C)
+endif()
 
 # Device code: wherever nvcc is found, once there is a src/gpu; -DMORAINE_CUDA=ON makes a missing nvcc an error.
 include(CheckLanguage)

@@ -110,15 +110,16 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
     terms.now = summary_of(loads_of_ranks(loads, present_owners(loads), ranks));
     look_.reason = "balanced";
     if (!trigger_.needs_plan(terms.now)) return {};
-    const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round);
-    terms.plan = summary_of(loads_of_ranks(loads, owners, ranks));
+    terms.slowest = agreed_.seconds;
     terms.loses = agreed_.seconds - agreed_.seconds_sum / ranks;
     terms.lost = time_lost_;
-    terms.migration = move_seconds_;
+    const Plan plan =
+        best_plan(partitioner_->options(loads, clock_.round), loads, ranks, trigger_.costs(terms, weight_.seconds()));
+    terms.take(plan);
     const Decision decision = trigger_.decide(terms);
     look_.repartitioned = decision.repartition;
     look_.reason = decision.reason;
-    return owners;
+    return plan.owners;
 }
 
 template <class Real, int Dim>
@@ -135,6 +136,7 @@ void Simulation<Real, Dim>::repartition(const std::vector<BlockLoad>& loads, con
     last_repartition_ = clock_.step;
     time_lost_ = 0;
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    trigger_.learn(look_.terms.migration, move_seconds_);
 }
 
 }  // namespace moraine

@@ -3,9 +3,11 @@
 namespace moraine {
 
 template <int Dim>
-Layout layout_of(const DomainBlocks<Dim>& domain) {
+Layout layout_of(const DomainBlocks<Dim>& domain, int width) {
     Layout layout;
     layout.dimensions = Dim;
+    layout.width = width;
+    std::copy(domain.periodic.begin(), domain.periodic.end(), layout.periodic.begin());
     std::copy(domain.count.begin(), domain.count.end(), layout.blocks.begin());
     return layout;
 }
@@ -16,7 +18,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       comm_(comm),
       method_(scene),
       domain_(scene),
-      partitioner_(make_partitioner(scene.balance, layout_of(domain_), comm.size())),
+      partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm)),
       trigger_(scene.balance, *partitioner_),
       weight_(scene.balance, host_costs),
       reduction_(comm) {

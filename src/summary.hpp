@@ -4,19 +4,24 @@
 #include <omp.h>
 
 #include "history.hpp"
+#include "io/records.hpp"
 #include "io/records_summary.hpp"
 #include "simulation.hpp"
 #include "version.hpp"
 
 namespace moraine {
 
-/// One row of balance.csv. What travelled and the seconds are since the row before.
+/// One row of balance.csv. What travelled and the seconds are since the row before; the last columns tell of the
+/// look at the balance at this step: why it was repartitioned or not, what was planned, and what the planner
+/// predicted for each kind of plan (not a number: not on offer, or no plan was made).
 struct BalanceRow {
     double step = 0, time = 0;
     double particles_min = 0, particles_mean = 0, particles_max = 0, imbalance = 1;
     double blocks = 0, halo_bytes = 0, migrated_particles = 0, migrated_blocks = 0, crossed_particles = 0;
     std::array<double, Phases::count> seconds_mean{}, seconds_max{};
     double repartitioned = 0, planned_imbalance = 0, loses = 0, lost = 0, migration = 0;
+    std::string reason, plan;
+    std::array<double, plan_kinds> plan_seconds = Plan::not_offered();
 
     static std::vector<std::string> columns() {
         std::vector<std::string> names{
@@ -26,16 +31,18 @@ struct BalanceRow {
             names.push_back(std::string(phase) + "_mean_s");
             names.push_back(std::string(phase) + "_max_s");
         }
-        for (const char* n : {"repartitioned", "planned_imbalance", "loses_s_per_step", "lost_s", "migration_s"})
+        for (const char* n : {"repartitioned", "planned_imbalance", "loses_s_per_step", "lost_s", "migration_s",
+                              "reason", "plan", "keep_s", "natural_s", "relabelled_s", "least_migration_s"})
             names.push_back(n);
         return names;
     }
 
-    std::vector<double> values() const {
-        std::vector<double> v{step,   time,       particles_min,      particles_mean,  particles_max,    imbalance,
-                              blocks, halo_bytes, migrated_particles, migrated_blocks, crossed_particles};
+    std::vector<CsvCell> values() const {
+        std::vector<CsvCell> v{step,   time,       particles_min,      particles_mean,  particles_max,    imbalance,
+                               blocks, halo_bytes, migrated_particles, migrated_blocks, crossed_particles};
         for (std::size_t k = 0; k < Phases::count; ++k) v.insert(v.end(), {seconds_mean[k], seconds_max[k]});
-        v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration});
+        v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration, reason, plan});
+        v.insert(v.end(), plan_seconds.begin(), plan_seconds.end());
         return v;
     }
 };
@@ -74,6 +81,10 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
     row.loses = look.terms.loses;
     row.lost = look.terms.lost;
     row.migration = look.terms.migration;
+    const bool looked = sim.trigger().is_due(sim.clock().step);
+    row.reason = looked ? look.reason : sim.trigger().decide({}).reason;
+    row.plan = look.terms.plan.total > 0 ? name_of(look.terms.kind) : "none";
+    row.plan_seconds = look.terms.seconds;
     reported = now;
     reported_seconds = sim.phases().all();
     return row;

@@ -25,6 +25,8 @@ struct BlockLoad {
 struct Layout {
     int dimensions = 3;
     std::array<std::int32_t, 3> blocks{1, 1, 1};  ///< per axis; 1 where the scene has no axis
+    std::array<bool, 3> periodic{};               ///< axes that close on themselves
+    int width = 3;                                ///< of the stencil, in nodes per axis
 };
 
 using Position = std::array<std::int32_t, 3>;  ///< of a block, from the domain's lower corner; 0 where no axis

@@ -1,13 +1,21 @@
 #include "balance/partitioner.hpp"
 
-#include "balance/morton_partitioner.hpp"
+#include "balance/cartesian.hpp"
+#include "balance/chain_partitioner.hpp"
+#include "balance/library_partitioner.hpp"
+#include "balance/metis.hpp"
+#include "balance/one_rank.hpp"
 #include "balance/shuffle.hpp"
 #include "balance/slabs.hpp"
 #include "balance/slabs_initial.hpp"
+#include "balance/zoltan.hpp"
 #include "core/error.hpp"
 
 namespace moraine {
 namespace {
+
+using Blocks = std::span<const BlockLoad>;
+using Made = std::unique_ptr<Partitioner>;
 
 int checked_axis(const BalanceSpec& spec, const Layout& layout) {
     if (spec.axis < 0 || spec.axis >= layout.dimensions)
@@ -17,27 +25,97 @@ int checked_axis(const BalanceSpec& spec, const Layout& layout) {
     return spec.axis;
 }
 
-template <class Made>
-std::unique_ptr<Partitioner> make_plain(const BalanceSpec&, const Layout&, int ranks) {
-    return std::make_unique<Made>(ranks);
+Made make_morton(const BalanceSpec&, const Layout&, int ranks) {
+    return std::make_unique<ChainPartitioner>("morton", ranks, links_along_morton);
 }
 
-template <class Made>
-std::unique_ptr<Partitioner> make_slabs(const BalanceSpec& spec, const Layout& layout, int ranks) {
-    return std::make_unique<Made>(layout, checked_axis(spec, layout), ranks);
+Made make_hilbert(const BalanceSpec&, const Layout& layout, int ranks) {
+    return std::make_unique<ChainPartitioner>("hilbert", ranks,
+                                              [=](Blocks blocks) { return links_along_hilbert(layout, blocks); });
 }
+
+Made make_equal_slabs(const BalanceSpec& spec, const Layout& layout, int ranks) {
+    return std::make_unique<ChainPartitioner>(
+        "equal-slabs", ranks,
+        [=, axis = checked_axis(spec, layout)](Blocks blocks) { return links_by_layer(layout, axis, blocks); });
+}
+
+template <class Slabbed>
+Made make_slabs(const BalanceSpec& spec, const Layout& layout, int ranks) {
+    return std::make_unique<Slabbed>(layout, checked_axis(spec, layout), ranks);
+}
+
+Made make_cartesian(const BalanceSpec&, const Layout& layout, int ranks) {
+    return std::make_unique<Cartesian>(layout, ranks);
+}
+
+template <ZoltanMethod method>
+Made make_zoltan(const BalanceSpec& spec, const Layout& layout, int ranks) {
+    constexpr const char* names[] = {"rcb", "hsfc", "phg"};
+    const auto find = [layout, steps = spec.interval](Blocks blocks, int parts) {
+        return zoltan_parts(method, layout, steps, blocks, parts);
+    };
+    return std::make_unique<LibraryPartitioner>(names[static_cast<int>(method)], ranks, find);
+}
+
+Made make_metis(const BalanceSpec&, const Layout& layout, int ranks) {
+    return std::make_unique<LibraryPartitioner>(
+        "metis", ranks, [layout](Blocks blocks, int parts) { return metis_parts(layout, blocks, parts); });
+}
+
+Made make_shuffle(const BalanceSpec&, const Layout&, int ranks) {
+    return std::make_unique<Shuffle>(ranks);
+}
+
+/// What a partitioner needs besides this program.
+struct Library {
+    const char* name;
+    const char* option;
+    bool (*is_built)();
+};
+constexpr Library zoltan{"Zoltan", "MORAINE_ZOLTAN", zoltan_is_built};
+constexpr Library metis{"METIS", "MORAINE_METIS", metis_is_built};
 
 /// Where names become objects: a new partitioner is one file and one line here.
 struct Entry {
     const char* name;
-    std::unique_ptr<Partitioner> (*make)(const BalanceSpec&, const Layout&, int ranks);
+    Made (*make)(const BalanceSpec&, const Layout&, int ranks);
+    const Library* library = nullptr;
+
+    bool is_built() const { return !library || library->is_built(); }
 };
 constexpr Entry entries[] = {
-    {"morton", make_plain<MortonPartitioner>},
+    {"morton", make_morton},
+    {"hilbert", make_hilbert},
     {"slabs", make_slabs<Slabs>},
     {"slabs-initial", make_slabs<SlabsInitial>},
-    {"shuffle", make_plain<Shuffle>},
+    {"cartesian", make_cartesian},
+    {"equal-slabs", make_equal_slabs},
+    {"rcb", make_zoltan<ZoltanMethod::rcb>, &zoltan},
+    {"hsfc", make_zoltan<ZoltanMethod::hsfc>, &zoltan},
+    {"phg", make_zoltan<ZoltanMethod::phg>, &zoltan},
+    {"metis", make_metis, &metis},
+    {"shuffle", make_shuffle},
 };
+
+const Entry* find_entry(const std::string& name) {
+    for (const Entry& entry : entries)
+        if (name == entry.name) return &entry;
+    return nullptr;
+}
+
+/// An entry that can be made, or InputError.
+const Entry& checked_entry(const std::string& name) {
+    const Entry* entry = find_entry(name);
+    if (entry && entry->is_built()) return *entry;
+    std::string valid;
+    for (const Entry& other : entries)
+        if (other.is_built()) valid += (valid.empty() ? "" : ", ") + std::string(other.name);
+    const std::string why = entry ? "this program was built without " + std::string(entry->library->name) +
+                                        ", option " + entry->library->option
+                                  : "no such partitioner";
+    throw InputError("balance.partitioner = \"" + name + "\" (" + why + "). Use one of " + valid + "?");
+}
 
 }  // namespace
 
@@ -50,14 +128,20 @@ const std::vector<std::string>& partitioner_names() {
     return names;
 }
 
+bool is_built(const std::string& partitioner) {
+    const Entry* entry = find_entry(partitioner);
+    return entry && entry->is_built();
+}
+
 std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks) {
-    std::string valid;
-    for (const Entry& entry : entries) {
-        if (spec.partitioner == entry.name) return entry.make(spec, layout, ranks);
-        valid += (valid.empty() ? "" : ", ") + std::string(entry.name);
-    }
-    throw InputError("balance.partitioner = \"" + spec.partitioner + "\" (no such partitioner). Use one of " + valid +
-                     "?");
+    return checked_entry(spec.partitioner).make(spec, layout, ranks);
+}
+
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, const Comm& comm) {
+    const Entry& entry = checked_entry(spec.partitioner);
+    std::unique_ptr<Partitioner> made = entry.make(spec, layout, comm.size());
+    if (!entry.library) return made;
+    return std::make_unique<OneRank>(std::move(made), comm);
 }
 
 }  // namespace moraine

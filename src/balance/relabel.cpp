@@ -55,11 +55,11 @@ void fill_up(std::vector<std::int32_t>& rank_of, std::vector<char>& taken) {
     }
 }
 
-std::vector<std::int32_t> greedy(std::vector<Overlap> pairs, int ranks) {
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Overlap& x, const Overlap& y) { return x.particles > y.particles; });
-    std::vector<std::int32_t> rank_of(static_cast<std::size_t>(ranks), -1);
-    std::vector<char> taken(static_cast<std::size_t>(ranks), 0);
+/// `pairs` with the most particles first; a part that has a rank keeps it.
+std::vector<std::int32_t> greedy(const std::vector<Overlap>& pairs, std::vector<std::int32_t> rank_of) {
+    std::vector<char> taken(rank_of.size(), 0);
+    for (std::int32_t rank : rank_of)
+        if (rank >= 0) taken[rank] = 1;
     for (const Overlap& o : pairs)
         if (rank_of[o.part] < 0 && !taken[o.rank]) rank_of[o.part] = o.rank, taken[o.rank] = 1;
     fill_up(rank_of, taken);
@@ -68,12 +68,20 @@ std::vector<std::int32_t> greedy(std::vector<Overlap> pairs, int ranks) {
 
 }  // namespace
 
-std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks) {
-    const std::vector<Overlap> pairs = overlaps(blocks, part_of, ranks);
-    std::vector<std::int32_t> by_overlap = greedy(pairs, ranks);
-    std::vector<std::int32_t> natural(static_cast<std::size_t>(ranks));
-    std::iota(natural.begin(), natural.end(), 0);
-    return staying(pairs, natural) > staying(pairs, by_overlap) ? natural : by_overlap;
+std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks,
+                                  std::span<const std::int32_t> wanted) {
+    std::vector<Overlap> pairs = overlaps(blocks, part_of, ranks);
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Overlap& x, const Overlap& y) { return x.particles > y.particles; });
+    std::vector<std::vector<std::int32_t>> ways;  // the first of the best is taken
+    ways.push_back(greedy(pairs, std::vector<std::int32_t>(static_cast<std::size_t>(ranks), -1)));
+    ways.emplace_back(static_cast<std::size_t>(ranks));
+    std::iota(ways.back().begin(), ways.back().end(), 0);
+    if (!wanted.empty()) ways.push_back(greedy(pairs, {wanted.begin(), wanted.end()}));
+    std::size_t best = 0;
+    for (std::size_t w = 1; w < ways.size(); ++w)
+        if (staying(pairs, ways[w]) > staying(pairs, ways[best])) best = w;
+    return ways[best];
 }
 
 Moved moved(std::span<const BlockLoad> blocks, std::span<const std::int32_t> owners) {

@@ -16,8 +16,11 @@
 namespace moraine {
 
 /// The rank of each part, every rank once. part_of[b] is the part of block b, in [0, ranks). A block
-/// whose owner is not in [0, ranks) stays nowhere. Not collective.
-std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks);
+/// whose owner is not in [0, ranks) stays nowhere. `wanted`: the rank that somebody found for each part, no
+/// rank twice, -1 for none; it is filled up by greed and taken if nothing else keeps as much.
+/// Not collective.
+std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks,
+                                  std::span<const std::int32_t> wanted = {});
 
 struct Moved {
     std::int64_t particles = 0;

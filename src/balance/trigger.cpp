@@ -1,5 +1,6 @@
 #include "balance/trigger.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "core/error.hpp"
@@ -22,6 +23,7 @@ Decision by_threshold(const TriggerInput& in, double threshold) {
 }
 
 Decision by_plan(const TriggerInput& in) {
+    if (in.kind == PlanKind::keep) return {false, "cheaper to keep"};
     if (in.plan.max >= in.now.max) return {false, "no better plan"};
     const auto tau = static_cast<double>(in.step - in.last_repartition);
     if (tau * in.loses - in.lost < in.migration) return {false, "not worth it"};
@@ -53,6 +55,25 @@ bool RepartitionTrigger::is_due(std::int64_t step) const {
 bool RepartitionTrigger::needs_plan(const LoadSummary& now) const {
     if (is_static_ || rule_ == Trigger::never) return false;
     return rule_ != Trigger::threshold || now.imbalance() > threshold_;
+}
+
+PlanCosts RepartitionTrigger::costs(const TriggerInput& in, double unit) const {
+    PlanCosts costs;
+    costs.steps = static_cast<double>(std::max(interval_, in.step - in.last_repartition));
+    costs.step = unit;
+    costs.move = host_moves;
+    if (rule_ != Trigger::planned) return costs;
+    costs.may_keep = true;
+    if (in.slowest > 0 && in.now.max > 0) costs.step = in.slowest / static_cast<double>(in.now.max);
+    costs.move.start *= moves_slower_;
+    costs.move.particle *= moves_slower_;
+    return costs;
+}
+
+void RepartitionTrigger::learn(double predicted, double took) {
+    if (predicted <= 0 || took <= 0) return;
+    const double now = moves_slower_ * took / predicted;
+    moves_slower_ = std::clamp((moves_slower_ + now) / 2, 0.01, 100.0);
 }
 
 Decision RepartitionTrigger::decide(const TriggerInput& input) const {

@@ -33,6 +33,9 @@ class BlockWeight {
         return nanoseconds > 0 ? nanoseconds : 1;
     }
 
+    /// What a unit of weight takes in a step, by the model [s].
+    double seconds() const { return is_cost_ ? 1e-9 : static_cast<double>(model_.a) * 1e-12; }
+
   private:
     bool is_cost_;
     CostModel model_;

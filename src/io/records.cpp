@@ -61,10 +61,17 @@ std::string CsvLog::kept_rows(const ResumeAfter& resume) const {
 }
 
 void CsvLog::row(std::span<const double> values) {
+    row(std::vector<CsvCell>(values.begin(), values.end()));
+}
+
+void CsvLog::row(std::span<const CsvCell> values) {
     comm_.agree_no_error<MachineError>(words_of([&] {
         if (!comm_.is_root()) return;
         if (values.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
-        const std::string line = fmt::format("{}\n", fmt::join(values, ","));
+        std::vector<std::string> words;
+        for (const CsvCell& cell : values)
+            words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
+        const std::string line = fmt::format("{}\n", fmt::join(words, ","));
         file_->write(std::as_bytes(std::span(line)), end_);
         end_ += static_cast<std::int64_t>(line.size());
     }));

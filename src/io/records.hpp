@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "comm/comm.hpp"
@@ -21,6 +22,9 @@ struct ResumeAfter {
     double last = 0;
 };
 
+/// A number, or a word without a comma.
+using CsvCell = std::variant<double, std::string>;
+
 class CsvLog {
   public:
     /// Columns carry their unit in the name (time_s). With `resume` the rows of an existing table are
@@ -31,6 +35,7 @@ class CsvLog {
 
     /// Rank 0's values, one for each column; others may give none. MachineError if the disk fails.
     /// Collective.
+    void row(std::span<const CsvCell> values);
     void row(std::span<const double> values);
 
   private:

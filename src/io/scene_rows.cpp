@@ -126,8 +126,10 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "partitioner",
       .type = choice,
       .standard = "\"morton\"",
-      .choices = {"morton", "slabs", "slabs-initial", "shuffle"},
-      .meaning = "Who owns which block; shuffle (random) is for tests."},
+      .choices = {"morton", "hilbert", "slabs", "slabs-initial", "cartesian", "equal-slabs", "rcb", "hsfc", "phg",
+                  "metis", "shuffle"},
+      .meaning = "Who owns which block: docs/balance.md. rcb, hsfc and phg are Zoltan's; shuffle (random) is for "
+                 "tests."},
      [](S& s, const V& v) { s.balance.partitioner = v.text; }},
     {{.table = "balance",
       .name = "weight",
@@ -162,7 +164,7 @@ const std::vector<KeyRow<Scene>> rows{
       .type = choice,
       .standard = "\"x\"",
       .choices = {"x", "y", "z"},
-      .meaning = "Axis that slabs cut."},
+      .meaning = "Axis that slabs, slabs-initial and equal-slabs cut."},
      [](S& s, const V& v) { s.balance.axis = v.choice; }},
 
     {{.table = "output",

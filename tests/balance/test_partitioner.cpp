@@ -54,26 +54,26 @@ std::string words_of(const BalanceSpec& spec, const Layout& layout) {
 
 }  // namespace
 
-TEST_CASE("every partitioner gives each block to a rank, on any number of ranks, and calls itself by its name") {
-    const auto blocks = heap(8, [](int x) { return 1 + x; });
+TEST_CASE("an unknown partitioner is refused with the names there are") {
+    const std::string words = words_of(spec_of("mortn"), plain);
+    CHECK(words.starts_with(
+        "balance.partitioner = \"mortn\" (no such partitioner). Use one of morton, hilbert, slabs, "));
+    CHECK(words.ends_with(", shuffle?"));
     for (const std::string& name : partitioner_names())
-        for (int ranks : {1, 2, 3, 4, 7, 100}) {
-            CAPTURE(name);
-            CAPTURE(ranks);
-            const auto partitioner = make_partitioner(spec_of(name), plain, ranks);
-            CHECK(partitioner->name() == name);
-            partitioner->start(blocks);
-            for (std::size_t n : {blocks.size(), std::size_t(1), std::size_t(0)}) {
-                const Owners owners = partitioner->owners(std::span(blocks).first(n), 0);
-                REQUIRE(owners.size() == n);
-                for (std::int32_t r : owners) CHECK((r >= 0 && r < ranks));
-            }
-        }
+        CHECK((words.find(name) != std::string::npos) == is_built(name));
 }
 
-TEST_CASE("an unknown partitioner is refused with the names there are") {
-    CHECK(words_of(spec_of("mortn"), plain) ==
-          "balance.partitioner = \"mortn\" (no such partitioner). Use one of morton, slabs, slabs-initial, shuffle?");
+TEST_CASE("a partitioner that the program was built without is refused with the option that adds it") {
+    for (const char* name : {"rcb", "hsfc", "phg"})
+        if (!is_built(name))
+            CHECK(words_of(spec_of(name), plain)
+                      .starts_with("balance.partitioner = \"" + std::string(name) +
+                                   "\" (this program was built without Zoltan, option MORAINE_ZOLTAN). Use one of "));
+    if (!is_built("metis"))
+        CHECK(words_of(spec_of("metis"), plain).find("built without METIS, option MORAINE_METIS)") !=
+              std::string::npos);
+    for (const char* name : {"morton", "hilbert", "slabs", "cartesian"}) CHECK(is_built(name));
+    CHECK_FALSE(is_built("mortn"));
 }
 
 TEST_CASE("slabs along an axis that the scene has not are refused") {

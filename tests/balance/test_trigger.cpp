@@ -104,9 +104,57 @@ TEST_CASE("the planned rule refuses a plan that is no better, even if it costs n
     CHECK(trigger.decide(in).repartition);
 }
 
+TEST_CASE("the planned rule keeps what the planner would keep") {
+    const auto trigger = made(spec_of(Trigger::planned));
+    TriggerInput in = loads(1300, 1299);
+    in.loses = 1;
+    in.kind = PlanKind::keep;
+    CHECK_FALSE(trigger.decide(in).repartition);
+    CHECK(std::string(trigger.decide(in).reason) == "cheaper to keep");
+}
+
+TEST_CASE("the planner reckons with the time since the last repartition, and at least with an interval") {
+    TriggerInput in = loads(1300, 1000);
+    in.step = 1000;
+    in.last_repartition = 700;
+    CHECK(made(spec_of(Trigger::threshold, 50)).costs(in, 1e-7).steps == 300);
+    CHECK(made(spec_of(Trigger::every, 400)).costs(in, 1e-7).steps == 400);
+}
+
+TEST_CASE("only the planned rule may keep and reckons with measured time, so that other runs repeat themselves") {
+    TriggerInput in = loads(1250, 1000);
+    in.slowest = 0.5;
+    for (Trigger rule : {Trigger::every, Trigger::threshold}) {
+        auto trigger = made(spec_of(rule));
+        trigger.learn(0.1, 0.9);
+        CHECK_FALSE(trigger.costs(in, 1e-7).may_keep);
+        CHECK(trigger.costs(in, 1e-7).step == 1e-7);
+        CHECK(trigger.costs(in, 1e-7).move.particle == host_moves.particle);
+    }
+    const auto planned = made(spec_of(Trigger::planned));
+    CHECK(planned.costs(in, 1e-7).may_keep);
+    CHECK(planned.costs(in, 1e-7).step * 1250 == doctest::Approx(0.5));
+    in.slowest = 0;
+    CHECK(planned.costs(in, 1e-7).step == 1e-7);
+}
+
+TEST_CASE("migrations that take longer than predicted make the next prediction longer") {
+    auto planned = made(spec_of(Trigger::planned));
+    const TriggerInput in = loads(1250, 1000);
+    planned.learn(0.1, 0.3);
+    CHECK(planned.costs(in, 1e-7).move.start / host_moves.start == doctest::Approx(2));
+    CHECK(planned.costs(in, 1e-7).move.particle / host_moves.particle == doctest::Approx(2));
+    planned.learn(0, 1);  // nothing moved: nothing to learn
+    CHECK(planned.costs(in, 1e-7).move.particle / host_moves.particle == doctest::Approx(2));
+    planned.learn(0.1, 0.1);  // as long as predicted
+    CHECK(planned.costs(in, 1e-7).move.particle / host_moves.particle == doctest::Approx(2));
+    for (int k = 0; k < 30; ++k) planned.learn(1, 1e6);
+    CHECK(planned.costs(in, 1e-7).move.particle <= 100 * host_moves.particle);
+}
+
 TEST_CASE("a static partitioner ignores the trigger, and says so once") {
     for (Trigger rule : {Trigger::every, Trigger::threshold, Trigger::planned})
-        for (const char* name : {"slabs", "slabs-initial"}) {
+        for (const char* name : {"slabs", "slabs-initial", "cartesian"}) {
             const auto trigger = made(spec_of(rule, 1, name));
             TriggerInput in = loads(4000, 1000);
             in.loses = 1;

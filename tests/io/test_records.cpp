@@ -31,6 +31,21 @@ TEST_CASE("a row reads back to the same bits, and is on the disk at once") {
     CHECK(content_of(folder / "h.csv").find("\n1000000000000000,nan,1\n") != std::string::npos);
 }
 
+TEST_CASE("a row may hold words, and is kept or dropped like any other") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "b.csv";
+    {
+        CsvLog log(comm, path, {"step", "reason", "gain"});
+        log.row(std::vector<CsvCell>{1.0, "no better plan", 0.5});
+        log.row(std::vector<CsvCell>{2.0, "", std::numeric_limits<double>::quiet_NaN()});
+    }
+    CHECK(content_of(path) == "step,reason,gain\n1,no better plan,0.5\n2,,nan\n");
+    comm.barrier();
+    const CsvLog resumed(comm, path, {"step", "reason", "gain"}, ResumeAfter{"step", 1});
+    CHECK(content_of(path) == "step,reason,gain\n1,no better plan,0.5\n");
+}
+
 TEST_CASE("a resumed table keeps the rows up to the checkpoint and drops later and torn ones") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

@@ -141,9 +141,11 @@ def summary(directory):
 
 
 def table(directory, name):
-    """Rows of history.csv or balance.csv, as numbers by column."""
+    """Rows of history.csv or balance.csv, by column; numbers but for the columns that hold words."""
+    words = ("reason", "plan")
     with open(pathlib.Path(directory) / name, newline="") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        return [{key: value if key in words else float(value) for key, value in row.items()}
+                for row in csv.DictReader(file)]
 
 
 def checkpoints(directory):

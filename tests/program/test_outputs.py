@@ -95,6 +95,24 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual(last["repartitions"], last["steps"] // 10)
         self.assertLessEqual(sum(row["halo_bytes"] for row in rows), last["halo_bytes"])
 
+    def test_balance_rows_say_what_was_planned_and_why(self):
+        costs = ("keep_s", "natural_s", "relabelled_s", "least_migration_s")
+        for row in table(self.run_slurry(balance__trigger="every", balance__interval=10), "balance.csv"):
+            self.assertEqual(row["reason"], "every")
+            self.assertIn(row["plan"], ("natural", "relabelled", "least migration"))
+            self.assertTrue(math.isnan(row["keep_s"]))
+            offered = [row[cost] for cost in costs[1:]]
+            self.assertEqual(row[row["plan"].replace(" ", "_") + "_s"], min(offered))
+            self.assertGreater(min(offered), 0)
+        for row in table(self.run_slurry(balance__interval=10), "balance.csv"):
+            self.assertEqual((row["reason"], row["plan"]), ("balanced", "none"))
+            self.assertTrue(all(math.isnan(row[cost]) for cost in costs))
+        for row in table(self.run_slurry("--partitioner", "slabs", balance__interval=10), "balance.csv"):
+            self.assertEqual((row["reason"], row["plan"]), ("static", "none"))
+        for row in table(self.run_slurry(balance__trigger="planned", balance__interval=10), "balance.csv"):
+            self.assertIn(row["reason"], ("no better plan", "not worth it", "cheaper to keep", "planned"))
+            self.assertTrue(all(row[cost] > 0 for cost in costs), row)
+
     def test_the_morton_cut_is_even_to_within_a_block_at_the_start_and_after_a_repartition(self):
         directory = self.run_slurry(balance__trigger="every", balance__interval=10)
         block = 16 * 4  # particles

@@ -1,0 +1,44 @@
+#pragma once
+// Partitioners that cut a chain exactly by weight; the parts go to the ranks that already hold most of their
+// particles.
+//
+//   morton        the blocks along the Morton curve, which is the order in which they come (the default)
+//   hilbert       the blocks along the Hilbert curve
+//   equal-slabs   the occupied layers of blocks along balance.axis, as wholes: slabs of equal load
+//
+// A pure function of the blocks: the same weights give the same cut, so a balanced flow at rest moves
+// nothing. options() adds the parts in natural order and the cut that moves least.
+
+#include <functional>
+
+#include "balance/least_migration.hpp"
+#include "balance/partitioner.hpp"
+
+namespace moraine {
+
+/// Of each block its link of the chain; links are numbered from 0 without gaps.
+using Links = std::vector<std::int32_t>;
+
+Links links_along_morton(std::span<const BlockLoad> blocks);
+Links links_along_hilbert(const Layout& layout, std::span<const BlockLoad> blocks);
+Links links_by_layer(const Layout& layout, int axis, std::span<const BlockLoad> blocks);
+
+class ChainPartitioner final : public Partitioner {
+  public:
+    using Order = std::function<Links(std::span<const BlockLoad>)>;
+
+    ChainPartitioner(const char* name, int ranks, Order order) : name_(name), ranks_(ranks), order_(std::move(order)) {}
+
+    const char* name() const override { return name_; }
+    std::vector<std::int32_t> owners(std::span<const BlockLoad> blocks, std::int64_t round) const override;
+
+    /// natural, relabelled and, where it differs from them, least migration.
+    std::vector<Option> options(std::span<const BlockLoad> blocks, std::int64_t round) const override;
+
+  private:
+    const char* name_;
+    int ranks_;
+    Order order_;
+};
+
+}  // namespace moraine
