@@ -27,14 +27,21 @@ bool tells_of_run(const std::string& name) {
     return name == "summary.json" || name == "history.csv" || name == "particles.vtkhdf" || is_checkpoint(name);
 }
 
-/// A file that a run makes, finished or not.
-bool belongs_to_run(std::string name) {
-    constexpr std::string_view partial = ".partial";
-    if (name.ends_with(partial)) name.resize(name.size() - partial.size());
+bool is_made_by_run(const std::string& name) {
     return tells_of_run(name) || name == "balance.csv";
 }
 
-std::vector<fs::path> files_of_run(const fs::path& path, bool (*which)(std::string)) {
+/// A file that a run was writing when it was killed.
+bool is_unfinished(const std::string& name) {
+    constexpr std::string_view partial = ".partial";
+    return name.ends_with(partial) && is_made_by_run(name.substr(0, name.size() - partial.size()));
+}
+
+bool belongs_to_run(const std::string& name) {
+    return is_made_by_run(name) || is_unfinished(name);
+}
+
+std::vector<fs::path> files_of_run(const fs::path& path, bool (*which)(const std::string&)) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(path))
         if (entry.is_regular_file() && which(entry.path().filename().string())) files.push_back(entry.path());
@@ -59,7 +66,7 @@ void check(const fs::path& path, RunClaim claim) {
         if (!fs::is_directory(existing)) not_writable(path, existing.string() + " is not a directory");
         if (::access(existing.c_str(), W_OK | X_OK) != 0) not_writable(path, std::strerror(errno));
         if (claim != RunClaim::fresh || !fs::exists(path)) return;
-        const auto files = files_of_run(path, [](std::string name) { return tells_of_run(name); });
+        const auto files = files_of_run(path, tells_of_run);
         if (!files.empty())
             throw InputError(fmt::format("{} holds a run (it has {}). --overwrite, or another --output?", path.string(),
                                          files[0].filename().string()));
@@ -74,8 +81,8 @@ void claim_it(const fs::path& path, RunClaim claim) {
         if (p.has_filename()) made.push_back(p);
     try {
         fs::create_directories(path);
-        if (claim == RunClaim::overwrite)
-            for (const auto& file : files_of_run(path, belongs_to_run)) fs::remove(file);
+        const auto removed = claim == RunClaim::overwrite ? belongs_to_run : is_unfinished;
+        for (const auto& file : files_of_run(path, removed)) fs::remove(file);
         const fs::path probe = path / "summary.json.partial";  // the permission bits are not the whole truth
         DiskFile(probe.string(), DiskFile::Mode::create);
         fs::remove(probe);

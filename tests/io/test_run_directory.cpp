@@ -55,10 +55,27 @@ TEST_CASE("a directory that holds a run is refused, and overwritten only of a ru
         comm.barrier();
         CHECK(refusal(comm, folder / "a", RunClaim::resume).empty());
         CHECK(fs::exists(folder / "a/" + file));
+        CHECK(fs::exists(folder / "a/balance.csv"));
         comm.barrier();
         CHECK(refusal(comm, folder / "a", RunClaim::overwrite).empty());
         CHECK(std::distance(fs::directory_iterator(folder / "a"), {}) == 1);
         CHECK(fs::exists(folder / "a/notes.txt"));
+        comm.barrier();
+    }
+}
+
+TEST_CASE("what a killed run left unfinished is gone after any claim, and nothing else is") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    for (const RunClaim claim : {RunClaim::fresh, RunClaim::overwrite, RunClaim::resume}) {
+        claim_run_directory(comm, folder / "a", RunClaim::overwrite);
+        for (const char* file : {"checkpoint-000000012.h5.partial", "particles.vtkhdf.partial", "summary.json.partial",
+                                 "notes.partial", "checkpoint-000000012.h5.partial.mine"})
+            put(comm, folder / "a/" + file);
+        CHECK(refusal(comm, folder / "a", claim).empty());
+        CHECK(std::distance(fs::directory_iterator(folder / "a"), {}) == 2);
+        CHECK(fs::exists(folder / "a/notes.partial"));
+        CHECK(fs::exists(folder / "a/checkpoint-000000012.h5.partial.mine"));
         comm.barrier();
     }
 }

@@ -28,8 +28,10 @@ class Stop(moraine.ProgramTest):
             directory = self.run_scene(SCENE, "undisturbed", *KEYS, ranks=2)
             Stop.undisturbed = summary(directory)["state_hash"], (directory / "history.csv").read_text()
         last = checkpoints(self.folder / name)[-1]
+        (self.folder / name / "checkpoint-999999999.h5.partial").write_text("cut short")
         directory = self.run_scene(SCENE, name, *KEYS, "--restart", last, ranks=ranks)
         self.assertEqual((summary(directory)["state_hash"], (directory / "history.csv").read_text()), Stop.undisturbed)
+        self.assertEqual(sorted(directory.glob("*.partial")), [])
 
     def test_a_killed_rank_ends_the_job_and_the_last_checkpoint_restarts_it(self):
         moments = random.Random(3)
