@@ -22,7 +22,7 @@ namespace moraine {
 
 namespace {
 
-struct Plan {
+struct Runs {
     int runs = 5;
     int steps = 200;
     int warm_up = 10;
@@ -52,7 +52,7 @@ Device this_device() {
 }
 
 template <class Real, int Dim>
-void measure(const DeviceCase& c, const Plan& plan, const Device& device) {
+void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const Comm comm(MPI_COMM_WORLD);
     Simulation<Real, Dim> sim(c.scene, comm, device_engine_maker<Real, Dim>(c.scene));
     const double begun = wall_seconds();
@@ -90,7 +90,7 @@ void measure(const DeviceCase& c, const Plan& plan, const Device& device) {
     std::fflush(stdout);
 }
 
-void run(const DeviceCase& c, const Plan& plan, const Device& device) {
+void run(const DeviceCase& c, const Runs& plan, const Device& device) {
     const bool single = c.scene.precision == Precision::single_;
     if (c.scene.dimensions == 2)
         single ? measure<float, 2>(c, plan, device) : measure<double, 2>(c, plan, device);
@@ -99,7 +99,7 @@ void run(const DeviceCase& c, const Plan& plan, const Device& device) {
 }
 
 void benchmark(int argc, char** argv) {
-    Plan plan;
+    Runs plan;
     std::vector<std::string> wanted;
     bool list = false;
     for (int i = 1; i < argc; ++i) {

@@ -40,7 +40,7 @@ Case find_case(const std::string& name, double particles) {
 
 }  // namespace
 
-ChildResult run_child(const std::string& name, double particles, const Plan& plan, std::int64_t empty_bytes) {
+ChildResult run_child(const std::string& name, double particles, const Runs& plan, std::int64_t empty_bytes) {
     std::istringstream lines(
         output_of(fmt::format("OMP_NUM_THREADS=1 '{}' --child '{}' --particles {:.0f} --runs {} --steps {} --empty {}",
                               own_path(), name, particles, plan.runs, plan.steps, empty_bytes)));
@@ -52,7 +52,7 @@ ChildResult run_child(const std::string& name, double particles, const Plan& pla
     return r;
 }
 
-void be_child(const std::string& name, double particles, const Plan& plan, std::int64_t empty_bytes) {
+void be_child(const std::string& name, double particles, const Runs& plan, std::int64_t empty_bytes) {
     const Case c = find_case(name, particles);
     const Measured m = measure(c, plan);
     fmt::print("{}\n{}\n{} {} {} {:.9e} {}\n", json_line(c, plan, m, empty_bytes, this_machine()),

@@ -18,9 +18,9 @@ struct ChildResult {
 };
 
 /// Runs this program again for one case. Throws std::runtime_error if that fails.
-ChildResult run_child(const std::string& name, double particles, const Plan& plan, std::int64_t empty_bytes);
+ChildResult run_child(const std::string& name, double particles, const Runs& plan, std::int64_t empty_bytes);
 
 /// What the child does: measure the case of that name and print.
-void be_child(const std::string& name, double particles, const Plan& plan, std::int64_t empty_bytes);
+void be_child(const std::string& name, double particles, const Runs& plan, std::int64_t empty_bytes);
 
 }  // namespace moraine

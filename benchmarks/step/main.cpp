@@ -30,7 +30,7 @@ struct Options {
     std::string write, child;
     double particles = 1e6;
     std::int64_t empty_bytes = 0;
-    Plan plan;
+    Runs plan;
 };
 
 Options parse(int argc, char** argv) {
@@ -75,7 +75,7 @@ Pages measure_cases(const Options& o) {
     pages.table = table_head();
     fmt::print("{}", pages.table);
     for (const Case& c : o.all ? all_cases(o.particles) : target_cases(o.particles)) {
-        const Plan once{1, 1, 5};
+        const Runs once{1, 1, 5};
         const std::int64_t empty = run_child(c.name, 8, once, 0).peak_bytes;
         const ChildResult r = run_child(c.name, o.particles, o.plan, empty);
         fmt::print("{}\n", r.row);

@@ -35,7 +35,7 @@ void look_at(Simulation<Real, Dim>& sim, Measured& m) {
 }
 
 template <class Real, int Dim>
-Measured measure_as(const Scene& scene, const Plan& plan) {
+Measured measure_as(const Scene& scene, const Runs& plan) {
     const Comm comm(MPI_COMM_WORLD);
     Simulation<Real, Dim> sim(scene, comm);
     const auto advance = [&](int steps) {
@@ -66,7 +66,7 @@ Measured measure_as(const Scene& scene, const Plan& plan) {
 
 }  // namespace
 
-Measured measure(const Case& c, const Plan& plan) {
+Measured measure(const Case& c, const Runs& plan) {
     const bool single = c.scene.precision == Precision::single_;
     if (c.scene.dimensions == 2)
         return single ? measure_as<float, 2>(c.scene, plan) : measure_as<double, 2>(c.scene, plan);

@@ -10,7 +10,7 @@
 
 namespace moraine {
 
-struct Plan {
+struct Runs {
     int runs = 5;
     int steps = 20;   ///< of each run
     int warm_up = 5;  ///< steps before the first run
@@ -30,10 +30,10 @@ struct Measured {
     std::int64_t seeded_bytes = 0;               ///< largest resident memory up to the first step
     std::int64_t peak_bytes = 0;                 ///< and to the last
 
-    double rate(const Spread& s, const Plan& plan) const { return particles * plan.steps / s.median; }
+    double rate(const Spread& s, const Runs& plan) const { return particles * plan.steps / s.median; }
 };
 
 /// Collective over one rank: MPI must be up.
-Measured measure(const Case& c, const Plan& plan);
+Measured measure(const Case& c, const Runs& plan);
 
 }  // namespace moraine

@@ -22,7 +22,7 @@ double rest(const Measured& m) {
 
 }  // namespace
 
-std::string json_line(const Case& c, const Plan& plan, const Measured& m, std::int64_t empty_bytes,
+std::string json_line(const Case& c, const Runs& plan, const Measured& m, std::int64_t empty_bytes,
                       const Machine& machine) {
     std::string phases;
     for (std::size_t k = 0; k < Phases::count; ++k)
@@ -44,7 +44,7 @@ std::string table_head() {
            "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
-std::string table_row(const Case& c, const Plan& plan, const Measured& m, std::int64_t empty_bytes) {
+std::string table_row(const Case& c, const Runs& plan, const Measured& m, std::int64_t empty_bytes) {
     const double rate = m.rate(m.wall, plan);
     return fmt::format(
         "| {} | {:.0f} | {:.2f} | {:.1f} % | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} | "
@@ -54,7 +54,7 @@ std::string table_row(const Case& c, const Plan& plan, const Measured& m, std::i
         rest(m), bytes_per_particle(m, empty_bytes), m.row_bytes, m.moved, m.yielded);
 }
 
-std::string table_notes(const Plan& plan) {
+std::string table_notes(const Runs& plan) {
     return fmt::format(
         "One rank, one thread. Rates are medians of {} runs of {} steps after {} steps of warm-up, spread is the "
         "median "

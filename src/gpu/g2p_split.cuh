@@ -165,18 +165,19 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     tally.fold_into(account_of(v));
 }
 
-/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
 template <class Real, class Shape, bool Affine>
-inline constexpr int split_blocks = sizeof(Real) == 8            ? (Affine ? 2 : 3)
-                                    : Affine&& Shape::sized      ? 3
-                                    : Affine || Shape::width > 3 ? 4
-                                                                 : 5;
+constexpr int split_blocks() {
+    constexpr bool large = Shape::sized || Shape::width > 3;
+    if (sizeof(Real) == 8) return Affine ? 2 : 3;
+    return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
+}
 
 template <class Real, int Dim, class Shape, bool Affine>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
     SplitKernel()
-        : kernel_(g2p_split<Real, Dim, Shape, Affine, split_blocks<Real, Shape, Affine>>,
+        : kernel_(g2p_split<Real, Dim, Shape, Affine, split_blocks<Real, Shape, Affine>()>,
                   sizeof(typename SplitGather<Real, Dim, Shape, Affine>::Shared), "Launching the gather") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
