@@ -34,14 +34,14 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm) {
     if (wanted == "cpu") return {false, "Computing on the host (--device cpu)"};
     if (comm.size() > 1 && wanted == "cuda")
         throw InputError(
-            fmt::format("{} ranks on devices (the halo of devices is not there yet). Use one rank, or "
+            fmt::format("{} ranks with --device cuda (the halo of devices is not there yet). Use one rank, or "
                         "--device cpu?",
                         comm.size()));
     if (comm.size() > 1) return {false, "Computing on the host (a device serves runs of one rank so far)"};
     const int devices = devices_here();
     const bool all = comm.min(devices > 0 ? 1.0 : 0.0) > 0;
     if (!all && wanted == "cuda")
-        throw InputError("No CUDA device was found (on at least one machine of the run). Use --device cpu?");
+        throw InputError("No CUDA device was found (--device cuda needs one on every machine). Use --device cpu?");
     if (!all) return {false, "Computing on the host (no CUDA device was found)"};
     const int mine = local_rank(comm) % devices;
     gpu::check(cudaSetDevice(mine), "Choosing a device");

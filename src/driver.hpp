@@ -24,7 +24,7 @@ template <class Real, int Dim>
 class Driver {
   public:
     /// Collective.
-    Driver(const Scene& scene, const Options& options, const Comm& comm, bool on_device);
+    Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
 
     /// Collective. Throws what the simulation throws, after the last state was written.
     void run();
@@ -44,7 +44,7 @@ class Driver {
     const Scene& scene_;
     const Options& options_;
     const Comm& comm_;
-    std::string directory_;
+    std::string directory_, device_words_;
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_;
     std::unique_ptr<ParticleSeries> series_;
@@ -62,6 +62,6 @@ class Driver {
 
 /// Reads nothing, runs all: the instance for the scene's precision and dimension, on the host or on this rank's
 /// device. Collective.
-void run_scene(const Scene& scene, const Options& options, const Comm& comm, bool on_device);
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
 
 }  // namespace moraine

@@ -26,12 +26,13 @@ std::int64_t next_multiple(double interval, double t) {
 }  // namespace
 
 template <class Real, int Dim>
-Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, bool on_device)
+Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device)
     : scene_(scene),
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
-      sim_(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene) : nullptr) {}
+      device_words_(device.words),
+      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene) : nullptr) {}
 
 template <class Real, int Dim>
 double Driver<Real, Dim>::wall() const {
@@ -58,6 +59,7 @@ void Driver<Real, Dim>::begin() {
     if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
     claim_run_directory(comm_, directory_, claim);
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_words_);
     const RunClock<Dim>& clock = sim_.clock();
     open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
     next_output_ = next_multiple(scene_.output.interval, clock.time);

@@ -71,9 +71,8 @@ void execute(const Options& options, const Comm& comm) {
     }
     choose_threads();
     const DeviceChoice device = choose_device(options.device, comm);
-    if (comm.is_root() && !options.quiet) fmt::print(stderr, "{}\n", device.words);
     if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene)));
-    run_scene(scene, options, comm, device.cuda);
+    run_scene(scene, options, comm, device);
 }
 
 int run_program(int argc, char** argv) {
