@@ -10,23 +10,31 @@
 
 namespace moraine {
 
+namespace gpu {
+class WireMaker;
+}
+
 struct DeviceChoice {
     bool cuda = false;
     std::string words;  ///< for the user: what was chosen, and why
+    std::shared_ptr<const gpu::WireMaker> wires;  ///< between devices; none: one rank, or the host
+    std::string transport = "host";
 };
 
 /// `wanted` is --device: cpu, cuda, or auto (CUDA where every rank finds a device). The ranks of a machine are given
-/// its devices in turn. Throws InputError, the same on all ranks, where cuda is wanted and cannot be had. Collective.
-DeviceChoice choose_device(const std::string& wanted, const Comm& comm);
+/// its devices in turn. `transport` is --transport: auto, host, peer, nccl or mpi; tried before it is chosen. Throws
+/// InputError, the same on all ranks, where what is wanted cannot be had. Collective.
+DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport = "auto");
 
-/// Throws InputError if the device that was chosen has less than `bytes` free. Not collective.
-void check_device_memory(double bytes);
+/// Throws InputError, the same on all ranks, if a device has less free than its ranks need for a scene of `bytes` in
+/// all. Collective.
+void check_device_memory(double bytes, const Comm& comm);
 
 template <class Real, int Dim>
 using DeviceEngineMaker = std::function<std::unique_ptr<Engine<Real, Dim>>(const Method<Host, Real, Dim>&)>;
 
-/// Makes engines on the device that choose_device() gave to this rank. The scene must outlive what is made.
+/// Makes engines on the device that choose_device() gave to this rank. All must outlive what is made.
 template <class Real, int Dim>
-DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene);
+DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene, const Comm& comm, const DeviceChoice& choice);
 
 }  // namespace moraine

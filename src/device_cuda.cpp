@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "device.hpp"
 #include "gpu/engine.hpp"
+#include "gpu/wire.hpp"
 
 namespace moraine {
 
@@ -23,6 +24,16 @@ int local_rank(const Comm& comm) {
     return rank;
 }
 
+/// Ranks on this machine. Collective.
+int ranks_here(const Comm& comm) {
+    MPI_Comm here = MPI_COMM_NULL;
+    int ranks = 1;
+    MPI_Comm_split_type(comm.handle(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+    MPI_Comm_size(here, &ranks);
+    MPI_Comm_free(&here);
+    return ranks;
+}
+
 int devices_here() {
     int n = 0;
     return cudaGetDeviceCount(&n) == cudaSuccess ? n : 0;
@@ -30,48 +41,59 @@ int devices_here() {
 
 }  // namespace
 
-DeviceChoice choose_device(const std::string& wanted, const Comm& comm) {
-    if (wanted == "cpu") return {false, "Computing on the host (--device cpu)"};
-    if (comm.size() > 1 && wanted == "cuda")
-        throw InputError(
-            fmt::format("{} ranks with --device cuda (the halo of devices is not there yet). Use one rank, or "
-                        "--device cpu?",
-                        comm.size()));
-    if (comm.size() > 1) return {false, "Computing on the host (a device serves runs of one rank so far)"};
+DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport) {
+    const auto host = [&](const char* why) {
+        if (transport != "auto" && transport != "host")
+            throw InputError(fmt::format("--transport {} moves device memory ({}). Use --transport host?", transport, why));
+        return DeviceChoice{false, std::string("Computing on the host (") + why + ")", nullptr, "host"};
+    };
+    if (wanted == "cpu") return host("--device cpu");
     const int devices = devices_here();
     const bool all = comm.min(devices > 0 ? 1.0 : 0.0) > 0;
     if (!all && wanted == "cuda")
         throw InputError("No CUDA device was found (--device cuda needs one on every machine). Use --device cpu?");
-    if (!all) return {false, "Computing on the host (no CUDA device was found)"};
+    if (!all) return host("no CUDA device was found");
     const int mine = local_rank(comm) % devices;
     gpu::check(cudaSetDevice(mine), "Choosing a device");
     cudaDeviceProp properties{};
     gpu::check(cudaGetDeviceProperties(&properties, mine), "Asking the device");
-    return {true, fmt::format("Computing on {} ({} rank{}, {} device{} on this machine)", properties.name, comm.size(),
-                              comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s")};
+    DeviceChoice choice{true, {}, nullptr, "none"};
+    std::string wires;
+    if (comm.size() > 1) {
+        choice.wires = gpu::choose_wires(comm, transport, wires);
+        choice.transport = choice.wires->name();
+    }
+    choice.words = fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name,
+                               comm.size(), comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s",
+                               wires.empty() ? "" : ", ", wires);
+    return choice;
 }
 
-void check_device_memory(double bytes) {
+void check_device_memory(double bytes, const Comm& comm) {
     std::size_t free = 0, total = 0;
     gpu::check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
-    if (bytes <= static_cast<double>(free)) return;
-    throw InputError(
-        fmt::format("The scene needs {:.1f} GB of device memory ({:.1f} of {:.1f} GB are free). {} such GPUs "
-                    "would hold it; a larger domain.cell, single precision or --device cpu?",
-                    bytes * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
-                    static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total))))));
+    const int sharing = (ranks_here(comm) + devices_here() - 1) / devices_here();  // ranks of one device
+    const double mine = bytes / comm.size() * sharing;
+    std::string wrong;
+    if (mine > static_cast<double>(free))
+        wrong = fmt::format("The scene needs {:.1f} GB of device memory, {:.1f} GB on each device ({:.1f} of {:.1f} GB are "
+                            "free). {} such GPUs would hold it; a larger domain.cell, single precision or --device cpu?",
+                            bytes * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9,
+                            static_cast<double>(total) * 1e-9,
+                            static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total)))));
+    comm.agree_no_error<InputError>(wrong);
 }
 
 template <class Real, int Dim>
-DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene) {
-    return [&](const Method<Host, Real, Dim>& method) {
-        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, method);
+DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene, const Comm& comm, const DeviceChoice& choice) {
+    return [&scene, &comm, wires = choice.wires](const Method<Host, Real, Dim>& method) {
+        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, comm, method, wires.get());
     };
 }
 
-template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&);
-template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&);
-template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&);
-template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&);
+template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&, const Comm&, const DeviceChoice&);
 
 }  // namespace moraine

@@ -5,22 +5,25 @@
 
 namespace moraine {
 
-DeviceChoice choose_device(const std::string& wanted, const Comm&) {
+DeviceChoice choose_device(const std::string& wanted, const Comm&, const std::string& transport) {
     if (wanted == "cuda")
         throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");
-    return {false, "Computing on the host (this program was built without CUDA)"};
+    if (transport != "auto" && transport != "host")
+        throw InputError("This program was built without CUDA (--transport " + transport +
+                         " moves device memory). Use --transport host?");
+    return {false, "Computing on the host (this program was built without CUDA)", nullptr, "host"};
 }
 
-void check_device_memory(double) {}
+void check_device_memory(double, const Comm&) {}
 
 template <class Real, int Dim>
-DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&) {
+DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&, const Comm&, const DeviceChoice&) {
     return nullptr;
 }
 
-template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&);
-template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&);
-template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&);
-template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&);
+template DeviceEngineMaker<float, 2> device_engine_maker<float, 2>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<float, 3> device_engine_maker<float, 3>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<double, 2> device_engine_maker<double, 2>(const Scene&, const Comm&, const DeviceChoice&);
+template DeviceEngineMaker<double, 3> device_engine_maker<double, 3>(const Scene&, const Comm&, const DeviceChoice&);
 
 }  // namespace moraine

@@ -32,7 +32,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
       device_words_(device.words),
-      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene) : nullptr) {}
+      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {}
 
 template <class Real, int Dim>
 double Driver<Real, Dim>::wall() const {

@@ -61,17 +61,14 @@ void choose_threads() {
 }
 
 void execute(const Options& options, const Comm& comm) {
-    if (options.transport != "auto" && options.transport != "host")
-        throw InputError("This program was built without CUDA (--transport " + options.transport +
-                         " moves device memory). Use --transport host?");
     const Scene scene = read_agreed(comm, options);
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));
         return;
     }
     choose_threads();
-    const DeviceChoice device = choose_device(options.device, comm);
-    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene)));
+    const DeviceChoice device = choose_device(options.device, comm, options.transport);
+    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene)), comm);
     run_scene(scene, options, comm, device);
 }
 

@@ -159,7 +159,7 @@ class Simulation {
     void begin_epoch(const FiledBlocks& filed);
     void renew_epoch(const std::vector<BlockLoad>& loads);
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
-    void repartition(const std::vector<BlockLoad>& loads, const std::vector<std::int32_t>& owners);
+    void repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);
     FiledBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);
     Sym<Real, Dim> geostatic_stress(const BodySpec& body, const Seed& seed) const;

@@ -123,12 +123,15 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
 }
 
 template <class Real, int Dim>
-void Simulation<Real, Dim>::repartition(const std::vector<BlockLoad>& loads, const std::vector<std::int32_t>& owners) {
+void Simulation<Real, Dim>::repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
     const auto start = std::chrono::steady_clock::now();
-    BlockMoveCount moved;
-    const FiledBlocks filed = patch().filed();
-    const FiledBlocks next = move_blocks(comm_, patch(), filed, owners_of(filed, loads, owners), moved);
-    begin_epoch(next);
+    std::vector<std::int32_t> of_mine;
+    for (std::size_t b = 0; b < loads.size(); ++b) {
+        if (loads[b].owner == comm_.rank()) of_mine.push_back(owners[b]);
+        loads[b].owner = owners[b];
+    }
+    const BlockMoveCount moved = engine_->repartition(next_epoch(loads), of_mine);
+    engine_->refresh_memory(false);
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;

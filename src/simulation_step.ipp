@@ -30,6 +30,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::start_agreement() {
     phases_.time(Phase::agree, [&] { book(); });
     own_.count = engine_->census().particles;
+    own_.crowd = engine_->census().crowd;
     own_.stop = asked_;
     asked_ = 0;
     reduction_.start(own_);
@@ -55,6 +56,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     clock_.dt = scene_.dt > 0 ? scene_.dt : scene_.cfl * scene_.cell / clock_.signal;
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
+    engine_->expect_leavers(agreed_.crowd);
 }
 
 /// What happened, and what may help: of the worst of several faults.

@@ -32,6 +32,16 @@ Scene slab(const ColumnOptions& o, double particles) {
     return s;
 }
 
+/// Along x one cube of `particles` for each rank.
+Scene bar(const ColumnOptions& o, double particles, int ranks) {
+    Scene s = column_case(o, particles).scene;
+    BodySpec& body = s.bodies.front();
+    const double longer = (ranks - 1) * (body.max[0] - body.min[0]);
+    s.max[0] += 4 * std::ceil(longer / 4);
+    body.max[0] += longer;
+    return s;
+}
+
 struct Size {
     const char* name;
     double particles;
@@ -39,7 +49,7 @@ struct Size {
 
 }  // namespace
 
-std::vector<DeviceCase> device_cases() {
+std::vector<DeviceCase> device_cases(int ranks) {
     std::vector<DeviceCase> cases;
     for (Precision precision : {Precision::single_, Precision::double_}) {
         const std::string tail = precision == Precision::single_ ? "single" : "double";
@@ -49,6 +59,8 @@ std::vector<DeviceCase> device_cases() {
                                  Size{"column-200k", 29.0 * 29 * 29 * 8}})
             cases.push_back({std::string(size.name) + "-" + tail, lasting(column_case(o, size.particles).scene),
                              size.particles < 3e6});
+        for (const Size& size : {Size{"weak-16M", 128.0 * 128 * 128 * 8}, Size{"weak-2M", 64.0 * 64 * 64 * 8}})
+            cases.push_back({std::string(size.name) + "-" + tail, lasting(bar(o, size.particles, ranks)), false});
         cases.push_back({"slab-8M-" + tail, lasting(slab(o, 8e6)), false});
         cases.push_back({"column-64M-" + tail, lasting(column_case(o, 200.0 * 200 * 200 * 8).scene), false});
         for (const Case& c : all_cases(96.0 * 96 * 96 * 8))

@@ -1,6 +1,6 @@
 #pragma once
-// The scenes of the device's benchmark: the columns of step/scenes.hpp at the sizes of the targets, a thin deposit, and
-// one of each method and law.
+// The scenes of the device's benchmark: the columns of step/scenes.hpp at the sizes of the targets, a thin deposit, one of
+// each method and law, and columns that grow along one axis with the number of ranks.
 
 #include "step/scenes.hpp"
 
@@ -12,6 +12,6 @@ struct DeviceCase {
     bool hashed;  ///< small enough to bring the particles to the host for their hash
 };
 
-std::vector<DeviceCase> device_cases();
+std::vector<DeviceCase> device_cases(int ranks);
 
 }  // namespace moraine

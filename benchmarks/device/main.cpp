@@ -1,9 +1,10 @@
 // benchmark_device: the whole step of one device, filing, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...]    CASE as --list names them; default: all
-// [--steps N] [--runs N] [--list]
+// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME]
 //
-// One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
+// One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle. Under
+// mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
@@ -26,6 +27,8 @@ struct Runs {
     int runs = 5;
     int steps = 200;
     int warm_up = 10;
+    std::string transport = "auto";
+    std::string partitioner;  ///< of the scene
 };
 
 struct Device {
@@ -54,7 +57,10 @@ Device this_device() {
 template <class Real, int Dim>
 void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const Comm comm(MPI_COMM_WORLD);
-    Simulation<Real, Dim> sim(c.scene, comm, device_engine_maker<Real, Dim>(c.scene));
+    const DeviceChoice choice = choose_device("cuda", comm, plan.transport);
+    Scene scene = c.scene;
+    if (!plan.partitioner.empty()) scene.balance.partitioner = plan.partitioner;
+    Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, choice));
     const double begun = wall_seconds();
     sim.seed();
     const double seeding = wall_seconds() - begun;
@@ -63,30 +69,43 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         sim.conclude();
     };
     advance(plan.warm_up);
-    const auto particles = static_cast<double>(sim.engine().census().particles);
+    const auto particles = comm.sum(static_cast<double>(sim.engine().census().particles));
+    const RunCounts counted = sim.counts_so_far();
     const std::array<double, Phases::count> before = sim.phases().all();
     std::vector<double> seconds;
     double moved = 0;
     for (int r = 0; r < plan.runs; ++r) {
+        comm.barrier();
         const double start = wall_seconds();
         advance(plan.steps);
         seconds.push_back((wall_seconds() - start) / plan.steps);
         moved = std::max(moved, sim.agreement().moved);
     }
     const Spread s = spread_of(seconds);
-    const double used = device.free - free_bytes();
+    const double used = comm.sum(device.free - free_bytes());
+    const int steps = plan.runs * plan.steps;
+    const RunCounts counts = sim.counts_so_far();
+    const double halo = comm.sum(static_cast<double>(counts.halo_bytes - counted.halo_bytes)) / steps;
+    const double crossed = comm.sum(static_cast<double>(counts.crossed_particles - counted.crossed_particles)) / steps;
+    const double migrated = comm.sum(static_cast<double>(counts.migrated_particles - counted.migrated_particles));
+    const double blocks = comm.sum(static_cast<double>(sim.engine().census().blocks));
     std::string phases;
-    for (std::size_t k = 0; k < Phases::count; ++k)
+    for (std::size_t k = 0; k < Phases::count; ++k)  // of the rank that is longest in it
         phases += fmt::format("{}\"{}\": {:.4f}", k ? ", " : "", Phases::names[k],
-                              1e3 * (sim.phases().all()[k] - before[k]) / (plan.runs * plan.steps));
+                              comm.max(1e3 * (sim.phases().all()[k] - before[k]) / steps));
+    const std::uint64_t hash = c.hashed ? sim.state_hash() : 0;
+    if (!comm.is_root()) return;
     fmt::print(
-        "{{\"case\": \"{}\", \"device\": \"{}\", \"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
-        "\"blocks\": {}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
+        "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"device\": \"{}\", \"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
+        "\"blocks\": {:.0f}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
         "\"G_particle_steps_per_s\": {:.3f}, \"bytes_per_particle\": {:.1f}, \"largest_move_cells\": {:.4f}, "
+        "\"imbalance_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, \"crossed_per_step\": {:.1f}, \"repartitions\": {}, "
+        "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
-        c.name, device.name, device.driver, device.runtime, machine_json(this_machine()), particles,
-        sim.engine().census().blocks, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
-        particles / s.median * 1e-9, used / particles, moved, seeding, phases, c.hashed ? sim.state_hash() : 0);
+        c.name, comm.size(), choice.transport, scene.balance.partitioner, device.name, device.driver, device.runtime, machine_json(this_machine()), particles,
+        blocks, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
+        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps), halo, crossed,
+        counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
     std::fflush(stdout);
 }
 
@@ -106,18 +125,22 @@ void benchmark(int argc, char** argv) {
         const std::string key = argv[i];
         if (key == "--list")
             list = true;
+        else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)
+            (key == "--transport" ? plan.transport : plan.partitioner) = argv[++i];
         else if ((key == "--steps" || key == "--runs") && i + 1 < argc)
             (key == "--steps" ? plan.steps : plan.runs) = std::stoi(argv[++i]);
         else
             wanted.push_back(key);
     }
-    const std::vector<DeviceCase> cases = device_cases();
+    int ranks = 1;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    const std::vector<DeviceCase> cases = device_cases(ranks);
     const auto known = [&](const std::string& name) {
         return std::any_of(cases.begin(), cases.end(), [&](const DeviceCase& c) { return c.name == name; });
     };
     for (const std::string& name : wanted)
         if (!known(name)) throw std::runtime_error("no case or option " + name + " (see --list)");
-    if (!list) choose_device("cuda", Comm(MPI_COMM_WORLD));
+    if (!list) choose_device("cuda", Comm(MPI_COMM_WORLD), "host");
     const Device device = list ? Device{} : this_device();
     for (const DeviceCase& c : cases) {
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), c.name) == wanted.end()) continue;

@@ -17,6 +17,7 @@ struct Agreement {
     double seconds_sum = 0;      ///< sum; reported only
     std::int64_t count = 0;      ///< max: particles of a rank
     std::int64_t count_sum = 0;  ///< sum
+    std::int64_t crowd = 0;      ///< max: particles of a block that some peer needs (devices)
     std::uint32_t faults = 0;    ///< or: bits of Fault
     std::uint32_t stop = 0;      ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
 };

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "comm/block_move.hpp"
 #include "comm/patch.hpp"
 #include "core/method.hpp"
 #include "core/totals.hpp"
@@ -54,6 +55,7 @@ struct BlockCounts {
 struct Census {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;  ///< occupied
+    std::int64_t crowd = 0;   ///< on a device: most particles of a block that some peer needs
 };
 
 /// What this rank has sent since the run began.
@@ -77,10 +79,13 @@ class Engine {
     /// Filed state only. Not collective.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 
-    /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Not collective.
+    /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Collective.
     virtual void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) = 0;
-    /// Begins an epoch with the same particles. Filed state only. Not collective.
+    /// Begins an epoch with the same particles. Filed state only. Collective.
     virtual void renew(EpochTables<Dim> tables) = 0;
+    /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Filed state only.
+    /// Collective.
+    virtual BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) = 0;
     /// Puts memory into list order where that pays, or always. Filed state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 
@@ -89,6 +94,8 @@ class Engine {
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;
+    /// Before the gather: no block that some peer needs holds more particles than `crowd`. Collective.
+    virtual void expect_leavers(std::int64_t /*crowd*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;

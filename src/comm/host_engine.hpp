@@ -19,11 +19,12 @@ class HostEngine final : public Engine<Real, Dim> {
 
     std::string device() const override { return "cpu"; }
     Share& share() override { return patch_; }
-    Census census() const override { return {patch_.count(), patch_.tiles_in_use()}; }
+    Census census() const override { return {patch_.count(), patch_.tiles_in_use(), 0}; }
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
     void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.filed()); }
+    BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void file() override;
@@ -47,6 +48,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void lose(std::uint32_t slot, const StepScales<Dim>& step);
 
     const Scene& scene_;
+    const Comm& comm_;
     const Method<Host, Real, Dim>& method_;
     HostTransport halo_wire_, migration_wire_;
     Share patch_;

@@ -5,6 +5,7 @@ namespace moraine {
 template <class Real, int Dim>
 HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method)
     : scene_(scene),
+      comm_(comm),
       method_(method),
       halo_wire_(comm, 1),
       migration_wire_(comm, 2),
@@ -23,6 +24,14 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& fi
     patch_.install(std::move(tables), filed);
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_wire_, method_.stencil.width);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_wire_);
+}
+
+template <class Real, int Dim>
+BlockMoveCount HostEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
+    BlockMoveCount moved;
+    const FiledBlocks next = move_blocks(comm_, patch_, patch_.filed(), {owner.begin(), owner.end()}, moved);
+    adopt(std::move(tables), next);
+    return moved;
 }
 
 template <class Real, int Dim>

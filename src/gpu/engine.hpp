@@ -1,9 +1,10 @@
 #pragma once
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
-// A step is queued on one stream:  filing, report, P2G | nodes, G2P.  At the bar the host waits once, for the report of
-// the step before (dt needs it), while P2G runs. Nothing is allocated in a step, but when the flow has come to occupy
-// more blocks than there are tiles: then P2G has found empty lists, and is queued again.
+// A step is queued on one stream:  arrivals, filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits once,
+// for the report of the step before (dt needs it), while P2G runs; the halo goes on a stream beside it. Nothing is
+// allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found empty
+// lists, and is queued again) or more particles may arrive than there is room for.
 
 #include <cuda_runtime.h>
 
@@ -11,6 +12,7 @@
 #include <span>
 
 #include "comm/engine.hpp"
+#include "gpu/exchange.hpp"
 #include "gpu/g2p.hpp"
 #include "gpu/lists.hpp"
 #include "gpu/p2g.hpp"
@@ -26,8 +28,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
   public:
     using Share = Patch<Host, Real, Dim>;
 
-    /// On the current device. Both must outlive it. Not collective.
-    DeviceEngine(const Scene& scene, const Method<Host, Real, Dim>& method);
+    /// On the current device. wires: needed where there are several ranks. All but wires must outlive it. Collective.
+    DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method, const WireMaker* wires);
 
     std::string device() const override { return name_; }
     Share& share() override;
@@ -36,20 +38,22 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
     void renew(EpochTables<Dim> tables) override;
+    BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
 
     void file() override;
     void sum_boundary() override;
-    void send_halo() override {}
-    void sum_interior() override {}
-    void receive_halo() override {}
+    void send_halo() override;
+    void sum_interior() override;
+    void receive_halo() override;
+    void expect_leavers(std::int64_t crowd) override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
-    void send_leavers(const StepScales<Dim>&) override { moving_ = true; }
+    void send_leavers(const StepScales<Dim>&) override;
 
     StepReport<Dim> take_report() override;
     std::vector<Offence<Dim>> offences() override;
-    Traffic traffic() const override { return {}; }
+    Traffic traffic() const override;
 
   private:
     void choose_kernels();
@@ -58,6 +62,12 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void make_tiles(std::size_t tiles);
     void sum();
     void refresh();
+    void refresh_and_grow(std::size_t most);
+    void set_stored(std::size_t n);
+    void take_census();
+    std::vector<Stretch> stretches() const;
+    void find_cells();
+    void install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks);
     View<Real, Dim> view() const;
     Launch launch() const;
 
@@ -73,6 +83,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
     Share share_;  ///< the host's
     bool share_is_of_now_ = true;
+    std::unique_ptr<Exchange<Real, Dim>> exchange_;  ///< none: this rank is alone
     EpochTables<Dim> epoch_;
     Tables<Dim> tables_;
     Lists<Dim> lists_;
@@ -83,17 +94,21 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<std::uint16_t> material_of_;
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
+    Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
-    Stopwatch watch_;  ///< of the steps: P2G with filing, nodes, G2P
+    Stopwatch watch_;  ///< of the steps: filing with P2G, nodes, G2P; not of waiting
 
     Census census_;
     std::size_t tile_room_ = 0;
-    std::size_t ghosts_ = 0;
+    std::size_t ghost_room_ = 0;
+    std::size_t stored_ = 0;  ///< slots in use when the last report was made
     int steps_since_refresh_ = 0;
     std::uint32_t faults_ = 0;  ///< of the last report
     std::uint64_t offender_ = 0;
     bool moving_ = false;  ///< the last step's moves are not filed
     bool summed_ = false;  ///< P2G of this round is queued, the nodes are not
+    bool timed_ = false;   ///< the watch runs since filing
+    bool report_is_of_epoch_ = false;  ///< no epoch has begun since the report was made
 };
 
 }  // namespace moraine::gpu

@@ -8,41 +8,53 @@
 namespace moraine::gpu {
 
 template <int Dim>
-void Lists<Dim>::make_room(const EpochTables<Dim>& tables, std::size_t particles) {
+void Lists<Dim>::make_room(const EpochTables<Dim>& tables) {
     own_ = tables.own.size();
     const std::size_t ghosts = tables.ghost.size();
     std::vector<std::uint8_t> is_boundary(own_, 0);
     for (std::int32_t b : tables.boundary) is_boundary[static_cast<std::size_t>(b)] = 1;
     is_boundary_.assign(is_boundary);
-    tile_of_.resize(own_);
+    tile_of_.resize(own_ + ghosts);
     boundary_.resize(own_);
     interior_.resize(own_);
     occupied_.resize(4);
     cell_first_.resize(own_ * bounds);
     next_first_.resize(own_ + 1);
-    next_slot_.resize(particles);
-    moves_.resize(particles);
-    changed_.resize(particles / 32 + own_ + 1);
-    leaver_slot_.resize(particles);
-    leaver_cell_.resize(particles);
     leaver_count_.resize(own_ + ghosts);
     leaver_bound_.resize((own_ + ghosts) * leaver_bounds<Dim>);
+    // read, and multiplied by nothing, where no particle leaves
+    check(cudaMemset(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t)), "Clearing lists");
     ghost_start_.resize(ghosts);
     tally_.resize(static_cast<std::size_t>(filing_chunks(static_cast<int>(own_))));
 }
 
 template <int Dim>
+void Lists<Dim>::make_room(std::size_t most) {
+    next_slot_.resize(most);
+    moves_.resize(most);
+    changed_.resize(most / 32 + own_ + 1);
+    leaver_slot_.resize(most);
+    leaver_cell_.resize(most);
+}
+
+template <int Dim>
+void Lists<Dim>::grow(std::size_t most) {
+    slot_.resize(most);
+    make_room(most);
+    count_up(static_cast<std::uint32_t>(most), slot_.data(), nullptr);
+    check(cudaDeviceSynchronize(), "Making room for particles");
+}
+
+template <int Dim>
 void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
-                         const std::vector<std::uint32_t>& cell_first) {
-    make_room(tables, filed.slot.size());
+                         std::size_t most) {
+    make_room(tables);
     std::vector<std::uint32_t> first(own_ + 1, 0);
     for (std::size_t f = 0; f < filed.key.size(); ++f)
         first[static_cast<std::size_t>(tables.find_own(filed.key[f])) + 1] = filed.count[f];
     std::partial_sum(first.begin(), first.end(), first.begin());
     first_.assign(first);
-    cell_first_.assign(cell_first);
-    slot_.resize(filed.slot.size());
-    count_up(static_cast<std::uint32_t>(filed.slot.size()), slot_.data(), nullptr);
+    grow(most);
     number_blocks(filing(table), nullptr);
     check(cudaDeviceSynchronize(), "Taking lists in");
 }
@@ -52,7 +64,8 @@ template <int Dim>
 void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const std::vector<Key>& old_keys,
                        const std::vector<std::uint32_t>& first) {
     old_cell_first_.swap(cell_first_);
-    make_room(tables, slot_.size());
+    make_room(tables);
+    make_room(slot_.size());
     std::vector<std::uint32_t> next(own_ + 1, 0);
     std::vector<std::int32_t> old(own_, -1);
     std::size_t i = 0;
@@ -93,10 +106,8 @@ Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
 }
 
 template <int Dim>
-void Lists<Dim>::file(const BlockTable<Dim>& table, cudaStream_t stream) {
-    const Filing<Dim> now = filing(table);
-    collect_leavers(now, stream);
-    make_lists(now, stream);
+void Lists<Dim>::make(const BlockTable<Dim>& table, cudaStream_t stream) {
+    make_lists(filing(table), stream);
     first_.swap(next_first_);
     slot_.swap(next_slot_);
 }

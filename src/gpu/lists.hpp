@@ -1,8 +1,8 @@
 #pragma once
 // The lists of a rank's blocks on the device, and all that a filing needs to make the next ones.
 //
-// All memory is taken when an epoch begins, by numbers that cannot grow in it: own blocks, and particles of this rank
-// (one rank: none arrives).
+// Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once; when
+// more may come, the engine makes room between two steps.
 
 #include <cuda_runtime.h>
 
@@ -19,20 +19,25 @@ class Lists {
   public:
     static constexpr std::size_t bounds = Block<Dim>::cells + 1;
 
-    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there. Synchronous.
+    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
+    /// `most` particles. The cells' bounds are left to whoever knows the places. Synchronous.
     void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
-                 const std::vector<std::uint32_t>& cell_first);
+                 std::size_t most);
     /// The same particles under other tables; `first` and `old_keys` were the lists' starts and the own blocks.
     /// Synchronous.
     void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const std::vector<Key>& old_keys,
                const std::vector<std::uint32_t>& first);
+    /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
+    void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
     void limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream);
 
     ListView<Dim> view() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
     Chosen boundary() const { return {boundary_.data(), occupied_.data() + 2}; }
     Chosen interior() const { return {interior_.data(), occupied_.data() + 3}; }
-    const std::int32_t* tile_of() const { return tile_of_.data(); }
+    std::int32_t* tile_of() const { return tile_of_.data(); }  ///< own blocks, then ghosts
+    std::uint32_t* cell_bounds() const { return cell_first_.data(); }
+    std::size_t room() const { return slot_.size(); }
     const std::uint32_t* particles() const { return first_.data() + own_; }
     const std::uint32_t* occupied() const { return occupied_.data(); }  ///< boundary, interior: however many tiles
     std::uint16_t* moves() const { return moves_.data(); }
@@ -42,12 +47,15 @@ class Lists {
     std::vector<std::uint32_t> first() const { return first_.host(); }
     std::vector<std::uint32_t> cell_first() const { return cell_first_.host(); }
 
-    /// Makes the next lists from moves() and changed(). Asynchronous.
-    void file(const BlockTable<Dim>& table, cudaStream_t stream);
+    Filing<Dim> filing(const BlockTable<Dim>& table) const;
+    /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
+    /// ones, the lists. Asynchronous.
+    void collect(const BlockTable<Dim>& table, cudaStream_t stream) { collect_leavers(filing(table), stream); }
+    void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
-    void make_room(const EpochTables<Dim>& tables, std::size_t particles);
-    Filing<Dim> filing(const BlockTable<Dim>& table) const;
+    void make_room(const EpochTables<Dim>& tables);
+    void make_room(std::size_t most);
 
     std::size_t own_ = 0;
     std::uint32_t tiles_ = ~0u;

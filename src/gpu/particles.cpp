@@ -54,7 +54,7 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
     });
     if (needs_.history > 1) second_history_.resize(n), spare_scalar_.resize(n);
     id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
-    spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n);
+    spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
 }
 
 /// Calls f(first row, rows, their places in the chunk) for parts that fit into the staging memory.
@@ -67,9 +67,25 @@ void DeviceParticles<Real, Dim>::each_chunk(const ColumnBytes& column, std::size
 }
 
 template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
+    const auto longer = [&]<class T>(Array<T>& column, std::size_t room) {
+        Array<T> fresh;
+        fresh.resize(room);
+        check(cudaMemcpy(fresh.data(), column.data(), n * sizeof(T), cudaMemcpyDeviceToDevice),
+              "Making room for particles");
+        column.swap(fresh);
+    };
+    spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();
+    each_row([&](Array<Row<Real>>& row) { longer(row, most); });
+    if (needs_.history > 1) longer(second_history_, most), spare_scalar_.resize(most);
+    longer(id_, most), longer(body_, most + most % 2);
+    spare_.resize(most), spare_id_.resize(most), spare_body_.resize(most + most % 2);
+}
+
+template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
-                                        const std::vector<std::uint32_t>& slots) {
-    resize(slots.size());
+                                        const std::vector<std::uint32_t>& slots, std::size_t most) {
+    resize(most);
     place_.resize(slots.size());
     count_up(static_cast<std::uint32_t>(slots.size()), place_.data(), nullptr);
     const Columns<Real, Dim> mine = view();

@@ -15,11 +15,13 @@ class DeviceParticles {
   public:
     explicit DeviceParticles(const ColumnNeeds& needs) : needs_(needs) {}
 
-    std::size_t size() const { return id_.size(); }
+    std::size_t room() const { return id_.size(); }  ///< slots
     Columns<Real, Dim> view() const;
 
-    /// Takes the host's particles: slot k is what slots[k] is there. Synchronous.
-    void upload(const std::vector<ColumnBytes>& columns, const std::vector<std::uint32_t>& slots);
+    /// Takes the host's particles: slot k is what slots[k] is there; room for `most`. Synchronous.
+    void upload(const std::vector<ColumnBytes>& columns, const std::vector<std::uint32_t>& slots, std::size_t most);
+    /// Room for `most`; the first n slots keep what they hold. Synchronous.
+    void grow(std::size_t n, std::size_t most);
     /// Row k of the host's columns becomes the particle in slot[k] (on the device), k < n. Synchronous.
     void download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot, std::size_t n);
     /// Slot k takes what was in slot[k] (on the device). Asynchronous.

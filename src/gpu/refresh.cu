@@ -52,9 +52,9 @@ void renumber(std::uint32_t blocks, std::uint32_t words, const std::int32_t* old
     check(cudaGetLastError(), "Numbering blocks anew");
 }
 
-void count_up(std::uint32_t n, std::uint32_t* slot, cudaStream_t stream) {
+void count_up(std::uint32_t n, std::uint32_t* slot, cudaStream_t stream, std::uint32_t start) {
     if (n == 0) return;
-    number_kernel<<<(n + refresh_threads - 1) / refresh_threads, refresh_threads, 0, stream>>>(n, slot);
+    number_kernel<<<(n + refresh_threads - 1) / refresh_threads, refresh_threads, 0, stream>>>(n, slot, start);
     check(cudaGetLastError(), "Counting up");
 }
 

@@ -18,7 +18,7 @@ void permute(std::uint32_t n, const std::uint32_t* slot, const void* from, void*
 void renumber(std::uint32_t blocks, std::uint32_t words, const std::int32_t* old, const std::uint32_t* from,
               std::uint32_t* to, cudaStream_t stream);
 
-/// slot[k] = k
-void count_up(std::uint32_t n, std::uint32_t* slot, cudaStream_t stream);
+/// slot[k] = start + k
+void count_up(std::uint32_t n, std::uint32_t* slot, cudaStream_t stream, std::uint32_t start = 0);
 
 }  // namespace moraine::gpu

@@ -52,14 +52,17 @@ __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
 
 template <int Dim>
 __global__ void __launch_bounds__(32) report_kernel(Account<Dim>* accounts, const std::uint32_t* particles,
-                                                    const std::uint32_t* occupied, Report<Dim>* report) {
+                                                    const std::uint32_t* occupied, Counters* counters,
+                                                    Report<Dim>* report) {
     Account<Dim> sum = empty_account<Dim>();
     for (int i = lane_id(); i < account_parts; i += 32) {
         merge(sum, accounts[i]);
         accounts[i] = empty_account<Dim>();
     }
     merge_lanes(sum);
-    if (lane_id() == 0) *report = {sum, *particles, occupied[0], occupied[1]};
+    if (lane_id() > 0) return;
+    *report = {sum, *particles, occupied[0], occupied[1], counters->stored, counters->crowd};
+    counters->crowd = 0;
 }
 
 template <int Dim>

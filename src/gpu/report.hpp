@@ -6,6 +6,7 @@
 
 #include <cuda_runtime.h>
 
+#include "gpu/routes.hpp"
 #include "gpu/view.hpp"
 
 namespace moraine::gpu {
@@ -16,14 +17,17 @@ struct Report {
     std::uint32_t particles;  ///< in the lists
     std::uint32_t boundary;   ///< occupied blocks that some peer needs
     std::uint32_t interior;   ///< the other occupied ones
+    std::uint32_t stored;     ///< slots in use
+    std::uint32_t crowd;      ///< most particles of a block that some peer needs
 
     std::uint32_t occupied() const { return boundary + interior; }
 };
 
-/// Folds and empties the accounts. particles: first[own]; occupied: both counts of gpu/filing.hpp.
+/// Folds and empties the accounts, and the counters' crowd. particles: first[own]; occupied: both counts of
+/// gpu/filing.hpp.
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 Report<Dim>* report, cudaStream_t stream);
+                 Counters* counters, Report<Dim>* report, cudaStream_t stream);
 
 /// Empties the accounts at the start of a run.
 template <int Dim>

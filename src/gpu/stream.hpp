@@ -11,12 +11,20 @@ namespace moraine::gpu {
 
 class Stream {
   public:
-    Stream() { check(cudaStreamCreate(&stream_), "Making a stream"); }
+    enum class Rank { usual, ahead };  ///< ahead: its kernels are taken first where both have some
+    explicit Stream(Rank rank = Rank::usual) {
+        int lowest = 0, highest = 0;
+        check(cudaDeviceGetStreamPriorityRange(&lowest, &highest), "Making a stream");
+        check(cudaStreamCreateWithPriority(&stream_, cudaStreamDefault, rank == Rank::ahead ? highest : lowest),
+              "Making a stream");
+    }
     Stream(const Stream&) = delete;
     Stream& operator=(const Stream&) = delete;
     ~Stream() { cudaStreamDestroy(stream_); }
     operator cudaStream_t() const { return stream_; }
     void wait() const { check(cudaStreamSynchronize(stream_), "A step on the device"); }
+    /// Later work waits for the event.
+    void wait_for(cudaEvent_t event) const { check(cudaStreamWaitEvent(stream_, event), "Ordering streams"); }
 
   private:
     cudaStream_t stream_ = nullptr;
@@ -58,27 +66,28 @@ class Pinned {
     T* data_ = nullptr;
 };
 
-/// Times of the parts of a step, taken one step late so that nobody waits for them.
+/// Times of the three parts of a step, without what lies between them, taken one step late so that nobody waits.
 class Stopwatch {
   public:
-    /// A step begins here.
-    void start(cudaStream_t stream) {
-        now_ = 1 - now_;
-        laps_[now_].ended = 0;
-        mark(0, stream);
+    static constexpr int parts = 3;
+
+    /// Part 0, 1 or 2 of the step begins here. Part 0 begins a step.
+    void begin(int part, cudaStream_t stream) {
+        if (part == 0) laps_[now_ = 1 - now_].ended = 0;
+        laps_[now_].event[2 * part].record(stream);
     }
-    /// Part 1, 2 or 3 of the step ends here; of several calls the last counts.
-    void mark(int part, cudaStream_t stream) {
-        laps_[now_].event[part].record(stream);
-        laps_[now_].ended = part;
+    /// It ends here; of several calls the last counts.
+    void end(int part, cudaStream_t stream) {
+        laps_[now_].event[2 * part + 1].record(stream);
+        laps_[now_].ended = part + 1;
     }
     /// Seconds of the parts of the last step that ended, once; its work must be done.
-    std::array<double, 3> take() {
-        std::array<double, 3> seconds{};
-        Lap& lap = laps_[laps_[now_].ended == 3 ? now_ : 1 - now_];
-        for (std::size_t k = 0; k < 3 && lap.ended == 3; ++k) {
+    std::array<double, parts> take() {
+        std::array<double, parts> seconds{};
+        Lap& lap = laps_[laps_[now_].ended == parts ? now_ : 1 - now_];
+        for (std::size_t k = 0; k < parts && lap.ended == parts; ++k) {
             float ms = 0;
-            check(cudaEventElapsedTime(&ms, lap.event[k], lap.event[k + 1]), "Reading the time of a step");
+            check(cudaEventElapsedTime(&ms, lap.event[2 * k], lap.event[2 * k + 1]), "Reading the time of a step");
             seconds[k] = 1e-3 * static_cast<double>(ms);
         }
         lap.ended = 0;
@@ -90,7 +99,7 @@ class Stopwatch {
         TimedEvent() : Event(cudaEventDefault) {}
     };
     struct Lap {
-        TimedEvent event[4];
+        TimedEvent event[2 * parts];
         int ended = 0;
     };
     Lap laps_[2];

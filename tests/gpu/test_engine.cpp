@@ -56,7 +56,8 @@ struct Outcome {
 template <class Real, int Dim>
 Outcome run(const Scene& scene, int steps, bool on_device) {
     const Comm comm(MPI_COMM_WORLD);
-    Simulation<Real, Dim> sim(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene) : nullptr);
+    const DeviceChoice device = on_device ? choose_device("cuda", comm) : DeviceChoice{};
+    Simulation<Real, Dim> sim(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr);
     sim.seed();
     for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
     Outcome out{values_of(sim), sim.state_hash(true), sim.clock().time, {}};
@@ -102,7 +103,6 @@ void compare(const Scene& scene, int steps, double tolerance) {
 }
 
 void compare(const Scene& scene, int steps, double tolerance) {
-    choose_device("cuda", Comm(MPI_COMM_WORLD));
     const bool single = scene.precision == Precision::single_;
     if (scene.dimensions == 2)
         single ? compare<float, 2>(scene, steps, tolerance) : compare<double, 2>(scene, steps, tolerance);

@@ -1,0 +1,198 @@
+// The engine between steps: epochs, room, and whole blocks.
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
+    tile_room_ = tiles;
+    ghost_room_ = epoch_.ghost.size();
+    tiles_.release();
+    tiles_.resize((tiles + ghost_room_) * static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
+    lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
+}
+
+/// What an epoch's tables ask for, once the lists are in place.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::begin_epoch() {
+    const std::size_t ghosts = epoch_.ghost.size();
+    std::vector<std::int32_t> every(epoch_.node_key.size());
+    std::iota(every.begin(), every.end(), 0);
+    node_of_.assign(every);
+    nodes_.resize(every.size() * static_cast<std::size_t>(2 * Block<Dim>::cells));
+    const auto blocks = static_cast<std::size_t>(census_.blocks);
+    const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 16 + 16);
+    if (room > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
+    report_is_of_epoch_ = false;
+    if (!exchange_) return;
+    exchange_->open(epoch_);
+    const std::vector<std::uint32_t> first = lists_.first();
+    census_.crowd = 0;
+    for (std::int32_t b : epoch_.boundary) {
+        const auto i = static_cast<std::size_t>(b);
+        census_.crowd = std::max<std::int64_t>(census_.crowd, first[i + 1] - first[i]);
+    }
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
+    stream_.wait();
+    share_.install(std::move(tables), filed);
+    epoch_ = share_.tables();
+    tables_.upload(epoch_);
+    const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 : 0);
+    lists_.install(epoch_, tables_.view(), filed, most);
+    particles_.upload(share_.particles.columns(), filed.slot, most);
+    find_cells();
+    set_stored(n);
+    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), 0};
+    gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
+    begin_epoch();
+    steps_since_refresh_ = 0;
+    share_is_of_now_ = true;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
+    take_census();
+    stream_.wait();
+    const std::vector<Key> old = std::move(epoch_.own);
+    epoch_ = std::move(tables);
+    tables_.upload(epoch_);
+    lists_.renew(epoch_, tables_.view(), old, lists_.first());
+    begin_epoch();
+    share_is_of_now_ = false;
+}
+
+/// Occupied blocks; memory must be in list order.
+template <class Real, int Dim>
+std::vector<Stretch> DeviceEngine<Real, Dim>::stretches() const {
+    const std::vector<std::uint32_t> first = lists_.first();
+    std::vector<Stretch> all;
+    for (std::size_t b = 0; b < epoch_.own.size(); ++b)
+        if (first[b + 1] > first[b]) all.push_back({epoch_.own[b], first[b], first[b + 1] - first[b]});
+    return all;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find_cells() {
+    const ListView<Dim> list = lists_.view();
+    bound_cells<Real, Dim>(static_cast<int>(epoch_.own.size()), list.first, list.slot,
+                           particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
+}
+
+/// Blocks keep their lists wherever they go. Arrivals stand behind what is here until memory is put in order.
+template <class Real, int Dim>
+BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
+    take_census();
+    refresh();
+    stream_.wait();
+    const auto here = static_cast<std::size_t>(census_.particles);
+    const BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
+    if (here + plan.arrivals > particles_.room()) refresh_and_grow(here + plan.arrivals);
+    move_records(exchange_->comm, *exchange_->moves, plan, record_layout(particles_.view()),
+                 static_cast<std::uint32_t>(here), stream_);
+
+    BlockMoveCount moved;
+    std::vector<Stretch> next = plan.kept;
+    for (const BlockPlan::Partner& p : plan.partners) {
+        moved.particles += static_cast<std::int64_t>(p.out);
+        moved.blocks += static_cast<std::int64_t>(p.leaving.size());
+        for (const Stretch& s : p.coming) next.push_back({s.key, static_cast<std::uint32_t>(here) + s.start, s.count});
+    }
+    std::sort(next.begin(), next.end(), [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
+    install(std::move(tables), next);
+    return moved;
+}
+
+/// Begins an epoch with the particles of these slots.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks) {
+    FiledBlocks filed;
+    census_ = {0, static_cast<std::int64_t>(blocks.size()), 0};
+    for (const Stretch& s : blocks) {
+        filed.key.push_back(s.key);
+        filed.count.push_back(s.count);
+        census_.particles += s.count;
+    }
+    epoch_ = std::move(tables);
+    tables_.upload(epoch_);
+    lists_.install(epoch_, tables_.view(), filed, particles_.room());
+    list_stretches(blocks, lists_.slots(), stream_);
+    find_cells();
+    begin_epoch();
+    refresh();
+    share_is_of_now_ = false;
+}
+
+template <class Real, int Dim>
+Patch<Host, Real, Dim>& DeviceEngine<Real, Dim>::share() {
+    if (share_is_of_now_) return share_;
+    stream_.wait();
+    const std::vector<std::uint32_t> first = lists_.first();
+    FiledBlocks filed;
+    for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
+        if (first[b + 1] == first[b]) continue;
+        filed.key.push_back(epoch_.own[b]);
+        filed.count.push_back(first[b + 1] - first[b]);
+    }
+    filed.slot = share_.start_over(first.back());
+    particles_.download(share_.particles.columns(), lists_.slots(), first.back());
+    share_.install(epoch_, filed);
+    share_is_of_now_ = true;
+    return share_;
+}
+
+template <class Real, int Dim>
+BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
+    stream_.wait();
+    const std::vector<std::uint32_t> first = lists_.first();
+    const std::vector<std::uint32_t> cells = with_cells ? lists_.cell_first() : std::vector<std::uint32_t>{};
+    BlockCounts counts;
+    for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
+        if (first[b + 1] == first[b]) continue;
+        counts.key.push_back(epoch_.own[b]);
+        counts.count.push_back(first[b + 1] - first[b]);
+        const auto bounds = cells.begin() + static_cast<std::ptrdiff_t>(with_cells ? b * Lists<Dim>::bounds : 0);
+        std::int64_t occupied = 0;
+        for (int c = 0; with_cells && c < Block<Dim>::cells; ++c) occupied += bounds[c + 1] > bounds[c];
+        if (with_cells) counts.cells.push_back(occupied);
+    }
+    return counts;
+}
+
+/// The flow occupies more blocks than there were tiles for: the lists were told to be empty meanwhile.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::grow_tiles() {
+    stream_.wait();
+    make_tiles(static_cast<std::size_t>(census_.blocks + census_.blocks / 8));
+    if (summed_) sum();
+}
+
+/// Memory into list order. Between P2G and the gather it disturbs nobody.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::refresh() {
+    const auto n = static_cast<std::size_t>(census_.particles);
+    particles_.refresh(lists_.slots(), n, stream_);
+    count_up(static_cast<std::uint32_t>(n), lists_.slots(), stream_);
+    set_stored(n);
+    steps_since_refresh_ = 0;
+}
+
+/// Slots from n on are free.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::set_stored(std::size_t n) {
+    count_up(1, &counters_.data()->stored, stream_, static_cast<std::uint32_t>(n));
+    stored_ = n;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::refresh_and_grow(std::size_t most) {
+    refresh();
+    stream_.wait();
+    most += most / 16;
+    particles_.grow(static_cast<std::size_t>(census_.particles), most);
+    lists_.grow(most);
+    gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
+}
+
+}  // namespace moraine::gpu

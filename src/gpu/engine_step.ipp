@@ -1,0 +1,191 @@
+// The engine's parts of a step, in the order in which the simulation calls them.
+
+namespace moraine::gpu {
+
+constexpr int refresh_interval = 12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/gpu_lab)
+
+template <int Dim>
+Ledger<Dim> ledger_of(const Account<Dim>& a) {
+    Ledger<Dim> l;
+    l.work = a.work;
+    l.lost_mass = a.lost_mass;
+    for (std::size_t i = 0; i < Dim; ++i) {
+        l.impulse[i] = a.impulse[i];
+        l.lost_momentum[i] = a.lost_momentum[i];
+        l.lost_pull[i] = a.lost_pull[i];
+    }
+    l.lost_count = static_cast<std::int64_t>(a.lost_count);
+    return l;
+}
+
+/// Arrivals, then the next lists; the report of the step before goes to the host.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::file() {
+    if (!moving_) return;
+    if (exchange_) {
+        exchange_->migration.post();
+        exchange_->migration.finish(exchange_->routes.receive(), lists_.filing(tables_.view()),
+                                    record_layout(particles_.view()), counters_.data(), stream_);
+    }
+    watch_.begin(0, stream_);
+    timed_ = true;
+    lists_.make(tables_.view(), stream_);
+    if (exchange_)
+        exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
+    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), counters_.data(), report_.device(), stream_);
+    reported_.record(stream_);
+    report_is_of_epoch_ = true;
+    moving_ = false;
+}
+
+/// Boundary and interior at once: the device has its queue.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::sum_boundary() {
+    if (!timed_) watch_.begin(0, stream_);
+    sum();
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::sum() {
+    p2g_(view(), lists_.boundary(), p2g_grid<Dim>(launch().blocks), method_.cell, stream_);
+    if (exchange_) exchange_->boundary_summed.record(stream_);
+    p2g_(view(), lists_.interior(), p2g_grid<Dim>(launch().blocks), method_.cell, stream_);
+    watch_.end(0, stream_);
+    share_is_of_now_ = false;
+    summed_ = true;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::send_halo() {
+    if (!exchange_) return;
+    Exchange<Real, Dim>& e = *exchange_;
+    e.stream.wait_for(e.boundary_summed);
+    e.halo.start(e.routes.send(), view().grid, tile_side(method_.stencil.width), counters_.data(), e.stream);
+}
+
+/// The interior's sums are queued already: what is left is the host's part of the halo.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::sum_interior() {
+    if (exchange_) exchange_->halo.post();
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::receive_halo() {
+    if (!exchange_) return;
+    Exchange<Real, Dim>& e = *exchange_;
+    e.halo.finish(e.routes.receive(), view().grid, lists_.tile_of(), static_cast<int>(epoch_.own.size()),
+                  tile_side(method_.stencil.width), e.stream);
+    e.halo_here.record(e.stream);
+    stream_.wait_for(e.halo_here);
+}
+
+/// Room for the messages, and in memory for all that may arrive in this step.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::expect_leavers(std::int64_t crowd) {
+    if (!exchange_) return;
+    exchange_->migration.expect(crowd, record_layout(particles_.view()).bytes());
+    const std::size_t arrivals = exchange_->migration.most_arrivals();
+    const std::size_t most = static_cast<std::size_t>(census_.particles) + arrivals;
+    if (most > particles_.room())
+        refresh_and_grow(most);
+    else if (stored_ + arrivals > particles_.room())
+        refresh();
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::send_leavers(const StepScales<Dim>&) {
+    lists_.collect(tables_.view(), stream_);
+    if (exchange_)
+        exchange_->migration.start(exchange_->routes.send(), lists_.filing(tables_.view()),
+                                   record_layout(particles_.view()), counters_.data(), stream_);
+    moving_ = true;
+}
+
+template <class Real, int Dim>
+Traffic DeviceEngine<Real, Dim>::traffic() const {
+    if (!exchange_) return {};
+    exchange_->stream.wait();
+    stream_.wait();
+    const Counters counted = counters_.host().front();
+    return {static_cast<std::int64_t>(counted.halo_bytes), static_cast<std::int64_t>(counted.crossed)};
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
+    const NodeRound<Real, Dim> args{round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
+                                    static_cast<Real>(step.mass_cutoff)};
+    watch_.begin(1, stream_);
+    gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_);
+    watch_.end(1, stream_);
+    summed_ = false;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
+    const auto stride = static_cast<std::uint64_t>(particles_.room());
+    watch_.begin(2, stream_);
+    GatherArgs<Real, Dim> args{};
+    args.ends = method_.ends;
+    args.gather = round.gather;
+    args.tpic = method_.tpic;
+    args.flip = method_.flip;
+    args.dt = static_cast<Real>(step.dt);
+    std::copy(step.pull.begin(), step.pull.end(), args.pull);
+    args.quantum = step.quantum;
+    args.gradient = gradient_.data();
+    args.gradient_stride = stride;
+    StressArgs<Real, Dim> stress{
+        args.dt, step.quantum, gradient_.data(), stride, stress_.size() > 1 ? material_of_.data() : nullptr, 0};
+    for (const Chosen& chosen : {lists_.boundary(), lists_.interior()}) {
+        gather_->run(view(), chosen, args, launch());
+        if (!(round.gather & gather_gradient)) continue;
+        for (stress.mine = 0; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
+            stress_[static_cast<std::size_t>(stress.mine)]->run(view(), chosen, stress, launch());
+    }
+    watch_.end(2, stream_);
+    timed_ = false;
+}
+
+template <class Real, int Dim>
+std::vector<Offence<Dim>> DeviceEngine<Real, Dim>::offences() {
+    if (!faults_) return {};
+    const Share& here = share();
+    const ListView<Dim> list = here.list();
+    const ParticleView<Real, Dim> p = share_.particles.view();
+    for (int b = 0; b < here.own(); ++b)
+        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k)
+            if (p.id[list.slot[k]] == offender_)
+                return {
+                    {offender_, faults_,
+                     place_in<Real, Dim>(scene_, method_.stencil, here.table().position[b], p.position[list.slot[k]])}};
+    return {{offender_, faults_, {}}};
+}
+
+/// What the last filing counted, unless an epoch has begun since and knows better.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::take_census() {
+    reported_.wait();
+    if (!report_is_of_epoch_) return;
+    census_ = {report_->particles, report_->occupied(), report_->crowd};
+    stored_ = report_->stored;
+}
+
+template <class Real, int Dim>
+StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
+    const Account<Dim>& account = report_->account;
+    take_census();
+    faults_ = account.faults;
+    offender_ = account.offender;
+    StepReport<Dim> report;
+    report.signal = std::bit_cast<double>(account.signal);
+    report.moved = std::bit_cast<double>(account.moved);
+    report.faults = account.faults;
+    report.clamped = account.clamped;
+    report.ledger = ledger_of(account);
+    report.seconds = watch_.take();
+    if (static_cast<std::size_t>(census_.blocks) > tile_room_) grow_tiles();
+    if (++steps_since_refresh_ >= refresh_interval) refresh();
+    return report;
+}
+
+}  // namespace moraine::gpu

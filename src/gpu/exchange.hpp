@@ -1,0 +1,33 @@
+#pragma once
+// All that an engine has only where there are other ranks: their wires, and what travels on them.
+
+#include "gpu/block_moves.hpp"
+#include "gpu/halo.hpp"
+#include "gpu/migration.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+struct Exchange {
+    /// Collective.
+    Exchange(const Comm& c, const WireMaker& wires)
+        : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(wires.make(13)) {}
+
+    /// For an epoch. Nothing may be under way. Collective.
+    void open(const EpochTables<Dim>& tables) {
+        routes.upload(tables);
+        halo.open(tables);
+        migration.begin_epoch(tables);
+    }
+
+    const Comm& comm;
+    Routes routes;
+    DeviceHalo<Real, Dim> halo;
+    DeviceMigration<Dim> migration;
+    std::unique_ptr<Wire> moves;  ///< of whole blocks
+
+    Stream stream{Stream::Rank::ahead};  ///< of the halo, beside the step's
+    Event boundary_summed, halo_here;
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,248 @@
+#include <algorithm>
+
+#include "gpu/filing.cuh"
+#include "gpu/migration.hpp"
+#include "gpu/records.cuh"
+#include "gpu/scan.cuh"
+
+namespace moraine::gpu {
+
+namespace {
+
+constexpr int threads = scan_threads;
+constexpr int warps = threads / 32;
+
+constexpr std::int64_t spare(std::int64_t crowd) {
+    return crowd + crowd / 4 + 32;
+}
+
+/// Whether leavers of block b at offset `code` go to peer k.
+template <int Dim>
+__device__ __forceinline__ bool goes_to(const Route& route, const BlockTable<Dim>& table, int k, int b, int code) {
+    const std::int32_t ghost = table.neighbour[std::size_t(b) * Block<Dim>::offsets + std::size_t(code)] - table.own;
+    return code != Block<Dim>::centre && ghost >= route.ghost_first[k] && ghost < route.ghost_first[k + 1];
+}
+
+/// Leavers of block b to peer k.
+template <int Dim>
+__device__ __forceinline__ std::uint32_t leavers_to(const Route& route, const Filing<Dim>& f, int k, int b) {
+    if (f.leavers.count[b] == 0) return 0;
+    const std::uint32_t* bound = f.leavers.bound + std::size_t(b) * leaver_bounds<Dim>;
+    std::uint32_t n = 0;
+    for (int code = 0; code < Block<Dim>::offsets; ++code)
+        if (bound[code + 1] > bound[code] && goes_to(route, f.table, k, b, code)) n += bound[code + 1] - bound[code];
+    return n;
+}
+
+template <int Dim>
+__global__ void __launch_bounds__(threads) crowd_kernel(Route route, ListView<Dim> list, Counters* counters) {
+    const int t = static_cast<int>(blockIdx.x * threads + threadIdx.x);
+    const std::uint32_t n = t < route.tiles ? list.count(route.block[t]) : 0;
+    const std::uint32_t most = __reduce_max_sync(all_lanes, n);
+    if (lane_id() == 0 && most > 0) atomicMax(&counters->crowd, most);
+}
+
+/// A thread block per peer: where each source block's records stand, and the head.
+template <int Dim>
+__global__ void __launch_bounds__(threads)
+    plan_kernel(Route route, const __grid_constant__ Filing<Dim> f, int record_units, std::uint32_t* place,
+                std::byte* const* out, Counters* counters) {
+    const int k = static_cast<int>(blockIdx.x);
+    const std::uint32_t begin = route.peer_first[k], end = route.peer_first[k + 1];
+    std::uint32_t before = 0;
+    for (std::uint32_t base = begin; base < end; base += threads) {
+        const std::uint32_t t = base + threadIdx.x;
+        const std::uint32_t n = t < end ? leavers_to(route, f, k, route.block[t]) : 0;
+        std::uint32_t total = 0;
+        const std::uint32_t at = before + scan_exclusive(n, total);
+        if (t < end) place[t] = at;
+        before += total;
+    }
+    if (threadIdx.x > 0) return;
+    *reinterpret_cast<MessageHead*>(out[k]) = {sizeof(MessageHead) + std::size_t(before) * record_units * 16, before};
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counters->crossed), static_cast<unsigned long long>(before));
+}
+
+/// A warp per source block.
+template <int Dim>
+__global__ void __launch_bounds__(threads)
+    pack_kernel(Route route, const __grid_constant__ Filing<Dim> f, const __grid_constant__ RecordLayout layout,
+                const std::uint32_t* place, std::byte* const* out) {
+    const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
+    if (t >= route.tiles) return;
+    const int k = route.peer[t], b = route.block[t];
+    if (f.leavers.count[b] == 0) return;
+    const std::uint32_t* bound = f.leavers.bound + std::size_t(b) * leaver_bounds<Dim>;
+    auto* records = reinterpret_cast<uint4*>(out[k] + sizeof(MessageHead));
+    std::uint32_t at = place[t];
+    for (int code = 0; code < Block<Dim>::offsets; ++code) {
+        const std::uint32_t n = bound[code + 1] - bound[code];
+        if (n == 0 || !goes_to(route, f.table, k, b, code)) continue;
+        const std::uint32_t first = f.list.first[b] + bound[code];
+        const std::uint32_t units = n * static_cast<std::uint32_t>(layout.units);
+        for (std::uint32_t i = static_cast<std::uint32_t>(lane_id()); i < units; i += 32) {
+            const std::uint32_t j = i / layout.units, u = i % layout.units;
+            const std::uint32_t slot = f.leavers.slot[first + j];
+            uint4 unit;
+            if (u == 0) {
+                const RecordHead head{layout.id[slot], layout.body[slot], static_cast<std::uint8_t>(code),
+                                      f.leavers.cell[first + j],
+                                      static_cast<std::uint32_t>(t) - route.peer_first[k]};
+                memcpy(&unit, &head, sizeof(unit));
+            } else {
+                unit = record_unit(layout, static_cast<int>(u), slot);
+            }
+            records[std::size_t(at) * layout.units + i] = unit;
+        }
+        at += n;
+    }
+}
+
+__device__ __forceinline__ std::uint32_t count_of(const std::byte* const* in, int k) {
+    return static_cast<std::uint32_t>(reinterpret_cast<const MessageHead*>(in[k])->count);
+}
+
+/// Arrivals from peers before k.
+__device__ __forceinline__ std::uint32_t arrivals_before(const std::byte* const* in, int k) {
+    std::uint32_t n = 0;
+    for (int i = 0; i < k; ++i) n += count_of(in, i);
+    return n;
+}
+
+__device__ __forceinline__ RecordHead head_of(const std::byte* message, int units, std::uint32_t i) {
+    return *reinterpret_cast<const RecordHead*>(message + sizeof(MessageHead) + std::size_t(i) * units * 16);
+}
+
+/// First of the records [from, to) that is not below (tile, exit).
+__device__ __forceinline__ std::uint32_t find_record(const std::byte* message, int units, std::uint32_t from,
+                                                     std::uint32_t to, std::uint32_t tile, int exit) {
+    while (from < to) {
+        const std::uint32_t middle = (from + to) / 2;
+        const RecordHead h = head_of(message, units, middle);
+        if (h.tile < tile || (h.tile == tile && h.exit < exit))
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return from;
+}
+
+/// A warp per ghost block: its leavers are a stretch of the peer's records, each exit a stretch of that.
+template <int Dim>
+__global__ void __launch_bounds__(threads)
+    ghosts_kernel(Route route, const __grid_constant__ Filing<Dim> f, int units, const std::byte* const* in,
+                  std::uint32_t* ghost_start) {
+    const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
+    if (t >= route.tiles) return;
+    const int k = route.peer[t], ghost = route.block[t], at = f.table.own + ghost;
+    const std::uint32_t tile = static_cast<std::uint32_t>(t) - route.peer_first[k], all = count_of(in, k);
+    const int exit = min(lane_id(), Block<Dim>::offsets);
+    const std::uint32_t bound = find_record(in[k], units, 0, all, tile, exit);
+    const std::uint32_t first = __shfl_sync(all_lanes, bound, 0);
+    const std::uint32_t count = __shfl_sync(all_lanes, bound, 31) - first;
+    if (lane_id() == 0) {
+        f.leavers.count[at] = count;
+        ghost_start[ghost] = f.list.first[f.table.own] + arrivals_before(in, k) + first;
+    }
+    if (lane_id() < leaver_bounds<Dim>)
+        f.leavers.bound[std::size_t(at) * leaver_bounds<Dim> + std::size_t(lane_id())] = bound - first;
+}
+
+/// Rows to free slots; leavers behind the own ones. A thread block row (y) per peer.
+template <int Dim>
+__global__ void __launch_bounds__(threads)
+    unpack_kernel(const __grid_constant__ Filing<Dim> f, const __grid_constant__ RecordLayout layout,
+                  const std::byte* const* in, const Counters* counters) {
+    const int k = static_cast<int>(blockIdx.y);
+    const std::uint32_t n = count_of(in, k), before = arrivals_before(in, k);
+    const auto* message = reinterpret_cast<const uint4*>(in[k] + sizeof(MessageHead));
+    const std::uint64_t units = std::uint64_t(n) * layout.units;
+    for (std::uint64_t i = blockIdx.x * threads + threadIdx.x; i < units; i += std::uint64_t(gridDim.x) * threads) {
+        const auto j = static_cast<std::uint32_t>(i / layout.units);
+        const int u = static_cast<int>(i % layout.units);
+        const std::uint32_t slot = counters->stored + before + j;
+        set_record_unit(layout, u, slot, message[i]);
+        if (u > 0) continue;
+        const std::uint32_t to = f.list.first[f.table.own] + before + j;
+        f.leavers.slot[to] = slot;
+        f.leavers.cell[to] = head_of(in[k], layout.units, j).cell;
+    }
+}
+
+__global__ void stored_kernel(int peers, const std::byte* const* in, Counters* counters) {
+    counters->stored += arrivals_before(in, peers);
+}
+
+unsigned blocks_for(int items, int per_block) {
+    return static_cast<unsigned>((items + per_block - 1) / per_block);
+}
+
+}  // namespace
+
+template <int Dim>
+void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables) {
+    peers_.clear();
+    std::size_t tiles = 0;
+    for (const PeerHalo& peer : tables.peers) {
+        peers_.push_back({peer.rank, peer.send.block.size(), peer.receive.block.size()});
+        tiles += peer.send.block.size();
+    }
+    place_.resize(tiles);
+    record_ = 0;
+}
+
+template <int Dim>
+bool DeviceMigration<Dim>::expect(std::int64_t crowd, std::size_t record) {
+    if (record == record_ && crowd <= crowd_) return false;
+    if (crowd > crowd_) crowd_ = spare(crowd);
+    record_ = record;
+    std::vector<WirePeer> peers;
+    most_arrivals_ = 0;
+    for (const Peer& p : peers_) {
+        const std::size_t room = static_cast<std::size_t>(crowd_) * record;
+        peers.push_back({p.rank, sizeof(MessageHead) + p.tiles_out * room, sizeof(MessageHead) + p.tiles_in * room});
+        most_arrivals_ += p.tiles_in * static_cast<std::size_t>(crowd_);
+    }
+    wire_->open(peers);
+    return true;
+}
+
+template <int Dim>
+void DeviceMigration<Dim>::count_crowd(const Route& send, const ListView<Dim>& list, Counters* counters,
+                                       cudaStream_t stream) const {
+    if (send.tiles == 0) return;
+    crowd_kernel<<<blocks_for(send.tiles, threads), threads, 0, stream>>>(send, list, counters);
+    check(cudaGetLastError(), "Counting a crowd");
+}
+
+template <int Dim>
+void DeviceMigration<Dim>::start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout,
+                                 Counters* counters, cudaStream_t stream) {
+    if (send.peers > 0) {
+        std::byte* const* out = wire_->outgoing();
+        plan_kernel<<<static_cast<unsigned>(send.peers), threads, 0, stream>>>(send, filing, layout.units,
+                                                                              place_.data(), out, counters);
+        pack_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, filing, layout, place_.data(), out);
+        check(cudaGetLastError(), "Packing particles that leave");
+    }
+    wire_->start(stream);
+}
+
+template <int Dim>
+void DeviceMigration<Dim>::finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout,
+                                  Counters* counters, cudaStream_t stream) {
+    wire_->finish(stream);
+    if (receive.peers == 0) return;
+    const std::byte* const* in = wire_->incoming();
+    const auto peers = static_cast<unsigned>(receive.peers);
+    ghosts_kernel<<<blocks_for(receive.tiles, warps), threads, 0, stream>>>(
+        receive, filing, layout.units, in, const_cast<std::uint32_t*>(filing.leavers.ghost_start));
+    unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(filing, layout, in, counters);
+    stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters);
+    check(cudaGetLastError(), "Taking arrivals in");
+}
+
+template class DeviceMigration<2>;
+template class DeviceMigration<3>;
+
+}  // namespace moraine::gpu

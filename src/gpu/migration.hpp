@@ -1,0 +1,56 @@
+#pragma once
+// Migration between devices: particles that walk into a block of another rank.
+//
+// A message: its head with the count, then one record per particle (gpu/records.hpp) by source block, exit and list
+// order. At the other side they become the leavers of ghost blocks behind the own ones, in that order, and filing goes
+// on by its one rule; their rows go to the free slots at the end of memory.
+//
+// Rooms cannot overflow: a block that some peer needs never sends more particles than it holds, and the most that any
+// holds (the crowd) travels with each step's agreement, before the leavers do. When it outgrows the rooms, all ranks
+// make larger ones.
+
+#include "gpu/filing.hpp"
+#include "gpu/records.hpp"
+#include "gpu/routes.hpp"
+#include "gpu/stream.hpp"
+#include "gpu/wire.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+class DeviceMigration {
+  public:
+    explicit DeviceMigration(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
+
+    /// Rooms of a new epoch are made by the next expect().
+    void begin_epoch(const EpochTables<Dim>& tables);
+    /// Makes room for blocks of `crowd` particles (the same on all ranks) whose records take `record` bytes. Returns
+    /// whether anything changed. Collective.
+    bool expect(std::int64_t crowd, std::size_t record);
+    /// Particles that may arrive in one step.
+    std::size_t most_arrivals() const { return most_arrivals_; }
+
+    /// counters.crowd = most particles of a block that some peer needs. Asynchronous.
+    void count_crowd(const Route& send, const ListView<Dim>& list, Counters* counters, cudaStream_t stream) const;
+    /// Sends the leavers that are collected. On one stream, as is finish().
+    void start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
+               cudaStream_t stream);
+    void post() { wire_->post(); }
+    /// Takes the arrivals in, as leavers of ghosts; own leavers end at filing.list.first[own].
+    void finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
+                cudaStream_t stream);
+
+  private:
+    struct Peer {
+        int rank;
+        std::size_t tiles_out, tiles_in;
+    };
+    std::unique_ptr<Wire> wire_;
+    std::vector<Peer> peers_;
+    Array<std::uint32_t> place_;  ///< by tile: leavers of this peer before its own
+    std::int64_t crowd_ = 0;      ///< what the rooms are made for; 0: there are none yet
+    std::size_t record_ = 0;
+    std::size_t most_arrivals_ = 0;
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,70 @@
+#pragma once
+// How bytes get from the device of one rank to that of another. A wire does not know what they mean.
+//
+// A round is one message each way between this rank and each peer. Kernels write a message at outgoing(k), wherever
+// that is (pinned memory, the peer's device), and read one at incoming(k). A message begins with its length, so that
+// what does not know lengths ahead (kernels, one rank) can tell what does (MPI, NCCL).
+//
+// start() .. finish() is a round:  kernels write | start | post | finish | kernels read.  Rounds of one wire are
+// queued on one stream, one after the other. With post() a caller queues other work before the host must wait.
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "comm/comm.hpp"
+
+namespace moraine::gpu {
+
+/// First bytes of a message.
+struct alignas(16) MessageHead {
+    std::uint64_t bytes;  ///< of the message with its head; a multiple of 16
+    std::uint64_t count;  ///< the writer's
+};
+
+/// Another rank, and the room for messages to it and from it [bytes], known to both.
+struct WirePeer {
+    int rank;
+    std::size_t room_out;
+    std::size_t room_in;
+};
+
+class Wire {
+  public:
+    virtual ~Wire() = default;
+    virtual const char* name() const = 0;
+
+    /// New peers and rooms; no round may be under way. If a is a peer of b, b is one of a. Collective over all ranks.
+    virtual void open(const std::vector<WirePeer>& peers) = 0;
+
+    /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished (incoming).
+    virtual std::byte* const* outgoing() const = 0;
+    virtual const std::byte* const* incoming() const = 0;
+
+    /// What kernels queued on the stream wrote goes. Asynchronous. Not collective.
+    virtual void start(cudaStream_t stream) = 0;
+    /// The host's part of the sending; may wait for the stream. Not collective.
+    virtual void post() = 0;
+    /// Kernels queued on the stream from now on find all messages. May wait. Not collective.
+    virtual void finish(cudaStream_t stream) = 0;
+};
+
+/// Wires of one kind for one communicator.
+class WireMaker {
+  public:
+    virtual ~WireMaker() = default;
+    virtual const char* name() const = 0;
+    /// `tag` keeps wires apart. Collective.
+    virtual std::unique_ptr<Wire> make(int tag) const = 0;
+};
+
+/// `wanted`: host, peer, nccl, mpi, or auto: the fastest that works between all ranks, which is tried. The words say
+/// what and why. Throws InputError, the same on all ranks, where what is wanted cannot be had. The current device is
+/// this rank's. Collective.
+std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& words);
+
+}  // namespace moraine::gpu

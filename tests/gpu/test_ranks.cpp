@@ -1,0 +1,110 @@
+#include <doctest/doctest.h>
+
+#include "device.hpp"
+#include "gpu/wire.hpp"
+#include "sample_scenes.hpp"
+#include "simulation.hpp"
+
+using namespace moraine;
+
+// A run on devices gives the same bits whoever owns what and however it travels. Ranks share a device where they must.
+
+namespace {
+
+struct Outcome {
+    std::uint64_t hash;
+    std::array<double, 6> books;
+    RunCounts counts;
+};
+
+template <class Real, int Dim>
+Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, int steps) {
+    Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, device));
+    sim.seed();
+    for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
+    sim.conclude();
+    const Ledger<Dim>& l = sim.ledger();
+    const double lost = comm.sum(static_cast<double>(l.lost_count));
+    RunCounts counts = sim.counts_so_far();
+    counts.crossed_particles = comm.sum(counts.crossed_particles);
+    counts.migrated_particles = comm.sum(counts.migrated_particles);
+    counts.halo_bytes = comm.sum(counts.halo_bytes);
+    return {sim.state_hash(true),
+            {sim.sum_of(l.work), sim.sum_of(l.impulse[0]), sim.sum_of(l.impulse[1]), sim.sum_of(l.lost_mass),
+             sim.sum_of(l.lost_momentum[0]), lost},
+            counts};
+}
+
+/// One rank's answer against that of all, for every wire and several ways to own the blocks.
+template <class Real, int Dim>
+void compare(Scene scene, int steps) {
+    const Comm all(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
+    const DeviceChoice single = choose_device("cuda", alone);
+    const Outcome expected = run<Real, Dim>(scene, alone, single, steps);
+    for (const char* transport : {"host", "peer", "nccl"}) {
+        DeviceChoice device;
+        try {
+            device = choose_device("cuda", all, transport);
+        } catch (const InputError&) {
+            continue;  // tests/gpu/test_wire has what must be there
+        }
+        for (const char* partitioner : {"morton", "slabs", "shuffle"}) {
+            CAPTURE(transport);
+            CAPTURE(partitioner);
+            scene.balance.partitioner = partitioner;
+            scene.balance.trigger = Trigger::every;
+            scene.balance.interval = 10;
+            const Outcome found = run<Real, Dim>(scene, all, device, steps);
+            CHECK(found.hash == expected.hash);
+            for (std::size_t k = 0; k < expected.books.size(); ++k) {
+                CAPTURE(k);
+                CHECK(found.books[k] == expected.books[k]);
+            }
+            CHECK(found.counts.halo_bytes > 0);
+            CHECK(found.counts.crossed_particles > 0);
+            if (std::string(partitioner) == "shuffle") CHECK(found.counts.migrated_particles > 0);
+        }
+    }
+}
+
+template <int Dim>
+void compare(const Scene& scene, int steps) {
+    if (scene.precision == Precision::single_)
+        compare<float, Dim>(scene, steps);
+    else
+        compare<double, Dim>(scene, steps);
+}
+
+}  // namespace
+
+TEST_CASE("a slurry that flows out through an open wall ends with the same bits on any number of devices") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        Scene scene = test::slurry();
+        scene.precision = precision;
+        compare<2>(scene, 150);
+    }
+}
+
+TEST_CASE("two soils in 3-D with a periodic axis end with the same bits on any number of devices") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        Scene scene = test::column();
+        scene.precision = precision;
+        compare<3>(scene, 60);
+    }
+}
+
+TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, stretches, two rounds") {
+    Scene affine = test::slurry();
+    affine.transfer = Transfer::apic;
+    affine.stress_update = StressUpdate::musl;
+    compare<2>(affine, 60);
+    Scene boxes = test::column();
+    boxes.shape = Shape::gimp_contiguous;
+    boxes.precision = Precision::single_;
+    compare<3>(boxes, 40);
+    Scene cubic = test::column();
+    cubic.shape = Shape::cubic;
+    cubic.transfer = Transfer::apic;
+    cubic.materials[0] = test::material("neo-hookean", 1000, {{"young", 1e6}, {"poisson", 0.3}});
+    compare<3>(cubic, 40);
+}
