@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "balance/partitioner.hpp"
+#include "balance/room.hpp"
 #include "balance/trigger.hpp"
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
@@ -29,6 +30,9 @@ namespace moraine {
 /// Cost of a block on one core, from benchmark_step --costs [ps per particle, occupied cell, block]: the cell
 /// term came out as nothing.
 inline constexpr CostModel host_costs{130000, 0, 8000000};
+/// The same on one H200 in single, from benchmark_device's cases costs-*; in double both are about twice that, and the
+/// cut depends on their ratio alone.
+inline constexpr CostModel device_costs{60, 0, 30000};
 
 /// Counts over the whole run. Those of a rank are summed when they are reported.
 struct RunCounts {
@@ -159,6 +163,7 @@ class Simulation {
     void begin_epoch(const FiledBlocks& filed);
     void renew_epoch(const std::vector<BlockLoad>& loads);
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
+    std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
     void repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);
     FiledBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);

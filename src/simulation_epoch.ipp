@@ -113,13 +113,29 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
     terms.slowest = agreed_.seconds;
     terms.loses = agreed_.seconds - agreed_.seconds_sum / ranks;
     terms.lost = time_lost_;
-    const Plan plan =
-        best_plan(partitioner_->options(loads, clock_.round), loads, ranks, trigger_.costs(terms, weight_.seconds()));
+    std::vector<Option> options = options_that_fit(loads);
+    if (options.empty()) {
+        look_.reason = "memory";
+        return {};
+    }
+    const Plan plan = best_plan(std::move(options), loads, ranks, trigger_.costs(terms, weight_.seconds()));
     terms.take(plan);
     const Decision decision = trigger_.decide(terms);
     look_.repartitioned = decision.repartition;
     look_.reason = decision.reason;
     return plan.owners;
+}
+
+/// By weight; where a rank cannot hold its part of that, by particles; none where it cannot hold that either.
+template <class Real, int Dim>
+std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<BlockLoad>& loads) {
+    const auto most = static_cast<std::int64_t>(comm_.min(static_cast<double>(engine_->capacity())));
+    std::vector<Option> options =
+        that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
+    if (!options.empty() || !weighs_cells()) return options;
+    std::vector<BlockLoad> by_particles = loads;
+    for (BlockLoad& load : by_particles) load.weight = load.particles;
+    return that_fit(partitioner_->options(by_particles, clock_.round), loads, comm_.size(), most);
 }
 
 template <class Real, int Dim>

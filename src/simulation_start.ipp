@@ -19,8 +19,8 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       method_(scene),
       domain_(scene),
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm)),
-      trigger_(scene.balance, *partitioner_),
-      weight_(scene.balance, host_costs),
+      trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
+      weight_(scene.balance, make_engine ? device_costs : host_costs),
       reduction_(comm) {
     if (make_engine)
         engine_ = make_engine(method_);

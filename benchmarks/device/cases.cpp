@@ -63,6 +63,10 @@ std::vector<DeviceCase> device_cases(int ranks) {
             cases.push_back({std::string(size.name) + "-" + tail, lasting(bar(o, size.particles, ranks)), false});
         cases.push_back({"slab-8M-" + tail, lasting(slab(o, 8e6)), false});
         cases.push_back({"column-64M-" + tail, lasting(column_case(o, 200.0 * 200 * 200 * 8).scene), false});
+        for (Case& c : cost_cases(2e6)) {
+            c.scene.precision = precision;
+            cases.push_back({"costs-" + c.name + "-" + tail, lasting(c.scene), false});
+        }
         for (const Case& c : all_cases(96.0 * 96 * 96 * 8))
             if (c.scene.precision == precision) cases.push_back({"7M-" + c.name, lasting(c.scene), false});
     }

@@ -21,6 +21,8 @@ struct MoveModel {
     double particle;  ///< sent or received by the busiest rank [s]
 };
 inline constexpr MoveModel host_moves{2e-3, 4e-6};
+/// Between devices by direct writes, benchmarks/scaling/results.md.
+inline constexpr MoveModel device_moves{1e-2, 2e-9};
 
 struct PlanCosts {
     double step = 0;   ///< of a step, per unit of weight [s]

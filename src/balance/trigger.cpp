@@ -32,12 +32,14 @@ Decision by_plan(const TriggerInput& in) {
 
 }  // namespace
 
-RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner)
+RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner,
+                                       const MoveModel& moves)
     : rule_(spec.trigger),
       interval_(spec.interval),
       threshold_(spec.threshold),
       is_static_(partitioner.is_static()),
-      partitioner_(partitioner.name()) {
+      partitioner_(partitioner.name()),
+      moves_(moves) {
     if (spec.interval < 1)
         throw InputError("balance.interval = " + std::to_string(spec.interval) +
                          " (steps between two looks at the balance). Use 1 or more?");
@@ -61,7 +63,7 @@ PlanCosts RepartitionTrigger::costs(const TriggerInput& in, double unit) const {
     PlanCosts costs;
     costs.steps = static_cast<double>(std::max(interval_, in.step - in.last_repartition));
     costs.step = unit;
-    costs.move = host_moves;
+    costs.move = moves_;
     if (rule_ != Trigger::planned) return costs;
     costs.may_keep = true;
     if (in.slowest > 0 && in.now.max > 0) costs.step = in.slowest / static_cast<double>(in.now.max);

@@ -47,7 +47,7 @@ struct Decision {
 class RepartitionTrigger {
   public:
     /// Throws InputError for an interval below 1 or a threshold below 1. Not collective.
-    RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner);
+    RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner, const MoveModel& moves = host_moves);
 
     /// Is this a step to look at the balance? Never so under a static partitioner. Not collective.
     bool is_due(std::int64_t step) const;
@@ -73,6 +73,7 @@ class RepartitionTrigger {
     double threshold_;
     bool is_static_;
     std::string partitioner_;
+    MoveModel moves_;
     double moves_slower_ = 1;  // than the model
 };
 

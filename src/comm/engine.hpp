@@ -67,6 +67,7 @@ struct Traffic {
 template <class Real, int Dim>
 class Engine {
   public:
+    static constexpr std::int64_t unlimited = std::int64_t(1) << 60;
     using Share = Patch<Host, Real, Dim>;
     virtual ~Engine() = default;
 
@@ -76,6 +77,8 @@ class Engine {
     /// adopt(). Not collective.
     virtual Share& share() = 0;
     virtual Census census() const = 0;
+    /// Particles that the memory of this rank can hold, by what those of now take. Not collective.
+    virtual std::int64_t capacity() const { return unlimited; }
     /// Filed state only. Not collective.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 

@@ -66,11 +66,6 @@ View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     return v;
 }
 
-template <class Real, int Dim>
-Launch DeviceEngine<Real, Dim>::launch() const {
-    return {static_cast<int>(std::max<std::int64_t>(1, census_.blocks)), stream_};
-}
-
 }  // namespace moraine::gpu
 
 #include "gpu/engine_epoch.ipp"

@@ -34,6 +34,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::string device() const override { return name_; }
     Share& share() override;
     Census census() const override { return census_; }
+    std::int64_t capacity() const override;
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
@@ -69,7 +70,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void find_cells();
     void install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks);
     View<Real, Dim> view() const;
-    Launch launch() const;
+    int interior_blocks() const { return static_cast<int>(census_.blocks) - boundary_blocks_; }
 
     const Scene& scene_;
     const Method<Host, Real, Dim>& method_;
@@ -99,6 +100,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Stopwatch watch_;  ///< of the steps: filing with P2G, nodes, G2P; not of waiting
 
     Census census_;
+    int boundary_blocks_ = 0;  ///< occupied, as far as known: makes grids, any number is right
     std::size_t tile_room_ = 0;
     std::size_t ghost_room_ = 0;
     std::size_t stored_ = 0;  ///< slots in use when the last report was made

@@ -11,6 +11,22 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
 }
 
+/// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the wires'
+/// and what moves pass through.
+template <class Real, int Dim>
+std::int64_t DeviceEngine<Real, Dim>::capacity() const {
+    std::size_t free = 0, total = 0;
+    check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
+    if (census_.particles == 0) return this->unlimited;
+    const double rows = static_cast<double>(record_layout(particles_.view()).bytes() + sizeof(Row<Real>) + 10);
+    const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
+    const double block = sizeof(Real) * node_reals *
+                             (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
+                         4.0 * (Lists<Dim>::bounds + leaver_bounds<Dim> + 2 * Block<Dim>::offsets);
+    const double each = rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
+    return static_cast<std::int64_t>(0.9 * static_cast<double>(total) / each);
+}
+
 /// What an epoch's tables ask for, once the lists are in place.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_epoch() {
@@ -26,10 +42,11 @@ void DeviceEngine<Real, Dim>::begin_epoch() {
     if (!exchange_) return;
     exchange_->open(epoch_);
     const std::vector<std::uint32_t> first = lists_.first();
-    census_.crowd = 0;
+    census_.crowd = boundary_blocks_ = 0;
     for (std::int32_t b : epoch_.boundary) {
         const auto i = static_cast<std::size_t>(b);
         census_.crowd = std::max<std::int64_t>(census_.crowd, first[i + 1] - first[i]);
+        boundary_blocks_ += first[i + 1] > first[i];
     }
 }
 
@@ -39,7 +56,8 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     share_.install(std::move(tables), filed);
     epoch_ = share_.tables();
     tables_.upload(epoch_);
-    const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 : 0);
+    // a rank of several has columns even before it has particles: records are the same on all
+    const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
     lists_.install(epoch_, tables_.view(), filed, most);
     particles_.upload(share_.particles.columns(), filed.slot, most);
     find_cells();
@@ -163,6 +181,7 @@ BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
 /// The flow occupies more blocks than there were tiles for: the lists were told to be empty meanwhile.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::grow_tiles() {
+    if (exchange_) exchange_->stream.wait();
     stream_.wait();
     make_tiles(static_cast<std::size_t>(census_.blocks + census_.blocks / 8));
     if (summed_) sum();
@@ -172,6 +191,7 @@ void DeviceEngine<Real, Dim>::grow_tiles() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::refresh() {
     const auto n = static_cast<std::size_t>(census_.particles);
+    if (exchange_) stream_.wait_for(exchange_->boundary_summed);
     particles_.refresh(lists_.slots(), n, stream_);
     count_up(static_cast<std::uint32_t>(n), lists_.slots(), stream_);
     set_stored(n);

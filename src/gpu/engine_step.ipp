@@ -38,18 +38,23 @@ void DeviceEngine<Real, Dim>::file() {
     moving_ = false;
 }
 
-/// Boundary and interior at once: the device has its queue.
+/// Boundary and interior at once: the device has its queues.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_boundary() {
     if (!timed_) watch_.begin(0, stream_);
     sum();
 }
 
+/// The boundary goes first, on the halo's stream, and the interior fills what it leaves free.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum() {
-    p2g_(view(), lists_.boundary(), p2g_grid<Dim>(launch().blocks), method_.cell, stream_);
-    if (exchange_) exchange_->boundary_summed.record(stream_);
-    p2g_(view(), lists_.interior(), p2g_grid<Dim>(launch().blocks), method_.cell, stream_);
+    if (exchange_) {
+        exchange_->filed.record(stream_);
+        exchange_->stream.wait_for(exchange_->filed);
+        p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
+        exchange_->boundary_summed.record(exchange_->stream);
+    }
+    p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
     watch_.end(0, stream_);
     share_is_of_now_ = false;
     summed_ = true;
@@ -59,7 +64,6 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_halo() {
     if (!exchange_) return;
     Exchange<Real, Dim>& e = *exchange_;
-    e.stream.wait_for(e.boundary_summed);
     e.halo.start(e.routes.send(), view().grid, tile_side(method_.stencil.width), counters_.data(), e.stream);
 }
 
@@ -136,11 +140,14 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     args.gradient_stride = stride;
     StressArgs<Real, Dim> stress{
         args.dt, step.quantum, gradient_.data(), stride, stress_.size() > 1 ? material_of_.data() : nullptr, 0};
-    for (const Chosen& chosen : {lists_.boundary(), lists_.interior()}) {
-        gather_->run(view(), chosen, args, launch());
+    for (const bool boundary : {true, false}) {
+        if (boundary && !exchange_) continue;
+        const Chosen chosen = boundary ? lists_.boundary() : lists_.interior();
+        const Launch launch{boundary ? boundary_blocks_ : interior_blocks(), stream_};
+        gather_->run(view(), chosen, args, launch);
         if (!(round.gather & gather_gradient)) continue;
         for (stress.mine = 0; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-            stress_[static_cast<std::size_t>(stress.mine)]->run(view(), chosen, stress, launch());
+            stress_[static_cast<std::size_t>(stress.mine)]->run(view(), chosen, stress, launch);
     }
     watch_.end(2, stream_);
     timed_ = false;
@@ -167,6 +174,7 @@ void DeviceEngine<Real, Dim>::take_census() {
     reported_.wait();
     if (!report_is_of_epoch_) return;
     census_ = {report_->particles, report_->occupied(), report_->crowd};
+    boundary_blocks_ = static_cast<int>(report_->boundary);
     stored_ = report_->stored;
 }
 

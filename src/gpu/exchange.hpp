@@ -27,7 +27,7 @@ struct Exchange {
     std::unique_ptr<Wire> moves;  ///< of whole blocks
 
     Stream stream{Stream::Rank::ahead};  ///< of the halo, beside the step's
-    Event boundary_summed, halo_here;
+    Event filed, boundary_summed, halo_here;
 };
 
 }  // namespace moraine::gpu

@@ -16,19 +16,30 @@ void check(ncclResult_t e, const char* what) {
 }
 using gpu::check;
 
-class NcclWire final : public Wire {
+/// All wires of a run are one communicator's: to join one takes a second.
+class Nccl {
   public:
     /// Collective.
-    NcclWire(const Comm& comm, int tag) : mpi_(comm), tag_(tag) {
+    explicit Nccl(const Comm& comm) {
         ncclUniqueId id{};
         if (comm.is_root()) check(ncclGetUniqueId(&id), "Starting NCCL");
         const std::string word = comm.broadcast(std::string(id.internal, sizeof(id.internal)));
         std::copy(word.begin(), word.end(), id.internal);
         check(ncclCommInitRank(&comm_, comm.size(), id, comm.rank()), "Joining NCCL");
     }
-    NcclWire(const NcclWire&) = delete;
-    NcclWire& operator=(const NcclWire&) = delete;
-    ~NcclWire() override { ncclCommDestroy(comm_); }
+    Nccl(const Nccl&) = delete;
+    Nccl& operator=(const Nccl&) = delete;
+    ~Nccl() { ncclCommDestroy(comm_); }
+    operator ncclComm_t() const { return comm_; }
+
+  private:
+    ncclComm_t comm_ = nullptr;
+};
+
+class NcclWire final : public Wire {
+  public:
+    NcclWire(const Comm& comm, std::shared_ptr<const Nccl> nccl, int tag)
+        : mpi_(comm), tag_(tag), nccl_(std::move(nccl)) {}
 
     const char* name() const override { return "nccl"; }
     std::byte* const* outgoing() const override { return out_pointers_.out(); }
@@ -74,8 +85,8 @@ class NcclWire final : public Wire {
         MPI_Waitall(static_cast<int>(2 * n), requests.data(), MPI_STATUSES_IGNORE);
         check(ncclGroupStart(), "Sending");
         for (std::size_t k = 0; k < n; ++k) {
-            check(ncclSend(sends_[k], leaving[k], ncclUint8, peers_[k], comm_, stream_), "Sending");
-            check(ncclRecv(receives_[k], coming[k], ncclUint8, peers_[k], comm_, stream_), "Receiving");
+            check(ncclSend(sends_[k], leaving[k], ncclUint8, peers_[k], *nccl_, stream_), "Sending");
+            check(ncclRecv(receives_[k], coming[k], ncclUint8, peers_[k], *nccl_, stream_), "Receiving");
         }
         check(ncclGroupEnd(), "Sending");
     }
@@ -85,7 +96,7 @@ class NcclWire final : public Wire {
   private:
     const Comm& mpi_;
     int tag_;
-    ncclComm_t comm_ = nullptr;
+    std::shared_ptr<const Nccl> nccl_;
     cudaStream_t stream_ = nullptr;
     Array<std::byte> out_, in_;
     PinnedBytes heads_;
@@ -97,12 +108,13 @@ class NcclWire final : public Wire {
 
 class NcclWires final : public WireMaker {
   public:
-    explicit NcclWires(const Comm& comm) : comm_(comm) {}
+    explicit NcclWires(const Comm& comm) : comm_(comm), nccl_(std::make_shared<const Nccl>(comm)) {}
     const char* name() const override { return "nccl"; }
-    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<NcclWire>(comm_, tag); }
+    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<NcclWire>(comm_, nccl_, tag); }
 
   private:
     const Comm& comm_;
+    std::shared_ptr<const Nccl> nccl_;
 };
 
 }  // namespace

@@ -26,6 +26,7 @@ class SharedInboxes {
 
     /// Room for `bytes` here; where any rank needs more than it has, all exchange theirs anew. Collective.
     void reserve(std::size_t bytes) {
+        bytes = std::max<std::size_t>(bytes, 1);  // even an inbox of nothing has an address
         if (comm_.max(static_cast<double>(bytes > size_)) == 0) return;
         unmap();
         comm_.barrier();  // nobody maps what is given back

