@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "comm/topology.hpp"
 #include "core/block.hpp"
 #include "core/material/laws.hpp"
 #include "core/morton.hpp"
@@ -72,12 +73,43 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
     return speed;
 }
 
+/// Blocks with the nodes of `keys`: those at their upper corners too.
+template <int Dim>
+std::vector<Key> node_blocks_of(const DomainBlocks<Dim>& domain, std::vector<Key> keys) {
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const std::size_t n = keys.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            BlockPosition<Dim> up = Morton<Dim>::decode(keys[i]);
+            ++up[a];
+            domain.wrap(up);
+            keys.push_back(Morton<Dim>::encode(up));
+        }
+        sort_unique(keys);
+    }
+    return keys;
+}
+
+template <int Dim>
+void count_blocks_in(const Scene& scene, const std::vector<Key>& occupied, Prediction& p) {
+    const DomainBlocks<Dim> domain(scene);
+    std::vector<OccupiedBlock> blocks;
+    for (Key key : occupied) blocks.push_back({key, 0});
+    const Topology<Dim> topology = make_topology<Dim>(domain, blocks, [](const BlockPosition<Dim>&) { return 0; });
+    p.blocks = static_cast<std::int64_t>(occupied.size());
+    p.epoch_blocks = static_cast<std::int64_t>(topology.keys.size());
+    p.node_blocks = static_cast<std::int64_t>(node_blocks_of<Dim>(domain, topology.keys).size());
+}
+
 std::string bytes_text(double bytes) {
     if (bytes < 1e9) return fmt::format("{:.1f} MB", bytes / 1e6);
     return fmt::format("{:.2f} GB", bytes / 1e9);
 }
 
 }  // namespace
+
+void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p) {
+    scene.dimensions == 2 ? count_blocks_in<2>(scene, occupied, p) : count_blocks_in<3>(scene, occupied, p);
+}
 
 Prediction predict(const Scene& scene) {
     Prediction p;
@@ -93,7 +125,7 @@ Prediction predict(const Scene& scene) {
         p.max_wave_speed = std::max(p.max_wave_speed, wave);
     }
     sort_unique(keys);
-    p.blocks = static_cast<std::int64_t>(keys.size());
+    count_blocks(scene, keys, p);
     if (scene.dt > 0) p.dt = scene.dt;
     p.steps = std::ceil(scene.end / p.dt);
     return p;
@@ -149,22 +181,40 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
            grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables;
 }
 
-/// gpu/particles.hpp, gpu/lists.hpp and gpu/engine.hpp say what is there: rows of four reals and one spare row; ids,
-/// bodies, lists and their next ones; tiles with a sixteenth to spare; nodes and tables of the epoch.
-double bytes_on_device(const Scene& scene, const Prediction& p) {
+namespace {
+
+/// Reals of a particle on the device: rows of four and one spare row, the second scalar and its spare.
+int device_reals(const Scene& scene, const Remembered& r) {
     const int d = scene.dimensions;
-    const Remembered r = remembered(scene);
     const bool fused = scene.shape == Shape::quadratic && !r.affine && scene.stress_update == StressUpdate::usl &&
                        scene.materials.size() == 1;
     int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
     if (r.affine) rows += d == 3 ? 3 : 1;
     if (r.stretch) rows += d == 3 ? 2 : 1;
-    const int reals = 4 * rows + (r.history > 1 ? 2 : 0) + (fused ? 0 : d * d);
-    const double particle = reals * real_bytes(scene) + 2 * (8 + 2) + 2 * 4 + 2 + 0.125 + 5;
-    const auto blocks = static_cast<double>(p.blocks);
-    const double tables = 4 * (2 * std::pow(3, d) + 2 * std::pow(4, d) + 2 * std::pow(2, d) + 12);
-    return static_cast<double>(p.particles) * particle + blocks * 17 / 16 * tile_bytes(scene) +
-           grown(scene, blocks, 2) * (node_block_bytes(scene) + tables);
+    return 4 * rows + (r.history > 1 ? 2 : 0) + (fused ? 0 : d * d);
+}
+
+/// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
+double device_tables(const Scene& scene, const Prediction& p) {
+    const int d = scene.dimensions;
+    const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
+    const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2;
+    const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
+    return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
+}
+
+}  // namespace
+
+double bytes_on_device(const Scene& scene, const Prediction& p) {
+    const Remembered r = remembered(scene);
+    const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
+    const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
+    const double particle = device_reals(scene, r) * real_bytes(scene) + ids + lists;
+    const double tiles = std::min(static_cast<double>(p.epoch_blocks), 17.0 / 16 * blocks + 16);
+    // One column of a million particles on its way from or to the host.
+    const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
+    const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
+    return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
 
 std::string check_report(const Scene& scene, int ranks) {
@@ -181,7 +231,8 @@ std::string check_report(const Scene& scene, int ranks) {
     text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
-    text += fmt::format("           {} on one GPU (--device cuda)\n", bytes_text(bytes_on_device(scene, p)));
+    text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
+                        bytes_text(bytes_on_device(scene, p)));
     return text;
 }
 

@@ -6,16 +6,20 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "core/morton.hpp"
 #include "core/scene.hpp"
 
 namespace moraine {
 
 struct Prediction {
     std::int64_t particles = 0;
-    std::int64_t blocks = 0;  ///< occupied at the start
-    double mass = 0;          ///< [kg]
-    double dt = 0;            ///< [s]
+    std::int64_t blocks = 0;        ///< occupied at the start
+    std::int64_t epoch_blocks = 0;  ///< these and their neighbours
+    std::int64_t node_blocks = 0;   ///< with nodes of these
+    double mass = 0;                ///< [kg]
+    double dt = 0;                  ///< [s]
     double steps = 0;
     double max_speed = 0;       ///< at the start [m/s]
     double max_wave_speed = 0;  ///< [m/s]
@@ -30,10 +34,14 @@ Prediction predict(const Scene& scene);
 ///             d^2 R; b (4 or 6) R; stretch of GIMP d R
 ///   block:    tile (4 + w - 1)^d 8 R; w: width of the stencil. Nodes 4^d 8 R, also of one more layer
 ///             of blocks, and tables, of two more, as if the body were a cube
-/// Device memory when one GPU holds it all [bytes].
+double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
+
+/// Of one GPU that holds it all, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the arrays of
+/// gpu/particles.hpp, gpu/lists.hpp, gpu/tables.hpp and gpu/engine.hpp; a test holds it to what was measured.
 double bytes_on_device(const Scene& scene, const Prediction& p);
 
-double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
+/// The numbers of blocks, from the keys of the occupied ones in order. Not collective.
+void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p);
 
 /// What `moraine check` prints.
 std::string check_report(const Scene& scene, int ranks);

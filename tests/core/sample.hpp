@@ -172,8 +172,8 @@ struct AxisWeight {
     double distance;  ///< x_i - x_p [cells]
 };
 
-/// Weights along one axis. Ghosts behind closed walls follow by linear extrapolation: what they have counts 2 and -1
-/// times for the two nodes before them.
+/// Weights along one axis. Where the scene wants it, ghosts behind closed walls follow by linear extrapolation: what
+/// they have counts 2 and -1 times for the two nodes before them.
 inline std::vector<AxisWeight> axis_weights(const Scene& scene, std::size_t a, int nodes, double x, double half) {
     std::vector<AxisWeight> weights;
     for (int i = static_cast<int>(std::floor(x)) - 2; i <= static_cast<int>(std::floor(x)) + 3; ++i) {
@@ -183,7 +183,8 @@ inline std::vector<AxisWeight> axis_weights(const Scene& scene, std::size_t a, i
             const int place = scene.periodic[a] ? (node % nodes + nodes) % nodes : node;
             weights.push_back({place, times * n[0], times * n[1], node - x});
         };
-        const bool ghost = scene.shape != moraine::Shape::linear && !scene.periodic[a] && (i < 0 || i > nodes);
+        const bool ghost = scene.boundary_spline && scene.shape != moraine::Shape::linear && !scene.periodic[a] &&
+                           (i < 0 || i > nodes);
         if (ghost) {
             add(i < 0 ? 0 : nodes, 2);
             add(i < 0 ? 1 : nodes - 1, -1);

@@ -49,12 +49,14 @@ void each_method(const F& f) {
     using moraine::Shape;
     for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic})
         for (Transfer transfer : {Transfer::flip, Transfer::apic})
-            for (bool periodic : {false, true}) {
+            for (auto [periodic, spline] : {std::pair{false, true}, {true, true}, {false, false}}) {
                 CAPTURE(int(shape));
                 CAPTURE(int(transfer));
                 CAPTURE(periodic);
+                CAPTURE(spline);
                 Scene scene = test::sample_scene(C::dim, shape, periodic);
                 scene.transfer = transfer;
+                scene.boundary_spline = spline;
                 Sample<typename C::Real, C::dim> sample(scene, C::dim == 2 ? 400 : 900, 11);
                 f(sample);
             }

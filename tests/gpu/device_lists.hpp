@@ -126,10 +126,12 @@ class DeviceLists {
         poison(next_first_), poison(next_slot_), poison(tally_);
         poison(leaver_slot_), poison(leaver_cell_), poison(leaver_count_), poison(leaver_bound_);
     }
+    /// The first n: what lies behind them nobody has written.
     static std::vector<std::int32_t> head(const gpu::Array<std::int32_t>& array, std::size_t n) {
-        std::vector<std::int32_t> all = array.host();
-        all.resize(n);
-        return all;
+        std::vector<std::int32_t> to(n);
+        if (n > 0)
+            gpu::check(cudaMemcpy(to.data(), array.data(), n * sizeof(to[0]), cudaMemcpyDeviceToHost), "Copying");
+        return to;
     }
     void point() {
         filing.list = {first_.data(), cell_first_.data(), slot_.data()};
