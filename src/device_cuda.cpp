@@ -44,7 +44,8 @@ int devices_here() {
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport) {
     const auto host = [&](const char* why) {
         if (transport != "auto" && transport != "host")
-            throw InputError(fmt::format("--transport {} moves device memory ({}). Use --transport host?", transport, why));
+            throw InputError(
+                fmt::format("--transport {} moves device memory ({}). Use --transport host?", transport, why));
         return DeviceChoice{false, std::string("Computing on the host (") + why + ")", nullptr, "host"};
     };
     if (wanted == "cpu") return host("--device cpu");
@@ -63,9 +64,9 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
         choice.wires = gpu::choose_wires(comm, transport, wires);
         choice.transport = choice.wires->name();
     }
-    choice.words = fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name,
-                               comm.size(), comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s",
-                               wires.empty() ? "" : ", ", wires);
+    choice.words =
+        fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name, comm.size(),
+                    comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", wires.empty() ? "" : ", ", wires);
     return choice;
 }
 
@@ -76,11 +77,11 @@ void check_device_memory(double bytes, const Comm& comm) {
     const double mine = bytes / comm.size() * sharing;
     std::string wrong;
     if (mine > static_cast<double>(free))
-        wrong = fmt::format("The scene needs {:.1f} GB of device memory, {:.1f} GB on each device ({:.1f} of {:.1f} GB are "
-                            "free). {} such GPUs would hold it; a larger domain.cell, single precision or --device cpu?",
-                            bytes * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9,
-                            static_cast<double>(total) * 1e-9,
-                            static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total)))));
+        wrong = fmt::format(
+            "The scene needs {:.1f} GB of device memory, {:.1f} GB on each device ({:.1f} of {:.1f} GB are "
+            "free). {} such GPUs would hold it; a larger domain.cell, single precision or --device cpu?",
+            bytes * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
+            static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total)))));
     comm.agree_no_error<InputError>(wrong);
 }
 

@@ -130,8 +130,7 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
 template <class Real, int Dim>
 std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<BlockLoad>& loads) {
     const auto most = static_cast<std::int64_t>(comm_.min(static_cast<double>(engine_->capacity())));
-    std::vector<Option> options =
-        that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
+    std::vector<Option> options = that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
     if (!options.empty() || !weighs_cells()) return options;
     std::vector<BlockLoad> by_particles = loads;
     for (BlockLoad& load : by_particles) load.weight = load.particles;

@@ -3,8 +3,8 @@
 //   benchmark_device [CASE ...]    CASE as --list names them; default: all
 // [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME]
 //
-// One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle. Under
-// mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
+// One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
+// Under mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
@@ -96,16 +96,18 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const std::uint64_t hash = c.hashed ? sim.state_hash() : 0;
     if (!comm.is_root()) return;
     fmt::print(
-        "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"device\": \"{}\", \"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
+        "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"device\": \"{}\", "
+        "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
         "\"G_particle_steps_per_s\": {:.3f}, \"bytes_per_particle\": {:.1f}, \"largest_move_cells\": {:.4f}, "
-        "\"imbalance_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, \"crossed_per_step\": {:.1f}, \"repartitions\": {}, "
+        "\"imbalance_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, \"crossed_per_step\": {:.1f}, \"repartitions\": "
+        "{}, "
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
-        c.name, comm.size(), choice.transport, scene.balance.partitioner, device.name, device.driver, device.runtime, machine_json(this_machine()), particles,
-        blocks, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
-        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps), halo, crossed,
-        counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
+        c.name, comm.size(), choice.transport, scene.balance.partitioner, device.name, device.driver, device.runtime,
+        machine_json(this_machine()), particles, blocks, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
+        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps),
+        halo, crossed, counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
     std::fflush(stdout);
 }
 

@@ -32,8 +32,7 @@ Decision by_plan(const TriggerInput& in) {
 
 }  // namespace
 
-RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner,
-                                       const MoveModel& moves)
+RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner, const MoveModel& moves)
     : rule_(spec.trigger),
       interval_(spec.interval),
       threshold_(spec.threshold),

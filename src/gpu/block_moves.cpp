@@ -29,7 +29,8 @@ std::vector<Stretch> stretches_of(const std::vector<std::byte>& bytes, std::size
     for (std::size_t at = 0; at < bytes.size(); at += sizeof(Notice)) {
         Notice notice{};
         std::memcpy(&notice, bytes.data() + at, sizeof(Notice));
-        stretches.push_back({notice.key, static_cast<std::uint32_t>(particles), static_cast<std::uint32_t>(notice.count)});
+        stretches.push_back(
+            {notice.key, static_cast<std::uint32_t>(particles), static_cast<std::uint32_t>(notice.count)});
         particles += notice.count;
     }
     return stretches;

@@ -24,9 +24,9 @@ __global__ void __launch_bounds__(threads) list_kernel(const Copy* copies, std::
 }
 
 /// n records of the particles in slot[0 ...], with their head, as the message to peer k.
-__global__ void __launch_bounds__(threads) pack_kernel(std::uint32_t n, const std::uint32_t* slot,
-                                                       const __grid_constant__ RecordLayout layout,
-                                                       std::byte* const* out, int k) {
+__global__ void __launch_bounds__(threads)
+    pack_kernel(std::uint32_t n, const std::uint32_t* slot, const __grid_constant__ RecordLayout layout,
+                std::byte* const* out, int k) {
     const std::uint64_t units = std::uint64_t(n) * layout.units;
     const std::uint64_t first = std::uint64_t(blockIdx.x) * threads + threadIdx.x;
     if (first == 0) *reinterpret_cast<MessageHead*>(out[k]) = {sizeof(MessageHead) + units * 16, n};
@@ -45,9 +45,9 @@ __global__ void __launch_bounds__(threads) pack_kernel(std::uint32_t n, const st
     }
 }
 
-__global__ void __launch_bounds__(threads) unpack_kernel(std::uint32_t n, std::uint32_t first_slot,
-                                                         const __grid_constant__ RecordLayout layout,
-                                                         const std::byte* const* in, int k) {
+__global__ void __launch_bounds__(threads)
+    unpack_kernel(std::uint32_t n, std::uint32_t first_slot, const __grid_constant__ RecordLayout layout,
+                  const std::byte* const* in, int k) {
     const auto* records = reinterpret_cast<const uint4*>(in[k] + sizeof(MessageHead));
     const std::uint64_t units = std::uint64_t(n) * layout.units;
     for (std::uint64_t i = std::uint64_t(blockIdx.x) * threads + threadIdx.x; i < units;
@@ -69,9 +69,8 @@ __device__ __forceinline__ int cell_of_row(const Row<Real>& row) {
 
 /// A warp per block: a bound is where the cell of an entry differs from that of the one before.
 template <class Real, int Dim>
-__global__ void __launch_bounds__(threads)
-    bound_kernel(int own, const std::uint32_t* first, const std::uint32_t* slot, const Row<Real>* place,
-                 std::uint32_t* cell_first) {
+__global__ void __launch_bounds__(threads) bound_kernel(int own, const std::uint32_t* first, const std::uint32_t* slot,
+                                                        const Row<Real>* place, std::uint32_t* cell_first) {
     constexpr int cells = Block<Dim>::cells;
     const int b = static_cast<int>(blockIdx.x) * (threads / 32) + static_cast<int>(threadIdx.x) / 32;
     if (b >= own) return;

@@ -43,7 +43,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::choose_kernels() {
     p2g_ = choose_p2g<Real, Dim>(scene_.shape, method_.needs.affine);
     if (fuses(scene_)) {
-        gather_ = make_fused_gather<Real, Dim>(scene_.materials.front());
+        gather_ = make_fused_gather<Real, Dim>(scene_.materials.front(), scene_.shape);
         return;
     }
     gather_ = make_gather<Real, Dim>(scene_.shape, method_.needs.affine);

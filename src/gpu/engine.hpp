@@ -1,10 +1,10 @@
 #pragma once
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
-// A step is queued on one stream:  arrivals, filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits once,
-// for the report of the step before (dt needs it), while P2G runs; the halo goes on a stream beside it. Nothing is
-// allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found empty
-// lists, and is queued again) or more particles may arrive than there is room for.
+// A step is queued on one stream:  arrivals, filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits
+// once, for the report of the step before (dt needs it), while P2G runs; the halo goes on a stream beside it. Nothing
+// is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
+// empty lists, and is queued again) or more particles may arrive than there is room for.
 
 #include <cuda_runtime.h>
 
@@ -107,9 +107,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     int steps_since_refresh_ = 0;
     std::uint32_t faults_ = 0;  ///< of the last report
     std::uint64_t offender_ = 0;
-    bool moving_ = false;  ///< the last step's moves are not filed
-    bool summed_ = false;  ///< P2G of this round is queued, the nodes are not
-    bool timed_ = false;   ///< the watch runs since filing
+    bool moving_ = false;              ///< the last step's moves are not filed
+    bool summed_ = false;              ///< P2G of this round is queued, the nodes are not
+    bool timed_ = false;               ///< the watch runs since filing
     bool report_is_of_epoch_ = false;  ///< no epoch has begun since the report was made
 };
 

@@ -11,8 +11,8 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
 }
 
-/// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the wires'
-/// and what moves pass through.
+/// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the
+/// wires' and what moves pass through.
 template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     std::size_t free = 0, total = 0;
@@ -20,10 +20,11 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;
     const double rows = static_cast<double>(record_layout(particles_.view()).bytes() + sizeof(Row<Real>) + 10);
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
-    const double block = sizeof(Real) * node_reals *
-                             (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
-                         4.0 * (Lists<Dim>::bounds + leaver_bounds<Dim> + 2 * Block<Dim>::offsets);
-    const double each = rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
+    const double block =
+        sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
+        4.0 * (Lists<Dim>::bounds + leaver_bounds<Dim> + 2 * Block<Dim>::offsets);
+    const double each =
+        rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
     return static_cast<std::int64_t>(0.9 * static_cast<double>(total) / each);
 }
 

@@ -30,8 +30,7 @@ void DeviceEngine<Real, Dim>::file() {
     watch_.begin(0, stream_);
     timed_ = true;
     lists_.make(tables_.view(), stream_);
-    if (exchange_)
-        exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
+    if (exchange_) exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
     fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), counters_.data(), report_.device(), stream_);
     reported_.record(stream_);
     report_is_of_epoch_ = true;

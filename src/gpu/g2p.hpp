@@ -2,9 +2,10 @@
 // Grid to particles on the device: how it is launched. Plain C++; the kernels are compiled elsewhere, one file per
 // precision, dimension and kind.
 //
-// Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: quadratic splines without an
-// affine field, all of a step in one round (USL), one material. Split: a gather that leaves dL = dt grad v per list
-// entry, and one stress launch per material. Which way a scene goes is decided once; the two differ in rounding.
+// Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: hats or quadratic splines
+// without an affine field, all of a step in one round (USL), one material. Split: a gather that leaves dL = dt grad v
+// per list entry, and one stress launch per material. Which way a scene goes is decided once; the two differ in
+// rounding.
 //
 // A launch is any number of thread blocks >= 1: items are taken in turn up to a count that the device knows.
 
@@ -71,7 +72,7 @@ std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool 
 
 /// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names.
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material);
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape);
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);
@@ -79,8 +80,8 @@ std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& materia
 /// Whether a scene's gather and stress update are one kernel.
 inline bool fuses(const Scene& scene) {
     const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    return scene.shape == moraine::Shape::quadratic && !affine && scene.stress_update == StressUpdate::usl &&
-           scene.materials.size() == 1;
+    const bool narrow = scene.shape == moraine::Shape::linear || scene.shape == moraine::Shape::quadratic;
+    return narrow && !affine && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
 }
 
 }  // namespace moraine::gpu

@@ -1,5 +1,5 @@
 #pragma once
-// Gather and stress update in one kernel: quadratic splines, no affine field, one material.
+// Gather and stress update in one kernel: hats or quadratic splines, no affine field, one material.
 //
 // One thread per particle; its gradient never leaves the registers, and its rows are read and written once.
 
@@ -10,12 +10,12 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Law>
+template <class Real, int Dim, class Shape, class Law>
 struct FusedGather {
     using T = Team<Dim>;
-    static constexpr int side = tile_side(Quadratic::width);
-    using Tile = std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Quadratic::width>,
-                                    NodeTile<Real, Dim, Quadratic::width>>;
+    static constexpr int side = tile_side(Shape::width);
+    using Tile =
+        std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Shape::width>, NodeTile<Real, Dim, Shape::width>>;
     using Rows = RowsAhead<Real, law_rows<Law, Dim>, 0, T::threads>;
     struct Shared {
         Rows rows;
@@ -33,10 +33,10 @@ struct FusedGather {
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(p.place);
         Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
-        AxisWeights<Real, Quadratic, false> n[Dim];
+        AxisWeights<Real, Shape, false> n[Dim];
 #pragma unroll
-        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Quadratic, false>(fraction_of<Real>(u[a]), Real(0), false);
-        const auto sums = gather<Quadratic, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
+        const auto sums = gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
 
         const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
@@ -66,13 +66,13 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Law, int MinBlocks>
+template <class Real, int Dim, class Shape, class Law, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
               const Real inverse_density) {
     using T = Team<Dim>;
-    using F = FusedGather<Real, Dim, Law>;
+    using F = FusedGather<Real, Dim, Shape, Law>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -89,7 +89,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
                     shared.rows.start(half, T::rank(), r, law_row<Law>(v.p, r, s));
                 return 0u;
             },
-            [&] { load_tile<Quadratic>(v, work.block, shared.tile); },
+            [&] { load_tile<Shape>(v, work.block, shared.tile); },
             [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t) {
                 F::update(v, g, law, inverse_density, work, k, s, half, shared, tally, power);
             });
@@ -100,17 +100,17 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, int Dim, class Law>
+template <class Real>
 inline constexpr int fused_blocks = sizeof(Real) == 4 ? 5 : 3;
 
-template <class Real, int Dim, class Law>
+template <class Real, int Dim, class Shape, class Law>
 class FusedKernel final : public GatherKernel<Real, Dim> {
   public:
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(g2p_fused<Real, Dim, Law, fused_blocks<Real, Dim, Law>>,
-                  sizeof(typename FusedGather<Real, Dim, Law>::Shared), "Launching the gather with stress") {}
+          kernel_(g2p_fused<Real, Dim, Shape, Law, fused_blocks<Real>>,
+                  sizeof(typename FusedGather<Real, Dim, Shape, Law>::Shared), "Launching the gather with stress") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
@@ -124,11 +124,13 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
 };
 
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material) {
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape) {
     return with_law<Real>(material.law, material.parameters.data(),
                           [&](const auto& law) -> std::unique_ptr<GatherKernel<Real, Dim>> {
                               using Law = std::decay_t<decltype(law)>;
-                              return std::make_unique<FusedKernel<Real, Dim, Law>>(law, material.density);
+                              if (shape == moraine::Shape::linear)
+                                  return std::make_unique<FusedKernel<Real, Dim, Linear, Law>>(law, material.density);
+                              return std::make_unique<FusedKernel<Real, Dim, Quadratic, Law>>(law, material.density);
                           });
 }
 

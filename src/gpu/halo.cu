@@ -33,9 +33,9 @@ __device__ __forceinline__ std::uint32_t place_tiles(const Route& route, int k, 
 }
 
 template <class Real, int Dim>
-__global__ void __launch_bounds__(plan_threads) plan_send_kernel(Route route, const std::int32_t* tile_of,
-                                                                 std::byte* const* out, std::uint32_t* place,
-                                                                 Counters* counters) {
+__global__ void __launch_bounds__(plan_threads)
+    plan_send_kernel(Route route, const std::int32_t* tile_of, std::byte* const* out, std::uint32_t* place,
+                     Counters* counters) {
     const int k = static_cast<int>(blockIdx.x);
     auto* occupied = reinterpret_cast<std::uint8_t*>(out[k] + sizeof(MessageHead));
     const std::uint32_t nodes = place_tiles(route, k, place, [&](std::uint32_t i, std::uint32_t t) {
@@ -93,9 +93,8 @@ __global__ void __launch_bounds__(copy_threads)
 }
 
 template <class Real, int Dim>
-__global__ void __launch_bounds__(copy_threads)
-    unpack_kernel(Route route, TileView<Real> grid, int tile_reals, const std::uint32_t* place,
-                  const std::byte* const* in) {
+__global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileView<Real> grid, int tile_reals,
+                                                              const std::uint32_t* place, const std::byte* const* in) {
     constexpr int sums = node_sums<Dim>;
     const int t = static_cast<int>(blockIdx.x);
     if (place[t] == nowhere) return;

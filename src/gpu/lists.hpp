@@ -1,8 +1,8 @@
 #pragma once
 // The lists of a rank's blocks on the device, and all that a filing needs to make the next ones.
 //
-// Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once; when
-// more may come, the engine makes room between two steps.
+// Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once;
+// when more may come, the engine makes room between two steps.
 
 #include <cuda_runtime.h>
 

@@ -86,8 +86,7 @@ __global__ void __launch_bounds__(threads)
             uint4 unit;
             if (u == 0) {
                 const RecordHead head{layout.id[slot], layout.body[slot], static_cast<std::uint8_t>(code),
-                                      f.leavers.cell[first + j],
-                                      static_cast<std::uint32_t>(t) - route.peer_first[k]};
+                                      f.leavers.cell[first + j], static_cast<std::uint32_t>(t) - route.peer_first[k]};
                 memcpy(&unit, &head, sizeof(unit));
             } else {
                 unit = record_unit(layout, static_cast<int>(u), slot);
@@ -129,9 +128,8 @@ __device__ __forceinline__ std::uint32_t find_record(const std::byte* message, i
 
 /// A warp per ghost block: its leavers are a stretch of the peer's records, each exit a stretch of that.
 template <int Dim>
-__global__ void __launch_bounds__(threads)
-    ghosts_kernel(Route route, const __grid_constant__ Filing<Dim> f, int units, const std::byte* const* in,
-                  std::uint32_t* ghost_start) {
+__global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __grid_constant__ Filing<Dim> f, int units,
+                                                         const std::byte* const* in, std::uint32_t* ghost_start) {
     const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
     if (t >= route.tiles) return;
     const int k = route.peer[t], ghost = route.block[t], at = f.table.own + ghost;
@@ -221,7 +219,7 @@ void DeviceMigration<Dim>::start(const Route& send, const Filing<Dim>& filing, c
     if (send.peers > 0) {
         std::byte* const* out = wire_->outgoing();
         plan_kernel<<<static_cast<unsigned>(send.peers), threads, 0, stream>>>(send, filing, layout.units,
-                                                                              place_.data(), out, counters);
+                                                                               place_.data(), out, counters);
         pack_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, filing, layout, place_.data(), out);
         check(cudaGetLastError(), "Packing particles that leave");
     }

@@ -107,8 +107,8 @@ class PeerWire final : public Wire {
 
         std::vector<Place> mine;
         for (std::size_t k = 0; k < peers.size(); ++k)
-            mine.push_back({peers[k].rank, comm_.rank(), {flags + start[k], flags + start.back() + start[k]},
-                            k * message_align});
+            mine.push_back(
+                {peers[k].rank, comm_.rank(), {flags + start[k], flags + start.back() + start[k]}, k * message_align});
         address(peers, comm_.all_gather(mine), mine);  // the gather: all flags are down before one is raised
         round_ = 0;
     }
@@ -131,9 +131,8 @@ class PeerWire final : public Wire {
             my_flags_.push_back(reinterpret_cast<const std::uint32_t*>(inboxes_.mine() + p.flag));
         }
         for (const WirePeer& peer : peers) {
-            const auto place = std::find_if(all.begin(), all.end(), [&](const Place& p) {
-                return p.from == comm_.rank() && p.to == peer.rank;
-            });
+            const auto place = std::find_if(
+                all.begin(), all.end(), [&](const Place& p) { return p.from == comm_.rank() && p.to == peer.rank; });
             if (place == all.end()) throw std::logic_error("a peer does not know its peer");
             std::byte* const box = inboxes_.of(peer.rank);
             for (int parity = 0; parity < 2; ++parity) out[parity].push_back(box + place->box[parity]);

@@ -17,7 +17,8 @@ class PinnedBytes {
         if (n <= size_) return;
         cudaFreeHost(data_);
         data_ = nullptr, size_ = 0;
-        check(cudaHostAlloc(reinterpret_cast<void**>(&data_), n + n / 8, cudaHostAllocMapped), "Allocating pinned memory");
+        check(cudaHostAlloc(reinterpret_cast<void**>(&data_), n + n / 8, cudaHostAllocMapped),
+              "Allocating pinned memory");
         size_ = n + n / 8;
     }
     std::byte* data() const { return data_; }

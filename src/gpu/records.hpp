@@ -27,10 +27,10 @@ struct RecordLayout {
     std::uint16_t* body;
     uint4* row[most_rows];
     int rows;
-    int row_units;       ///< of 16 bytes
-    void* scalar;        ///< null: none
-    int scalar_bytes;    ///< 4 or 8
-    int units;           ///< of a record
+    int row_units;     ///< of 16 bytes
+    void* scalar;      ///< null: none
+    int scalar_bytes;  ///< 4 or 8
+    int units;         ///< of a record
 
     std::size_t bytes() const { return static_cast<std::size_t>(units) * 16; }
 };

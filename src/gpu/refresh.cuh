@@ -44,8 +44,8 @@ static __global__ void __launch_bounds__(refresh_threads)
     if (b >= 0) to[k] = from[std::size_t(b) * words + k % words];
 }
 
-static __global__ void __launch_bounds__(refresh_threads) number_kernel(std::uint32_t n, std::uint32_t* slot,
-                                                                        std::uint32_t start) {
+static __global__ void __launch_bounds__(refresh_threads)
+    number_kernel(std::uint32_t n, std::uint32_t* slot, std::uint32_t start) {
     const std::uint32_t k = blockIdx.x * refresh_threads + threadIdx.x;
     if (k < n) slot[k] = start + k;
 }

@@ -51,9 +51,9 @@ __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
 }
 
 template <int Dim>
-__global__ void __launch_bounds__(32) report_kernel(Account<Dim>* accounts, const std::uint32_t* particles,
-                                                    const std::uint32_t* occupied, Counters* counters,
-                                                    Report<Dim>* report) {
+__global__ void __launch_bounds__(32)
+    report_kernel(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
+                  Counters* counters, Report<Dim>* report) {
     Account<Dim> sum = empty_account<Dim>();
     for (int i = lane_id(); i < account_parts; i += 32) {
         merge(sum, accounts[i]);

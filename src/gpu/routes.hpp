@@ -52,7 +52,8 @@ class Routes {
                 of_peer.insert(of_peer.end(), tiles_of.block.size(), static_cast<std::int32_t>(k));
                 blocks.insert(blocks.end(), tiles_of.block.begin(), tiles_of.block.end());
                 nodes.insert(nodes.end(), tiles_of.node.begin(), tiles_of.node.end());
-                for (std::size_t t = 1; t < tiles_of.first.size(); ++t) node_firsts.push_back(before + tiles_of.first[t]);
+                for (std::size_t t = 1; t < tiles_of.first.size(); ++t)
+                    node_firsts.push_back(before + tiles_of.first[t]);
                 peer_firsts.push_back(static_cast<std::uint32_t>(blocks.size()));
             }
             peers = halos.size(), tiles = blocks.size();
@@ -60,8 +61,14 @@ class Routes {
             peer.assign(of_peer), block.assign(blocks), node.assign(nodes);
         }
         Route view(const std::int32_t* ghosts) const {
-            return {static_cast<int>(peers), static_cast<int>(tiles), peer_first.data(), peer.data(),
-                    block.data(),            node_first.data(),       node.data(),       ghosts};
+            return {static_cast<int>(peers),
+                    static_cast<int>(tiles),
+                    peer_first.data(),
+                    peer.data(),
+                    block.data(),
+                    node_first.data(),
+                    node.data(),
+                    ghosts};
         }
     };
 

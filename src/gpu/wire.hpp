@@ -41,7 +41,8 @@ class Wire {
     /// New peers and rooms; no round may be under way. If a is a peer of b, b is one of a. Collective over all ranks.
     virtual void open(const std::vector<WirePeer>& peers) = 0;
 
-    /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished (incoming).
+    /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished
+    /// (incoming).
     virtual std::byte* const* outgoing() const = 0;
     virtual const std::byte* const* incoming() const = 0;
 

@@ -1,6 +1,6 @@
-#include "balance/room.hpp"
-
 #include <doctest/doctest.h>
+
+#include "balance/room.hpp"
 
 using namespace moraine;
 
@@ -18,9 +18,8 @@ TEST_CASE("the fullest rank is counted in particles, whatever the weights") {
 }
 
 TEST_CASE("options that a rank cannot hold are dropped, and the others stay in order") {
-    const std::vector<Option> all{{PlanKind::natural, {0, 0, 1, 1}},
-                                  {PlanKind::relabelled, {0, 0, 0, 1}},
-                                  {PlanKind::least, {1, 1, 1, 0}}};
+    const std::vector<Option> all{
+        {PlanKind::natural, {0, 0, 1, 1}}, {PlanKind::relabelled, {0, 0, 0, 1}}, {PlanKind::least, {1, 1, 1, 0}}};
     const std::vector<Option> fit = that_fit(all, blocks, 2, 150);
     REQUIRE(fit.size() == 2);
     CHECK(fit[0].kind == PlanKind::relabelled);

@@ -1,6 +1,5 @@
-#include <doctest/doctest.h>
-
 #include <cuda_runtime.h>
+#include <doctest/doctest.h>
 
 #include "gpu/mpi_wire.hpp"
 #include "gpu/nccl_wire.hpp"
@@ -73,7 +72,8 @@ TEST_CASE("a message of more than 2 GiB arrives") {
         wire->post();
         wire->finish(stream);
         std::uint64_t found = 0;
-        gpu::check(cudaMemcpyAsync(&found, pointer(wire->incoming()) + bytes - 8, 8, cudaMemcpyDefault, stream), "Reading");
+        gpu::check(cudaMemcpyAsync(&found, pointer(wire->incoming()) + bytes - 8, 8, cudaMemcpyDefault, stream),
+                   "Reading");
         stream.wait();
         CHECK(found == 0x1234567 + static_cast<std::uint64_t>(1 - comm.rank()));
     }
