@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "balance/calibration.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/room.hpp"
 #include "balance/trigger.hpp"
@@ -159,6 +160,7 @@ class Simulation {
 
     bool weighs_cells() const { return scene_.balance.weight == "cost"; }
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
+    void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
     void renew_epoch(const std::vector<BlockLoad>& loads);
@@ -178,6 +180,7 @@ class Simulation {
     std::unique_ptr<Partitioner> partitioner_;
     RepartitionTrigger trigger_;
     BlockWeight weight_;
+    Calibration calibration_;
 
     std::unique_ptr<Engine<Real, Dim>> engine_;
     AgreementReduction reduction_;
@@ -192,6 +195,8 @@ class Simulation {
     std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the epoch began
     double wandered_ = 0;      ///< largest sum of displacements in this epoch, up to the step before [cells]
     double computed_ = 0;      ///< computing time up to the last step [s]
+    double looked_ = 0;        ///< the same up to the last look, and the steps of that moment
+    std::int64_t looked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition
     std::int64_t last_repartition_ = 0;

@@ -24,6 +24,23 @@ std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mi
     return loads;
 }
 
+/// Refines the weights by the computing time since the last look.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::calibrate(const BlockCounts& mine) {
+    const auto steps = static_cast<double>(clock_.step - looked_step_);
+    CostSample sample;
+    for (std::size_t b = 0; b < mine.key.size(); ++b) {
+        sample.particles += static_cast<double>(mine.count[b]);
+        sample.cells += static_cast<double>(mine.cells[b]);
+    }
+    sample.blocks = static_cast<double>(mine.key.size());
+    if (steps > 0) sample.seconds = (phases_.computing() - looked_) / steps;
+    looked_ = phases_.computing();
+    looked_step_ = clock_.step;
+    calibration_.add(comm_.all_gather(std::vector<CostSample>{sample}));
+    weight_.set_model(calibration_.model());
+}
+
 /// Of this rank's blocks, from the owners of all.
 inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::vector<BlockLoad>& loads,
                                            const std::vector<std::int32_t>& owners) {
@@ -90,7 +107,9 @@ void Simulation<Real, Dim>::balance() {
     if (!look && !used_up) return;
     file();
     phases_.time(Phase::balance, [&] {
-        std::vector<BlockLoad> loads = gather_loads(engine_->block_counts(look && weighs_cells()));
+        const BlockCounts mine = engine_->block_counts(look && weighs_cells());
+        if (look && weighs_cells()) calibrate(mine);
+        std::vector<BlockLoad> loads = gather_loads(mine);
         if (look) {
             const std::vector<std::int32_t> owners = plan(loads);
             if (look_.repartitioned) return repartition(loads, owners);

@@ -21,6 +21,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm)),
       trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
       weight_(scene.balance, make_engine ? device_costs : host_costs),
+      calibration_(make_engine ? device_costs : host_costs),
       reduction_(comm) {
     if (make_engine)
         engine_ = make_engine(method_);

@@ -1,5 +1,6 @@
 #include "device/cases.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/material/laws.hpp"
@@ -65,6 +66,8 @@ std::vector<DeviceCase> device_cases(int ranks) {
         cases.push_back({"column-64M-" + tail, lasting(column_case(o, 200.0 * 200 * 200 * 8).scene), false});
         for (Case& c : cost_cases(2e6)) {
             c.scene.precision = precision;
+            std::erase(c.name, ',');
+            std::replace(c.name.begin(), c.name.end(), ' ', '-');
             cases.push_back({"costs-" + c.name + "-" + tail, lasting(c.scene), false});
         }
         for (const Case& c : all_cases(96.0 * 96 * 96 * 8))

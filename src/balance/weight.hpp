@@ -5,7 +5,7 @@
 //   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
 //
 // The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
-// the same weight on every rank. They are measured, hence agreed between the ranks before use.
+// the same weight on every rank. They are refined by measured steps (calibration.hpp), the same on all ranks.
 
 #include <cstdint>
 
@@ -32,6 +32,8 @@ class BlockWeight {
         const std::int64_t nanoseconds = (picoseconds + 500) / 1000;
         return nanoseconds > 0 ? nanoseconds : 1;
     }
+
+    void set_model(const CostModel& model) { model_ = model; }
 
     /// What a unit of weight takes in a step, by the model [s].
     double seconds() const { return is_cost_ ? 1e-9 : static_cast<double>(model_.a) * 1e-12; }
