@@ -41,6 +41,7 @@ struct RunCounts {
     double imbalance_sum = 0;            ///< over steps, of particles; same on all ranks
     double imbalance_max = 0;
     double imbalance_time_sum = 0;  ///< of measured compute time
+    double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
 };
@@ -104,6 +105,9 @@ class Simulation {
 
     /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
     void balance();
+
+    /// Occupied blocks of all ranks and who holds them, in key order; files the particles first. Collective.
+    std::vector<BlockLoad> block_loads();
 
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);

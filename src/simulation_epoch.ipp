@@ -24,6 +24,12 @@ std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mi
     return loads;
 }
 
+template <class Real, int Dim>
+std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
+    file();
+    return gather_loads(engine_->block_counts(weighs_cells()));
+}
+
 /// Of this rank's blocks, from the owners of all.
 inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::vector<BlockLoad>& loads,
                                            const std::vector<std::int32_t>& owners) {

@@ -7,6 +7,7 @@
 #include "io/records.hpp"
 #include "io/records_summary.hpp"
 #include "simulation.hpp"
+#include "time_report.hpp"
 #include "version.hpp"
 
 namespace moraine {
@@ -92,7 +93,7 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
 
 /// Filed state only. Collective.
 template <class Real, int Dim>
-Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double stepping) {
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const HistoryRow<Dim> last = observe(sim, comm);
@@ -117,13 +118,14 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double
         {"particles", last.particles},
         {"steps", sim.clock().step},
         {"simulated_time_s", sim.clock().time},
-        {"wall_s", comm.max(wall)},
+        {"wall_s", times.wall},
         {"stepping_s", comm.max(stepping)},
         {"particle_steps_per_s", speed},
         {"imbalance_mean", counts.steps > 0 ? std::min(counts.imbalance_sum / steps, counts.imbalance_max) : 1.0},
         {"imbalance_max", counts.imbalance_max},
         {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
         {"repartitions", counts.repartitions},
+        {"times_s", times.json()},
         {"migrated_particles", sums[0]},
         {"crossed_particles", sums[1]},
         {"halo_bytes", sums[2]},
