@@ -1,4 +1,4 @@
-// moraine: the command line. `run` a scene, or `check` it; exit codes say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, `replay` a run; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -17,6 +17,7 @@
 #include "io/check.hpp"
 #include "io/options.hpp"
 #include "io/scene.hpp"
+#include "replay.hpp"
 #include "version.hpp"
 
 namespace moraine {
@@ -83,6 +84,8 @@ int run_program(int argc, char** argv) {
             if (comm.is_root()) fmt::print("moraine {} ({})\n", version_text, commit_text);
         } else if (options.command == "help") {
             if (comm.is_root()) fmt::print("{}", help_text());
+        } else if (options.command == "replay") {
+            if (comm.is_root()) replay(options.replay);
         } else {
             execute(options, comm);
         }
