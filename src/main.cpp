@@ -1,4 +1,5 @@
-// moraine: the command line. `run` a scene, `check` it, `replay` a run; exit codes say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, `replay` or `report` runs; exit codes say who can mend what
+// went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "comm/comm.hpp"
@@ -18,6 +20,7 @@
 #include "io/options.hpp"
 #include "io/scene.hpp"
 #include "replay.hpp"
+#include "report.hpp"
 #include "version.hpp"
 
 namespace moraine {
@@ -122,6 +125,7 @@ extern "C" void request_stop(int) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
+    if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
     std::signal(SIGTERM, moraine::request_stop);
     std::signal(SIGUSR1, moraine::request_stop);
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include "history.hpp"
+#include "io/host_words.hpp"
 #include "io/records.hpp"
 #include "io/records_summary.hpp"
 #include "simulation.hpp"
@@ -101,8 +102,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
                                    counts.clamped_boxes};
     comm.sum(sums);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
-    const std::vector<double> momentum(last.totals.momentum.begin(), last.totals.momentum.end());
-    const std::vector<double> momentum_error(last.momentum_error.begin(), last.momentum_error.end());
+    const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     const std::string hash = fmt::format("{:016x}", sim.state_hash());
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     return Json::Named{
@@ -110,6 +110,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"commit", commit_text},
         {"scene", scene.name},
         {"title", scene.title},
+        {"machine", host_words()},
         {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},
@@ -133,8 +134,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"lost_particles", last.lost_particles},
         {"state_hash", hash},
         {"mass_kg", last.totals.mass},
-        {"momentum", momentum},
-        {"momentum_error", momentum_error},
+        {"momentum", list(last.totals.momentum)},
+        {"momentum_error", list(last.momentum_error)},
         {"energies_J", Json::Named{{"kinetic", last.totals.kinetic},
                                    {"strain", last.totals.strain},
                                    {"potential", last.potential},

@@ -54,7 +54,7 @@ class Replay(moraine.ProgramTest):
         self.replay("--ranks", "16", "--partitioner", "morton", "--regret", "--latency", "1e-6", "--bandwidth", "1e9")
         regrets = {row["trigger"]: float(row["regret_percent"]) for row in self.rows() if row["kind"] == "regret"}
         self.assertEqual(set(regrets), {"optimum", "never", "every", "threshold", "planned"})
-        self.assertTrue(min(regrets.values()) >= 0 == regrets["optimum"], regrets)
+        self.assertTrue(min(regrets.values()) >= -0.1 and regrets["optimum"] == 0, regrets)  # ties: optimum.hpp
 
     def test_wrong_use_is_refused(self):
         self.assertIn("no such directory", self.refused(self.folder / "nowhere"))
