@@ -13,6 +13,7 @@
 #include "io/records.hpp"
 #include "io/run_directory.hpp"
 #include "io/vtkhdf.hpp"
+#include "load_record.hpp"
 #include "simulation.hpp"
 
 namespace moraine {
@@ -47,6 +48,7 @@ class Driver {
     std::string directory_, device_words_;
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_;
+    std::unique_ptr<LoadRecord<Real, Dim>> loads_;  ///< none unless the scene asks for it
     std::unique_ptr<ParticleSeries> series_;
     std::unique_ptr<Progress> progress_;
     double start_wall_ = 0;  ///< [s]

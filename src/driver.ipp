@@ -6,6 +6,7 @@
 #include "picture.hpp"
 #include "store.hpp"
 #include "summary.hpp"
+#include "time_report.hpp"
 
 namespace moraine {
 
@@ -67,6 +68,7 @@ void Driver<Real, Dim>::begin() {
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
     if (!restarting) output();
+    if (loads_) loads_->write();
 }
 
 template <class Real, int Dim>
@@ -75,6 +77,9 @@ void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int
     if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", HistoryRow<Dim>::columns(), resume);
     balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
+    if (scene_.output.block_loads)
+        loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
+                                                         resume_time ? std::optional(resume_step) : std::nullopt);
     series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
     if (resume_time) series_->truncate_to(*resume_time);
 }
@@ -156,6 +161,7 @@ void Driver<Real, Dim>::checkpoint() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::record_balance() {
+    if (loads_) sim_.phases().time(Phase::output, [&] { loads_->write(); });
     balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
 }
 
@@ -163,8 +169,9 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::finish() {
     const RunClock<Dim>& clock = sim_.clock();
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, wall(), stepping_));
-    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "Results are in {}\n", directory_);
+    const TimeReport times = time_report(sim_, comm_, wall());
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}Results are in {}\n", times.text(), directory_);
 }
 
 }  // namespace moraine

@@ -1,4 +1,5 @@
-// moraine: the command line. `run` a scene, or `check` it; exit codes say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, `replay` or `report` runs; exit codes say who can mend what
+// went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "comm/comm.hpp"
@@ -17,6 +19,8 @@
 #include "io/check.hpp"
 #include "io/options.hpp"
 #include "io/scene.hpp"
+#include "replay.hpp"
+#include "report.hpp"
 #include "version.hpp"
 
 namespace moraine {
@@ -80,6 +84,8 @@ int run_program(int argc, char** argv) {
             if (comm.is_root()) fmt::print("moraine {} ({})\n", version_text, commit_text);
         } else if (options.command == "help") {
             if (comm.is_root()) fmt::print("{}", help_text());
+        } else if (options.command == "replay") {
+            if (comm.is_root()) replay(options.replay);
         } else {
             execute(options, comm);
         }
@@ -116,6 +122,7 @@ extern "C" void request_stop(int) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
+    if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
     std::signal(SIGTERM, moraine::request_stop);
     std::signal(SIGUSR1, moraine::request_stop);
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap

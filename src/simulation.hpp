@@ -46,6 +46,7 @@ struct RunCounts {
     double imbalance_sum = 0;            ///< over steps, of particles; same on all ranks
     double imbalance_max = 0;
     double imbalance_time_sum = 0;  ///< of measured compute time
+    double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
 };
@@ -110,6 +111,9 @@ class Simulation {
     /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
     void balance();
 
+    /// Occupied blocks of all ranks and who holds them, in key order; files the particles first. Collective.
+    std::vector<BlockLoad> block_loads();
+
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
@@ -164,6 +168,7 @@ class Simulation {
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
     void renew_epoch(const std::vector<BlockLoad>& loads);
+    bool is_balanced();
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
     std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
     void repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);

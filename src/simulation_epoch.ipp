@@ -41,6 +41,12 @@ void Simulation<Real, Dim>::calibrate(const BlockCounts& mine) {
     weight_.set_model(calibration_.model());
 }
 
+template <class Real, int Dim>
+std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
+    file();
+    return gather_loads(engine_->block_counts(weighs_cells()));
+}
+
 /// Of this rank's blocks, from the owners of all.
 inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::vector<BlockLoad>& loads,
                                            const std::vector<std::int32_t>& owners) {
@@ -104,7 +110,7 @@ void Simulation<Real, Dim>::balance() {
     const bool look = trigger_.is_due(clock_.step) && !alone;
     const bool used_up = wandered_ > 2;
     look_.repartitioned = false;
-    if (!look && !used_up) return;
+    if ((!look || is_balanced()) && !used_up) return;
     file();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(look && weighs_cells());
@@ -116,6 +122,17 @@ void Simulation<Real, Dim>::balance() {
         }
         if (used_up) renew_epoch(loads);
     });
+}
+
+/// By what each rank holds, before anything is filed or gathered: no plan is worth making. Costs may say otherwise, but
+/// only block by block.
+template <class Real, int Dim>
+bool Simulation<Real, Dim>::is_balanced() {
+    if (weighs_cells()) return false;
+    look_.terms = TriggerInput{};
+    look_.terms.now = summary_of(comm_.all_gather(std::vector<std::int64_t>{engine_->census().particles}));
+    look_.reason = "balanced";
+    return !trigger_.needs_plan(look_.terms.now);
 }
 
 /// Looks at the balance; if it is worth it, the owners to be.

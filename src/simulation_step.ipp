@@ -52,6 +52,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     const double mean_seconds = agreed_.seconds_sum / comm_.size();
     counts_.imbalance_time_sum += mean_seconds > 0 ? agreed_.seconds / mean_seconds : 1;
     time_lost_ += agreed_.seconds - mean_seconds;
+    counts_.seconds_lost += agreed_.seconds - mean_seconds;
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     clock_.dt = scene_.dt > 0 ? scene_.dt : scene_.cfl * scene_.cell / clock_.signal;

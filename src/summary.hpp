@@ -4,9 +4,11 @@
 #include <omp.h>
 
 #include "history.hpp"
+#include "io/host_words.hpp"
 #include "io/records.hpp"
 #include "io/records_summary.hpp"
 #include "simulation.hpp"
+#include "time_report.hpp"
 #include "version.hpp"
 
 namespace moraine {
@@ -92,7 +94,7 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
 
 /// Filed state only. Collective.
 template <class Real, int Dim>
-Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double stepping) {
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const HistoryRow<Dim> last = observe(sim, comm);
@@ -100,8 +102,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double
                                    counts.clamped_boxes};
     comm.sum(sums);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
-    const std::vector<double> momentum(last.totals.momentum.begin(), last.totals.momentum.end());
-    const std::vector<double> momentum_error(last.momentum_error.begin(), last.momentum_error.end());
+    const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     const std::string hash = fmt::format("{:016x}", sim.state_hash());
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     return Json::Named{
@@ -109,6 +110,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double
         {"commit", commit_text},
         {"scene", scene.name},
         {"title", scene.title},
+        {"machine", host_words()},
         {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},
@@ -117,13 +119,14 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double
         {"particles", last.particles},
         {"steps", sim.clock().step},
         {"simulated_time_s", sim.clock().time},
-        {"wall_s", comm.max(wall)},
+        {"wall_s", times.wall},
         {"stepping_s", comm.max(stepping)},
         {"particle_steps_per_s", speed},
         {"imbalance_mean", counts.steps > 0 ? std::min(counts.imbalance_sum / steps, counts.imbalance_max) : 1.0},
         {"imbalance_max", counts.imbalance_max},
         {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
         {"repartitions", counts.repartitions},
+        {"times_s", times.json()},
         {"migrated_particles", sums[0]},
         {"crossed_particles", sums[1]},
         {"halo_bytes", sums[2]},
@@ -131,8 +134,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, double wall, double
         {"lost_particles", last.lost_particles},
         {"state_hash", hash},
         {"mass_kg", last.totals.mass},
-        {"momentum", momentum},
-        {"momentum_error", momentum_error},
+        {"momentum", list(last.totals.momentum)},
+        {"momentum_error", list(last.momentum_error)},
         {"energies_J", Json::Named{{"kinetic", last.totals.kinetic},
                                    {"strain", last.totals.strain},
                                    {"potential", last.potential},

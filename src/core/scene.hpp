@@ -66,6 +66,7 @@ struct OutputSpec {
     std::vector<std::string> fields;
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
+    bool block_loads = false;             ///< record them at each balance interval, for replays
 };
 
 struct BalanceSpec {

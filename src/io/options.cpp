@@ -18,6 +18,8 @@ namespace po = boost::program_options;
 constexpr const char* usage =
     "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"
     "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"
+    "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded block loads\n"
+    "moraine report RUN_DIR... [--output F]  one page about runs, side by side (report --help)\n"
     "moraine --version | --help\n\n";
 
 const std::vector<std::string> devices{"auto", "cpu", "cuda"};
@@ -115,7 +117,12 @@ Options parse_options(int argc, const char* const* argv) {
         o.command = "version";
         return o;
     }
-    const std::vector<std::string> commands{"run", "check", "--version", "--help"};
+    const std::vector<std::string> commands{"run", "check", "replay", "report", "--version", "--help"};
+    if (words[0] == "replay") {
+        o.command = "replay";
+        o.replay = parse_replay({words.begin() + 1, words.end()});
+        return o;
+    }
     if (words[0] != "run" && words[0] != "check") {
         const bool scene = words[0].ends_with(".toml");
         refuse_argument(words[0], "not a command",
@@ -133,7 +140,7 @@ Options parse_options(int argc, const char* const* argv) {
 std::string help_text() {
     Options unused;
     std::ostringstream out;
-    out << usage << run_options(unused) << '\n' << check_options(unused);
+    out << usage << run_options(unused) << '\n' << check_options(unused) << '\n' << replay_help();
     return out.str();
 }
 

@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "io/replay_options.hpp"
+
 namespace moraine {
 
 struct Options {
-    std::string command;  ///< run, check, version, help
+    std::string command;  ///< run, check, replay, version, help
     std::string scene;    ///< path
     std::string output;   ///< directory; empty: runs/<scene name>
     bool overwrite = false;
@@ -18,6 +20,7 @@ struct Options {
     std::string restart;             ///< checkpoint; empty: from the start
     bool quiet = false;
     int ranks = 1;  ///< check: to predict memory for
+    ReplayOptions replay;
 };
 
 /// Throws InputError. Not collective: every rank has the same arguments.

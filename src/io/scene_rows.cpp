@@ -195,6 +195,13 @@ const std::vector<KeyRow<Scene>> rows{
       .range = from_zero,
       .meaning = "Wall time between checkpoints; 0: none."},
      [](S& s, const V& v) { s.output.checkpoint_wall_interval = v.real; }},
+    {{.table = "output",
+      .name = "block_loads",
+      .type = choice,
+      .standard = "\"off\"",
+      .choices = {"off", "on"},
+      .meaning = "Particles and owner of every block at each balance interval (16 bytes a block), for moraine replay."},
+     [](S& s, const V& v) { s.output.block_loads = v.text == "on"; }},
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 """What a run writes: summary.json, history.csv, balance.csv, and how a restart goes on with them."""
 import math
 import re
+import struct
 
 import moraine
 from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
@@ -15,7 +16,7 @@ SUMMARY = {
     float: "simulated_time_s wall_s particle_steps_per_s imbalance_mean imbalance_max imbalance_time_mean mass_kg "
            "front_m",
     list: "momentum",
-    dict: "energies_J",
+    dict: "energies_J times_s",
 }
 HISTORY = """time_s dt_s mass_kg momentum_x_kg_m_s momentum_y_kg_m_s kinetic_J strain_J potential_J dissipated_J front_m
     centre_x_m centre_y_m max_speed_m_s min_J max_J"""
@@ -52,6 +53,35 @@ class Outputs(moraine.ProgramTest):
         self.assertTrue(10 <= found["front_m"] < 11)
         stepping = found["particles"] * found["steps"] / found["particle_steps_per_s"]
         self.assertTrue(0.1 * found["wall_s"] < stepping < found["wall_s"], found)
+
+    def test_times_add_up_to_the_wall_time_and_are_said_at_the_end(self):
+        directory = self.folder / "said"
+        ended = call("run", SCENE, "--output", directory, *sets(time__end=END), ranks=2)
+        self.assertEqual(ended.code, 0, ended)
+        found = summary(directory)
+        self.assertAlmostEqual(sum(found["times_s"].values()), found["wall_s"], delta=1e-9)
+        self.assertTrue(all(seconds >= 0 for name, seconds in found["times_s"].items() if name != "rest"), found)
+        percent = 100 * found["times_s"]["lost_to_imbalance"] / found["wall_s"]
+        self.assertRegex(ended.err, f"lost to imbalance +{percent:.1f} %")
+        self.assertRegex(ended.err, r"lost to balancing +\d+\.\d %  looks, plans, \d+ repartition")
+
+    def test_block_loads_are_recorded_only_where_the_scene_asks_for_them(self):
+        without = self.run_slurry(balance__interval=10)
+        self.assertFalse((without / "block_loads.bin").exists())
+        recorded = self.run_slurry(balance__interval=10, output__block_loads="on")
+        self.assertEqual(summary(recorded)["state_hash"], summary(without)["state_hash"])
+        data = (recorded / "block_loads.bin").read_bytes()
+        rows, at, seen = table(recorded, "balance.csv"), 160, []
+        while at < len(data):
+            mark, step, _, ranks, blocks, _ = struct.unpack_from("<8sqdqqQ", data, at)
+            at += 48 + 32 * ranks
+            loads = [struct.unpack_from("<QIi", data, at + 16 * b) for b in range(blocks)]
+            at += 16 * blocks
+            self.assertEqual((mark, ranks, sum(load[1] for load in loads)), (b"interval", 3, 20000))
+            self.assertEqual(sorted({load[2] for load in loads}), [0, 1, 2])
+            seen.append((step, blocks))
+        self.assertEqual(seen[1:], [(row["step"], row["blocks"]) for row in rows])
+        self.assertEqual(seen[0][0], 0)
 
     def test_history_keeps_mass_and_momentum(self):
         directory = self.run_slurry()

@@ -1,0 +1,66 @@
+"""Where the particles were, on which rank: blocks at chosen times, coloured by owner."""
+import numpy
+from matplotlib.collections import PatchCollection
+from matplotlib.patches import Rectangle
+from plots import Plot, pyplot
+
+
+def columns_of(loads, look):
+    """One square per block, in 3-D per column of blocks seen from above: corner, particles, owner of most of them."""
+    x, y = loads.position(look)[:2]
+    held = {}
+    for corner, particles, owner in zip(zip(x, y), look.rows["particles"], look.rows["owner"]):
+        by_owner = held.setdefault(corner, {})
+        by_owner[owner] = by_owner.get(owner, 0) + int(particles)
+    return [(corner, sum(by.values()), max(by, key=by.get)) for corner, by in sorted(held.items())]
+
+
+def draw(axes, loads, look, most):
+    squares = columns_of(loads, look)
+    colour = pyplot.get_cmap("tab20" if look.ranks > 10 else "tab10")
+    patches, faces = [], []
+    for corner, particles, owner in squares:
+        patches.append(Rectangle(corner, loads.side, loads.side))
+        shade = 0.35 + 0.65 * min(1, particles / most)
+        faces.append((*colour(owner % colour.N)[:3], shade))
+    axes.add_collection(PatchCollection(patches, facecolors=faces, edgecolors="white", linewidths=0.15))
+    axes.set_aspect("equal")
+    axes.grid(False)
+    return squares
+
+
+def chosen_times(runs, times):
+    if times:
+        return times
+    end = max(run.loads.looks[-1].time for run in runs)
+    return [0.0, end / 2, end]
+
+
+def owners(runs, times=None):
+    """None where no run recorded its block loads."""
+    runs = [run for run in runs if run.loads and run.loads.looks]
+    if not runs:
+        return None
+    times = chosen_times(runs, times)
+    flat = all(run.loads.dimensions == 2 for run in runs)
+    size = (9, 1.1 + (1.2 if flat else 2.6) * len(runs))
+    figure, panels = pyplot.subplots(len(runs), len(times), figsize=size, sharex="row", sharey="row", squeeze=False)
+    rows = []
+    for run, line in zip(runs, panels):
+        low, high = numpy.full(2, numpy.inf), numpy.full(2, -numpy.inf)
+        most = max(square[1] for square in columns_of(run.loads, run.loads.looks[0]))
+        for time, axes in zip(times, line):
+            look = run.loads.nearest(time)
+            squares = draw(axes, run.loads, look, most)
+            corners = numpy.array([square[0] for square in squares])
+            low, high = numpy.minimum(low, corners.min(0)), numpy.maximum(high, corners.max(0) + run.loads.side)
+            axes.set_title(f"{run.name}, t = {look.time:.3g} s", fontsize=8)
+            rows += [(run.name, look.time, *corner, particles, owner) for corner, particles, owner in squares]
+        line[0].set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    for axes in panels[-1]:
+        axes.set_xlabel("x [m]")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("y [m]")
+    words = "" if flat else " In 3-D seen from above: the colour of a column is the rank that holds most of it."
+    return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; pale blocks "
+                "hold few particles." + words, figure, ("run", "time_s", "x_m", "y_m", "particles", "rank"), rows)

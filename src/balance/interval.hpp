@@ -1,0 +1,47 @@
+#pragma once
+// One look at the balance as a replay knows it: the occupied blocks, and how owners come over from the look before.
+//
+// A block that was there keeps its owner. One that is new belongs to whom a static partitioner says by position,
+// else to the owner of its first neighbour, in offset order, that has one (DESIGN of epochs); a block with no such
+// neighbour waits until one is known, and an island takes the owner of the block before it on the Morton curve. A real
+// run may pass through several epochs between two looks, so this is its rule but not always its result.
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "balance/partitioner.hpp"
+
+namespace moraine {
+
+struct Interval {
+    std::int64_t step = 0;
+    std::vector<BlockLoad> blocks;  ///< in key order; each forecast sets their weights and owners
+};
+
+/// Of blocks of now: where each comes from. The same for every partition.
+struct Carry {
+    std::vector<std::int32_t> from;                            ///< block of the look before, or -1: new
+    std::vector<std::pair<std::int32_t, std::int32_t>> heirs;  ///< new block, block of now that it follows; in order
+
+    /// Owners of now. Not collective.
+    std::vector<std::int32_t> owners(std::span<const std::int32_t> before, const Interval& now, const Layout& layout,
+                                     const Partitioner& partitioner) const;
+};
+
+/// Not collective.
+Carry carry_between(const Layout& layout, std::span<const Key> before, std::span<const BlockLoad> now);
+
+/// Not collective.
+std::vector<Key> keys_of(std::span<const BlockLoad> blocks);
+
+/// The block at neighbour offset `code` of the one with this key; false: outside the domain. Not collective.
+bool neighbour_key(const Layout& layout, Key key, int code, Key& result);
+
+/// Number of neighbour offsets, the centre included: 9 or 27.
+inline int offsets_of(const Layout& layout) {
+    return layout.dimensions == 2 ? 9 : 27;
+}
+
+}  // namespace moraine

@@ -1,0 +1,101 @@
+"""moraine replay: what recorded loads would cost on other ranks, and what it refuses."""
+import csv
+import shutil
+
+import moraine
+from moraine import INPUTS, call, sets, summary, table
+
+SCENE = INPUTS / "slurry_runout.toml"
+END = 0.02 if moraine.SLOW else 0.1
+
+
+class Replay(moraine.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        keys = sets(time__end=END, balance__interval=10, output__block_loads="on")
+        self.run = self.run_scene(SCENE, "run", *keys, ranks=2)
+
+    def replay(self, *words, code=0):
+        ended = call("replay", self.run, *words)
+        self.assertEqual(ended.code, code, ended)
+        return ended
+
+    def rows(self):
+        with open(self.run / "replay.csv", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def refused(self, *words):
+        return self.assert_one_problem(call("replay", *words))
+
+    def test_the_run_itself_is_predicted(self):
+        self.replay("--ranks", "2", "--partitioner", "morton")
+        measured, predicted = self.rows()
+        self.assertEqual((measured["kind"], predicted["kind"]), ("measured", "predicted"))
+        found, looks = summary(self.run), table(self.run, "balance.csv")
+        self.assertAlmostEqual(float(predicted["imbalance_mean"]), found["imbalance_mean"], delta=0.01)
+        sent = sum(row["halo_bytes"] for row in looks)
+        self.assertAlmostEqual(float(predicted["halo_bytes"]), sent, delta=0.02 * sent)
+        self.assertAlmostEqual(float(predicted["time_s"]), float(measured["time_s"]),
+                               delta=0.15 * float(measured["time_s"]))
+
+    def test_every_partitioner_is_predicted_and_said_to_be(self):
+        said = self.replay("--ranks", "4,64", "--partitioner", "morton,slabs,rcb,metis", "--trigger", "never,every")
+        self.assertIn("All lines but `measured` are predictions", said.out)
+        self.assertRegex(said.out, r"can feed \d+ ranks at its start")
+        rows = [row for row in self.rows() if row["kind"] == "predicted"]
+        self.assertEqual(len(rows), 2 * (3 * 2 + 1))  # slabs are static: one line
+        by_name = {(int(row["ranks"]), row["partitioner"], row["trigger"]): row for row in rows}
+        self.assertEqual(by_name[64, "slabs", "static"]["repartitions"], "0")
+        for p in (4, 64):
+            exact = float(by_name[p, "morton", "every"]["imbalance_mean"])
+            self.assertTrue(1 <= exact < float(by_name[p, "slabs", "static"]["imbalance_mean"]))
+
+    def test_no_trigger_beats_the_offline_optimum(self):
+        self.replay("--ranks", "16", "--partitioner", "morton", "--regret", "--latency", "1e-6", "--bandwidth", "1e9")
+        regrets = {row["trigger"]: float(row["regret_percent"]) for row in self.rows() if row["kind"] == "regret"}
+        self.assertEqual(set(regrets), {"optimum", "never", "every", "threshold", "planned"})
+        self.assertTrue(min(regrets.values()) >= -0.1 and regrets["optimum"] == 0, regrets)  # ties: optimum.hpp
+
+    def test_wrong_use_is_refused(self):
+        self.assertIn("no such directory", self.refused(self.folder / "nowhere"))
+        self.assertIn("output.block_loads=on", self.refused(self.folder))
+        self.assertIn('"0" is not a number of ranks', self.refused(self.run, "--ranks", "4,0"))
+        self.assertIn("a rank needs a block", self.refused(self.run, "--ranks", "4000000"))
+        self.assertIn("Did you mean morton?", self.refused(self.run, "--partitioner", "mortn"))
+        self.assertIn("Did you mean --ranks?", self.refused(self.run, "--rank", "4"))
+        self.assertFalse((self.run / "replay.csv").exists())
+
+    def test_a_truncated_record_is_refused_and_its_whole_part_can_be_used(self):
+        whole = (self.run / "block_loads.bin").read_bytes()
+        (self.run / "block_loads.bin").write_bytes(whole[:-100])
+        words = self.refused(self.run)
+        self.assertRegex(words, r"is truncated or damaged \(the interval of step \d+ is cut off\)")
+        self.replay("--ranks", "4", *words.split(", ")[-1].rstrip("?").split())
+        frame = (len(whole) - 160) // (len(table(self.run, "balance.csv")) + 1)
+        (self.run / "block_loads.bin").write_bytes(whole[:160 + 48 + 64])
+        self.assertIn("is truncated or damaged", self.refused(self.run))
+        self.assertGreater(frame, 1000)
+
+    def test_missing_intervals_are_told_by_the_table_of_the_run(self):
+        rows = (self.run / "balance.csv").read_text().splitlines()
+        extra = rows[-1].split(",")
+        extra[0] = str(int(extra[0]) + 10)
+        (self.run / "balance.csv").write_text("\n".join([*rows, ",".join(extra)]) + "\n")
+        self.assertIn("is truncated (it ends at step", self.refused(self.run))
+
+    def test_a_restart_goes_on_with_the_record(self):
+        keys = sets(balance__interval=10, output__block_loads="on", output__checkpoint_interval=END / 2)
+        first = self.run_scene(SCENE, "first", *keys, *sets(time__end=END), ranks=2)
+        before = (first / "block_loads.bin").read_bytes()
+        point = moraine.checkpoints(first)[0]
+        self.run_scene(SCENE, "first", "--restart", point, *keys, *sets(time__end=END), ranks=3)
+        self.assertGreater(len((first / "block_loads.bin").read_bytes()), len(before) // 2)
+        steps = [row["step"] for row in table(first, "balance.csv")]
+        self.assertEqual(steps, sorted(set(steps)))
+        shutil.rmtree(self.run)
+        first.rename(self.run)
+        self.replay("--ranks", "4", "--partitioner", "morton")
+
+
+if __name__ == "__main__":
+    moraine.main()
