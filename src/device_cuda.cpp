@@ -14,26 +14,6 @@ namespace moraine {
 
 namespace {
 
-/// This rank's place among those of its machine. Collective.
-int local_rank(const Comm& comm) {
-    MPI_Comm here = MPI_COMM_NULL;
-    int rank = 0;
-    MPI_Comm_split_type(comm.handle(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-    MPI_Comm_rank(here, &rank);
-    MPI_Comm_free(&here);
-    return rank;
-}
-
-/// Ranks on this machine. Collective.
-int ranks_here(const Comm& comm) {
-    MPI_Comm here = MPI_COMM_NULL;
-    int ranks = 1;
-    MPI_Comm_split_type(comm.handle(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-    MPI_Comm_size(here, &ranks);
-    MPI_Comm_free(&here);
-    return ranks;
-}
-
 int devices_here() {
     int n = 0;
     return cudaGetDeviceCount(&n) == cudaSuccess ? n : 0;
@@ -54,7 +34,7 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
     if (!all && wanted == "cuda")
         throw InputError("No CUDA device was found (--device cuda needs one on every machine). Use --device cpu?");
     if (!all) return host("no CUDA device was found");
-    const int mine = local_rank(comm) % devices;
+    const int mine = comm.on_this_machine().rank % devices;
     gpu::check(cudaSetDevice(mine), "Choosing a device");
     cudaDeviceProp properties{};
     gpu::check(cudaGetDeviceProperties(&properties, mine), "Asking the device");
@@ -73,7 +53,7 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
 void check_device_memory(double bytes, const Comm& comm) {
     std::size_t free = 0, total = 0;
     gpu::check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
-    const int sharing = (ranks_here(comm) + devices_here() - 1) / devices_here();  // ranks of one device
+    const int sharing = (comm.on_this_machine().size + devices_here() - 1) / devices_here();  // ranks of one device
     const double mine = bytes / comm.size() * sharing;
     std::string wrong;
     if (mine > static_cast<double>(free))

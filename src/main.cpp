@@ -54,14 +54,9 @@ Scene read_agreed(const Comm& comm, const Options& options) {
 
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
 /// that wait for a core that another rank spins on are slower than none. Collective.
-void choose_threads() {
+void choose_threads(const Comm& comm) {
     if (std::getenv("OMP_NUM_THREADS")) return;
-    MPI_Comm here = MPI_COMM_NULL;
-    int ranks = 1;
-    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-    MPI_Comm_size(here, &ranks);
-    MPI_Comm_free(&here);
-    omp_set_num_threads(std::max(1, omp_get_num_procs() / ranks));
+    omp_set_num_threads(std::max(1, omp_get_num_procs() / comm.on_this_machine().size));
 }
 
 void execute(const Options& options, const Comm& comm) {
@@ -70,7 +65,7 @@ void execute(const Options& options, const Comm& comm) {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));
         return;
     }
-    choose_threads();
+    choose_threads(comm);
     const DeviceChoice device = choose_device(options.device, comm, options.transport);
     if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene)), comm);
     run_scene(scene, options, comm, device);

@@ -198,9 +198,9 @@ class Simulation {
     BalanceLook look_;
     Acceleration body_force_;
     std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the epoch began
-    double wandered_ = 0;      ///< largest sum of displacements in this epoch, up to the step before [cells]
-    double computed_ = 0;      ///< computing time up to the last step [s]
-    double looked_ = 0;        ///< the same up to the last look, and the steps of that moment
+    double wandered_ = 0;  ///< largest sum of displacements in this epoch, up to the step before [cells]
+    double computed_ = 0;  ///< computing time up to the last step [s]
+    double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
     std::int64_t looked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition

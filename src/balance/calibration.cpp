@@ -60,8 +60,7 @@ CostModel Calibration::model() const {
     std::array<double, terms> right{};
     for (std::size_t i = 0; i < terms; ++i) {
         right[i] = scale * right_[i] + lambda;
-        for (std::size_t j = 0; j < terms; ++j)
-            matrix[i][j] = scale * scale * normal_[i][j] + (i == j ? lambda : 0);
+        for (std::size_t j = 0; j < terms; ++j) matrix[i][j] = scale * scale * normal_[i][j] + (i == j ? lambda : 0);
     }
     const std::array<double, terms> factor = solve(matrix, right);
     const auto refined = [&](std::int64_t constant, double f) {

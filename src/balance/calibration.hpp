@@ -1,6 +1,6 @@
 #pragma once
-// The cost of a block, refined by measured steps: where ranks hold different mixes of particles, cells and blocks, their
-// computing times tell what each costs.
+// The cost of a block, refined by measured steps: where ranks hold different mixes of particles, cells and blocks,
+// their computing times tell what each costs.
 //
 // Minimises  sum over samples  (1 - (a P + c C + d B) / t)^2  +  lambda sum over terms  (x / x_0 - s)^2
 //

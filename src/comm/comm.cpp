@@ -26,6 +26,16 @@ Comm::~Comm() {
     MPI_Comm_free(&comm_);
 }
 
+Comm::Neighbours Comm::on_this_machine() const {
+    MPI_Comm here = MPI_COMM_NULL;
+    Neighbours n{0, 1};
+    MPI_Comm_split_type(comm_, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+    MPI_Comm_rank(here, &n.rank);
+    MPI_Comm_size(here, &n.size);
+    MPI_Comm_free(&here);
+    return n;
+}
+
 void Comm::barrier() const {
     MPI_Barrier(comm_);
 }

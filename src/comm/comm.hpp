@@ -27,6 +27,13 @@ class Comm {
     bool is_root() const { return rank_ == 0; }
     MPI_Comm handle() const { return comm_; }
 
+    /// This rank among those of its machine, and how many they are. Collective.
+    struct Neighbours {
+        int rank;
+        int size;
+    };
+    Neighbours on_this_machine() const;
+
     /// Collective.
     void barrier() const;
     double min(double value) const;

@@ -1,9 +1,8 @@
 #pragma once
-// How threads fold what they saw into an Account (gpu/view.hpp): exact sums, largest values, faults.
+// Exact sums on the device, by atomics and over a warp; gpu/seen.cuh has the rest of an Account (gpu/view.hpp).
 //
-// Everything that is folded by atomics is an integer, or the bits of a double that is not negative, so that no order
-// matters. The one sum of doubles, the work of a block's stresses, runs over one thread block in a fixed tree and is
-// rounded before it is added: it depends on the kernel's number of threads, never on the size of the grid.
+// What is folded by atomics is an integer, so no order matters. 128 bits are two atomics: the carry out of the low word
+// is known from what it was before, and high words add modulo 2^64, so only the end of the launch is a valid sum.
 
 #include "gpu/view.hpp"
 #include "gpu/warp.cuh"
@@ -14,7 +13,7 @@ __device__ __forceinline__ unsigned long long* word(std::uint64_t* p) {
     return reinterpret_cast<unsigned long long*>(p);
 }
 
-/// *to += sum. 128 bits in two words: the low one tells the carry. Nobody may read `to` meanwhile.
+/// *to += sum. Nobody may read `to` meanwhile.
 __device__ __forceinline__ void add_exact(ExactSum* to, const ExactSum& sum) {
     const std::uint64_t old = atomicAdd(word(&to->low), static_cast<unsigned long long>(sum.low));
     const std::uint64_t high = static_cast<std::uint64_t>(sum.high) + (old + sum.low < old ? 1 : 0);
@@ -61,58 +60,6 @@ __device__ __forceinline__ void fold_sums(const ExactSum (&mine)[N], ExactSum* t
         const ExactSum sum = warp_sum(mine[i]);
         if (lane_id() == i) add_exact(to + i, sum);
     }
-}
-
-/// What a thread's particles tell the step control; no value may be negative or not a number.
-template <class Real>
-struct Outcome {
-    Real signal = 0;  ///< largest c + |v| [m/s]
-    Real moved = 0;   ///< largest displacement along an axis [cells]
-    std::uint32_t faults = 0;
-    std::uint32_t clamped = 0;                   ///< contiguous GIMP boxes held at half a cell
-    std::uint64_t offender = ~std::uint64_t(0);  ///< lowest id with a fault
-
-    __device__ void fault(std::uint32_t bit, std::uint64_t id) {
-        faults |= bit;
-        if (id < offender) offender = id;
-    }
-};
-
-/// Once per thread, after all its particles of a launch. Whole warps call it; at most two atomics per warp while
-/// nothing goes wrong, and none once another warp has told of as much.
-template <class Real, int Dim>
-__device__ __forceinline__ void fold_outcome(const Outcome<Real>& mine, Account<Dim>* to) {
-    const auto bits = [](Real v) { return static_cast<std::uint64_t>(__double_as_longlong(static_cast<double>(v))); };
-    const std::uint64_t signal = warp_max(bits(mine.signal));
-    const std::uint64_t moved = warp_max(bits(mine.moved));
-    const std::uint32_t faults = __reduce_or_sync(all_lanes, mine.faults);
-    const std::uint32_t clamped = __reduce_add_sync(all_lanes, mine.clamped);
-    const std::uint64_t offender = faults ? warp_min(mine.offender) : ~std::uint64_t(0);
-    if (lane_id() != 0) return;
-    if (signal > to->signal) atomicMax(word(&to->signal), static_cast<unsigned long long>(signal));
-    if (moved > to->moved) atomicMax(word(&to->moved), static_cast<unsigned long long>(moved));
-    if (clamped) atomicAdd(&to->clamped, clamped);
-    if (!faults) return;
-    atomicOr(&to->faults, faults);
-    atomicMin(word(&to->offender), static_cast<unsigned long long>(offender));
-}
-
-/// Once per block of cells: `mine` is the work of the thread's particles [J], summed in their order. All threads call
-/// it; two barriers.
-template <int Threads, int Dim>
-__device__ __forceinline__ void fold_work(double mine, const Quantum& quantum, Account<Dim>* to) {
-    constexpr int warps = Threads / 32;
-    __shared__ double part[warps];
-#pragma unroll
-    for (int d = 16; d > 0; d /= 2) mine += __shfl_down_sync(all_lanes, mine, static_cast<unsigned>(d));
-    if (lane_id() == 0) part[threadIdx.x / 32] = mine;
-    __syncthreads();
-    if (threadIdx.x == 0) {
-        double sum = part[0];
-        for (int w = 1; w < warps; ++w) sum += part[w];
-        add_exact(&to->work, quantum.of(sum));
-    }
-    __syncthreads();
 }
 
 }  // namespace moraine::gpu

@@ -94,7 +94,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
                 F::update(v, g, law, inverse_density, work, k, s, half, shared, tally, power);
             });
         power = T::sum(power, shared.sums);
-        if (T::rank() == 0) add_exact(account_of(v).work, g.quantum.of(power));
+        if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
     }
     tally.fold_into(account_of(v));
 }

@@ -20,9 +20,8 @@ class MpiWire final : public Wire {
 
     void open(const std::vector<WirePeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        std::vector<std::size_t> out, in;
-        for (const WirePeer& peer : peers) out.push_back(peer.room_out), in.push_back(peer.room_in);
-        const std::vector<std::size_t> out_at = room_starts(out), in_at = room_starts(in);
+        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
         here_.resize(in_at.back());
         if (memory_ == MpiMemory::pinned) {
             pinned_out_.resize(out_at.back());
@@ -37,8 +36,10 @@ class MpiWire final : public Wire {
         sends_.clear(), receives_.clear();
         std::vector<std::byte*> out_pointer, in_pointer;
         for (std::size_t k = 0; k < peers.size(); ++k) {
-            sends_.push_back({peers[k].rank, from + out_at[k], 0, static_cast<std::int64_t>(message_room(out[k]))});
-            receives_.push_back({peers[k].rank, to + in_at[k], 0, static_cast<std::int64_t>(message_room(in[k]))});
+            sends_.push_back(
+                {peers[k].rank, from + out_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_out))});
+            receives_.push_back(
+                {peers[k].rank, to + in_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_in))});
             out_pointer.push_back(written + out_at[k]);
             in_pointer.push_back(here_.data() + in_at[k]);
         }

@@ -47,9 +47,8 @@ class NcclWire final : public Wire {
 
     void open(const std::vector<WirePeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        std::vector<std::size_t> out, in;
-        for (const WirePeer& peer : peers) out.push_back(peer.room_out), in.push_back(peer.room_in);
-        const std::vector<std::size_t> out_at = room_starts(out), in_at = room_starts(in);
+        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
         out_.resize(out_at.back());
         in_.resize(in_at.back());
         heads_.resize(peers.size() * sizeof(MessageHead));

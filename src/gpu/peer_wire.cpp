@@ -97,9 +97,7 @@ class PeerWire final : public Wire {
 
     void open(const std::vector<WirePeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        std::vector<std::size_t> rooms;
-        for (const WirePeer& peer : peers) rooms.push_back(peer.room_in);
-        const std::vector<std::size_t> start = room_starts(rooms);
+        const std::vector<std::size_t> start = room_starts(peers, &WirePeer::room_in);
         const std::size_t flags = peers.size() * message_align;
         inboxes_.reserve(flags + 2 * start.back());
         if (flags > 0) check(cudaMemset(inboxes_.mine(), 0, flags), "Clearing flags");

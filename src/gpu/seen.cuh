@@ -1,10 +1,8 @@
 #pragma once
-// Folding into an Account by integer atomics: no order matters.
-//
-// A double that is not negative orders as its bits do. A 128-bit sum is two atomics: the carry out of the low word is
-// known from what it was before, and high words add modulo 2^64, so only the end of the launch is a valid sum.
+// What particles tell the step control and the books, folded into an Account (gpu/view.hpp) by integer atomics: no
+// order matters. A double that is not negative orders as its bits do.
 
-#include "gpu/view.hpp"
+#include "gpu/account.cuh"
 
 namespace moraine::gpu {
 
@@ -14,38 +12,28 @@ __device__ __forceinline__ Account<Dim>& account_of(const View<Real, Dim>& v) {
     return v.accounts[blockIdx.x % account_parts];
 }
 
-__device__ __forceinline__ unsigned long long* atomic_word(void* p) {
-    return static_cast<unsigned long long*>(p);
-}
-
-__device__ __forceinline__ void add_exact(ExactSum& to, const ExactSum& x) {
-    const std::uint64_t before = atomicAdd(atomic_word(&to.low), x.low);
-    const std::uint64_t high = std::uint64_t(x.high) + (before + x.low < before ? 1 : 0);
-    if (high != 0) atomicAdd(atomic_word(&to.high), high);
-}
-
 /// Looks before it asks: most are not larger than what is there.
 __device__ __forceinline__ void raise(std::uint64_t& to, double value) {
     const auto bits = static_cast<std::uint64_t>(__double_as_longlong(value));
-    if (bits > *static_cast<volatile std::uint64_t*>(&to)) atomicMax(atomic_word(&to), bits);
+    if (bits > *static_cast<volatile std::uint64_t*>(&to)) atomicMax(word(&to), static_cast<unsigned long long>(bits));
 }
 
 template <int Dim>
 __device__ __forceinline__ void note_fault(Account<Dim>& account, std::uint32_t faults, std::uint64_t id) {
     atomicOr(&account.faults, faults);
-    atomicMin(atomic_word(&account.offender), id);
+    atomicMin(word(&account.offender), static_cast<unsigned long long>(id));
 }
 
 /// A particle of mass m [kg] and velocity v [m/s] that left through an open wall. pull: integral of gravity [m/s].
 template <int Dim>
 __device__ __forceinline__ void note_loss(Account<Dim>& account, const Quantum& quantum, double m,
                                           const double (&v)[Dim], const double (&pull)[Dim]) {
-    add_exact(account.lost_mass, quantum.of(m));
+    add_exact(&account.lost_mass, quantum.of(m));
     for (int a = 0; a < Dim; ++a) {
-        add_exact(account.lost_momentum[a], quantum.of(m * v[a]));
-        add_exact(account.lost_pull[a], quantum.of(m * pull[a]));
+        add_exact(&account.lost_momentum[a], quantum.of(m * v[a]));
+        add_exact(&account.lost_pull[a], quantum.of(m * pull[a]));
     }
-    atomicAdd(atomic_word(&account.lost_count), 1ull);
+    atomicAdd(word(&account.lost_count), 1ull);
 }
 
 __device__ __forceinline__ float warp_max(float x) {

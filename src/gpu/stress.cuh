@@ -73,7 +73,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
                 if (material == std::uint32_t(g.mine)) shared.update(v, g, law, inverse_density, s, half, tally, power);
             });
         power = T::sum(power, shared.sums);
-        if (T::rank() == 0) add_exact(account_of(v).work, g.quantum.of(power));
+        if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
     }
     tally.fold_into(account_of(v));
 }

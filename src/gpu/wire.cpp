@@ -13,12 +13,7 @@ namespace moraine::gpu {
 namespace {
 
 bool on_one_host(const Comm& comm) {
-    MPI_Comm here = MPI_COMM_NULL;
-    int size = 0;
-    MPI_Comm_split_type(comm.handle(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-    MPI_Comm_size(here, &size);
-    MPI_Comm_free(&here);
-    return comm.min(size == comm.size() ? 1.0 : 0.0) > 0;
+    return comm.min(comm.on_this_machine().size == comm.size() ? 1.0 : 0.0) > 0;
 }
 
 /// Whether two ranks compute on one device.

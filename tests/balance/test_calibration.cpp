@@ -1,8 +1,8 @@
-#include "balance/calibration.hpp"
-
 #include <doctest/doctest.h>
 
 #include <vector>
+
+#include "balance/calibration.hpp"
 
 using namespace moraine;
 
@@ -43,7 +43,8 @@ TEST_CASE("a slower machine scales the model and keeps its proportions") {
 TEST_CASE("ranks of one mix leave the proportions alone") {
     Calibration c(start);
     const CostModel truth{300, 50, 10000};
-    for (int k = 0; k < 20; ++k) c.add(std::vector<CostSample>{sample(truth, 1e6, 1e5, 2e3), sample(truth, 2e6, 2e5, 4e3)});
+    for (int k = 0; k < 20; ++k)
+        c.add(std::vector<CostSample>{sample(truth, 1e6, 1e5, 2e3), sample(truth, 2e6, 2e5, 4e3)});
     const double proportion = static_cast<double>(c.model().d) / static_cast<double>(c.model().a);
     CHECK(proportion == doctest::Approx(400).epsilon(0.05));
 }

@@ -5,9 +5,10 @@
 #include <cstring>
 #include <random>
 
-#include "gpu/account.cuh"
 #include "gpu/array.hpp"
 #include "gpu/report.hpp"
+#include "gpu/seen.cuh"
+#include "gpu/team.cuh"
 
 using namespace moraine;
 
@@ -30,20 +31,26 @@ __global__ void fold_all(const double* term, int n, Quantum quantum, ExactSum* s
 
 /// Item i is a block of cells with the work of `threads` threads.
 __global__ void work_of_items(const double* work, int items, Quantum quantum, gpu::Account<3>* accounts) {
-    for (int i = int(blockIdx.x); i < items; i += int(gridDim.x))
-        gpu::fold_work<threads>(work[i * threads + int(threadIdx.x)], quantum, accounts + i % gpu::account_parts);
+    __shared__ double scratch[threads / 32];
+    for (int i = int(blockIdx.x); i < items; i += int(gridDim.x)) {
+        const double sum = gpu::Team<3>::sum(work[i * threads + int(threadIdx.x)], scratch);
+        if (threadIdx.x == 0) gpu::add_exact(&accounts[i % gpu::account_parts].work, quantum.of(sum));
+        __syncthreads();
+    }
 }
 
 template <class Real>
 __global__ void outcomes(const Real* signal, const Real* moved, int n, gpu::Account<2>* accounts) {
-    gpu::Outcome<Real> mine;
+    gpu::Seen<Real> mine;
+    gpu::Account<2>& account = accounts[blockIdx.x % gpu::account_parts];
     for (int k = int(blockIdx.x * blockDim.x + threadIdx.x); k < n; k += int(gridDim.x * blockDim.x)) {
         mine.signal = max(mine.signal, signal[k]);
         mine.moved = max(mine.moved, moved[k]);
-        if (k % 1000 == 7) mine.fault(k % 2000 == 7 ? fault_far : fault_nan, std::uint64_t(5000000000ull - k));
+        if (k % 1000 == 7)
+            gpu::note_fault(account, k % 2000 == 7 ? fault_far : fault_nan, std::uint64_t(5000000000ull - k));
         if (k % 3 == 0) ++mine.clamped;
     }
-    gpu::fold_outcome(mine, accounts + blockIdx.x % gpu::account_parts);
+    mine.fold_into(account);
 }
 
 /// Terms of both signs from 1e-40 to 1e8.
