@@ -15,7 +15,9 @@
 // to the surface fills a node at the distance d by fill(g - d). Without G soil stops about one cell above a structure.
 //
 // The area of a node, sum A_i = contact area: h^(D-1) times a hat of the distance whose width |n_x| + |n_y| + |n_z|
-// makes the sum over the nodes exact for planes, times the mass that is there over that of a full contact.
+// makes the sum over the nodes exact for planes along the grid, times G and the mass that is there over that of a full
+// contact. An undrained interface bears its strength wherever the soil touches, pressed or not: some of its nodes carry
+// no load, and would lose their part of the area. A node at the edge of a contact is half full, as if there were a gap.
 
 #include "core/exact_sum.hpp"
 #include "core/structure.hpp"
@@ -137,9 +139,8 @@ MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<
     double width = 0;
     for (int a = 0; a < Dim; ++a) width += fabs(n.surface.normal[a]);
     const double hat = 1 - fabs(d) / width;
-    const double contact = fill(f, -d);
-    if (hat > 0 && contact > 0) {
-        const double share = there < contact ? there / contact : 1;
+    if (hat > 0 && most > 0) {
+        const double share = there < most ? there / most : 1;
         n.area = hat / width * share * touch * (Dim == 2 ? f.cell : f.cell * f.cell);
     }
     return n;
@@ -175,9 +176,9 @@ MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>&
     Vec<double, Dim> slip;
     for (int a = 0; a < Dim; ++a) slip[a] = double(v[a]) - s.velocity[a];
     const double approach = dot(slip, n.surface.normal);
-    if (!(approach < 0)) return false;
+    if (!(approach < 0) && s.law != InterfaceLaw::undrained) return false;
     slip = slip - approach * n.surface.normal;
-    const double pressed = -approach * n.hold;
+    const double pressed = approach < 0 ? -approach * n.hold : 0.0;
     slow_slip(s, n, pressed, dt_over_mass, slip);
     for (int a = 0; a < Dim; ++a) v[a] = Real(double(v[a]) + pressed * n.surface.normal[a] - slip[a]);
     return true;

@@ -38,6 +38,7 @@ class StructureSet {
     bool empty() const { return values_.empty(); }
     bool any_free() const { return any_free_; }
     std::size_t size() const { return values_.size(); }
+    std::size_t corners() const { return corners_.size(); }
     const StructureSpec& spec(std::size_t k) const { return scene_.structures[k]; }
     const StructureState<Dim>& state(std::size_t k) const { return states_[k]; }
     std::vector<StructureState<Dim>>& states() { return states_; }

@@ -96,8 +96,8 @@ const std::vector<KeyRow<StructureSpec>> structures{
       .name = "law",
       .type = choice,
       .choices = {"smooth", "rough", "coulomb", "undrained"},
-      .meaning = "Along the surface, while it is pressed: no shear stress; no slip; at most friction times the normal "
-                 "stress; at most alpha su. Without this table: smooth."},
+      .meaning = "Along the surface: no shear stress; no slip while it is pressed; at most friction times the normal "
+                 "stress; at most alpha su where the soil touches. Without this table: smooth."},
      [](S& s, const V& v) { s.law = static_cast<InterfaceLaw>(v.choice); }},
     {{.table = "structure.contact",
       .name = "friction",

@@ -144,6 +144,9 @@ TEST_CASE("a rough surface holds the node; an undrained one takes at most its st
     CHECK(Plane(InterfaceLaw::undrained).touch({{3, -2}})[0] == doctest::Approx(3 - most));
     CHECK(Plane(InterfaceLaw::undrained).touch({{3, -200}})[0] == doctest::Approx(3 - most));
     CHECK(Plane(InterfaceLaw::undrained).touch({{1.1, -2}})[0] == doctest::Approx(1));
+    CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}})[0] == doctest::Approx(3 - most));
+    CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}})[1] == 2);
+    CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}}, 0, 0.1)[0] == 3);
 }
 
 TEST_CASE("the moment of what a node gives is its arm times the impulse") {

@@ -69,7 +69,7 @@ class Structures(moraine.ProgramTest):
         self.assertIn("scene.toml:29: structure.pipe begins inside body.block", said)
         report = call("check", self.write(inside + "clear = true\n"))
         self.assertEqual(report.code, 0, report)
-        self.assertIn("particles  56", report.out)
+        self.assertIn("particles  52", report.out)
         self.assertIn("structure  pipe: sphere, fixed, smooth", report.out)
 
     def test_wrong_structures_are_named_with_line_and_cause(self):
