@@ -37,6 +37,7 @@ class Driver {
     void after_step();
     void output();
     void record_balance();
+    void record_structures();
     void checkpoint();
     void finish();
     double wall() const;
@@ -47,14 +48,15 @@ class Driver {
     const Comm& comm_;
     std::string directory_, device_words_;
     Simulation<Real, Dim> sim_;
-    std::unique_ptr<CsvLog> history_, balance_;
-    std::unique_ptr<LoadRecord<Real, Dim>> loads_;  ///< none unless the scene asks for it
+    std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
+    std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
     std::unique_ptr<ParticleSeries> series_;
     std::unique_ptr<Progress> progress_;
     double start_wall_ = 0;  ///< [s]
     double stepping_ = 0;    ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
     std::int64_t next_output_ = 1;      ///< in output intervals
+    std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
     std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
     std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv

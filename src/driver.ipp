@@ -5,6 +5,7 @@
 
 #include "picture.hpp"
 #include "store.hpp"
+#include "structure_record.hpp"
 #include "summary.hpp"
 #include "time_report.hpp"
 
@@ -53,7 +54,7 @@ void Driver<Real, Dim>::begin() {
     check_run_directory(comm_, directory_, claim);
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
-        load(sim_, file, options_.restart);
+        load(sim_, comm_, file, options_.restart);
     } else {
         sim_.seed();
     }
@@ -64,6 +65,7 @@ void Driver<Real, Dim>::begin() {
     const RunClock<Dim>& clock = sim_.clock();
     open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
     next_output_ = next_multiple(scene_.output.interval, clock.time);
+    next_structures_ = next_multiple(scene_.output.structure_interval, clock.time);
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
@@ -77,6 +79,8 @@ void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int
     if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", HistoryRow<Dim>::columns(), resume);
     balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
+    if (!sim_.structures().empty())
+        structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume_time ? std::optional(resume_step) : std::nullopt);
@@ -121,6 +125,11 @@ void Driver<Real, Dim>::after_step() {
         sim_.conclude();
         output();
     }
+    const double often = scene_.output.structure_interval;
+    if (structures_ && often > 0 && clock.time >= static_cast<double>(next_structures_) * often) {
+        sim_.conclude();
+        record_structures();
+    }
     if (clock.step % scene_.balance.interval == 0) record_balance();
     const bool due =
         checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;
@@ -141,6 +150,7 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
         history_->row(observe(sim_, comm_).values());
+        if (structures_ && scene_.output.structure_interval == 0) record_structures();
         Picture<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
@@ -157,6 +167,12 @@ void Driver<Real, Dim>::checkpoint() {
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, sim_.clock().time);
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::record_structures() {
+    sim_.phases().time(Phase::output, [&] { moraine::record_structures(sim_, *structures_); });
+    next_structures_ = next_multiple(scene_.output.structure_interval, sim_.clock().time);
 }
 
 template <class Real, int Dim>

@@ -83,12 +83,16 @@ HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.front = front_of(sim.column_volumes(), scene);
     row.potential = sim.potential_energy(row.totals);
     row.dissipated = sim.sum_of(ledger.work) - (row.totals.strain - clock.start_strain);
+    std::vector<StructureSums<Dim>> felt;
+    for (const StructureState<Dim>& state : sim.structures().states()) felt.push_back(state.felt);
+    felt = sim.sum_of(felt);
     for (std::size_t a = 0; a < Dim; ++a) {
         row.wall_impulse[a] = sim.sum_of(ledger.impulse[a]);
         const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(ledger.lost_pull[a]);
         row.gravity_impulse[a] = clock.start_mass * clock.pull[a] - unfelt;
         row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(ledger.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
+        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
     }
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
     return row;

@@ -24,6 +24,7 @@
 #include "core/method.hpp"
 #include "core/totals.hpp"
 #include "io/seed.hpp"
+#include "io/structure_seeds.hpp"
 #include "phases.hpp"
 
 namespace moraine {
@@ -136,6 +137,8 @@ class Simulation {
     const Partitioner& partitioner() const { return *partitioner_; }
     const RepartitionTrigger& trigger() const { return trigger_; }
     Quantum quantum() const { return {clock_.quantum_scale}; }
+    const StructureSet<Dim>& structures() const { return structures_; }
+    StructureSet<Dim>& structures() { return structures_; }
 
     /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
     void ask(std::uint32_t what) { asked_ |= what; }
@@ -151,6 +154,8 @@ class Simulation {
     double potential_energy(const Totals<Dim>& totals) const;
     /// Exact sum over ranks of a ledger entry. Collective.
     double sum_of(const ExactSum& mine) const;
+    /// Over ranks of all sums of a structure, one after the other. Collective.
+    std::vector<StructureSums<Dim>> sum_of(const std::vector<StructureSums<Dim>>& mine) const;
     /// Volume per column of cells along x, over the domain [m3]. Collective.
     std::vector<double> column_volumes() const;
 
@@ -160,7 +165,10 @@ class Simulation {
     void book();
     void report_faults() const;
     void apply_body_force();
-    StepScales<Dim> scales() const { return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull}; }
+    void agree_on_forces();
+    StepScales<Dim> scales() const {
+        return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull, structures_.empty() ? nullptr : &structures_};
+    }
 
     bool weighs_cells() const { return scene_.balance.weight == "cost"; }
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
@@ -193,6 +201,8 @@ class Simulation {
     RunClock<Dim> clock_;
     RunCounts counts_;
     Ledger<Dim> ledger_;
+    StructureSet<Dim> structures_;
+    std::vector<StructureSums<Dim>> forces_;  ///< of the last step on free structures, over all ranks
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
@@ -223,6 +233,8 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::halo, [&] { engine_->send_halo(); });
         phases_.time(Phase::p2g, [&] { engine_->sum_interior(); });
         if (first) agree_on_dt();
+        if (first && structures_.any_free()) agree_on_forces();  // what they felt: one exact sum
+        if (first) structures_.begin_step(clock_.time, clock_.dt, forces_, quantum());
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
@@ -230,6 +242,7 @@ void Simulation<Real, Dim>::step() {
     phases_.time(Phase::migrate, [&] { engine_->send_leavers(scales()); });
     unbooked_ = true;
     clock_.time += clock_.dt;
+    structures_.end_step(clock_.time, clock_.dt);
     ++clock_.step;
 }
 

@@ -25,6 +25,14 @@ double Simulation<Real, Dim>::sum_of(const ExactSum& mine) const {
 }
 
 template <class Real, int Dim>
+std::vector<StructureSums<Dim>> Simulation<Real, Dim>::sum_of(const std::vector<StructureSums<Dim>>& mine) const {
+    const std::vector<StructureSums<Dim>> all = comm_.all_gather(mine);
+    std::vector<StructureSums<Dim>> sums(mine.size());
+    for (std::size_t k = 0; k < all.size(); ++k) sums[k % mine.size()].add(all[k]);
+    return sums;
+}
+
+template <class Real, int Dim>
 Totals<Dim> Simulation<Real, Dim>::totals() const {
     Share& share = engine_->share();
     const ListView<Dim> list = share.list();

@@ -22,7 +22,8 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
       weight_(scene.balance, make_engine ? device_costs : host_costs),
       calibration_(make_engine ? device_costs : host_costs),
-      reduction_(comm) {
+      reduction_(comm),
+      structures_(scene) {
     if (make_engine)
         engine_ = make_engine(method_);
     else
@@ -98,6 +99,7 @@ FiledBlocks Simulation<Real, Dim>::seed_share() {
         for (std::int64_t row = first; row < last; row += step) {
             seeds.clear();
             part.fill(row, std::min(row + step, last), total, seeds);
+            clear_structures(scene_, seeds);
             const std::vector<std::uint32_t> slots = patch().take_slots(seeds.size());
             for (std::size_t k = 0; k < seeds.size(); ++k)
                 placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);

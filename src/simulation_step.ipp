@@ -23,6 +23,7 @@ void Simulation<Real, Dim>::book() {
     computed_ = phases_.computing();
     counts_.clamped_boxes += report.clamped;
     ledger_.add(report.ledger);
+    structures_.take(report.felt);
     unbooked_ = false;
 }
 
@@ -58,6 +59,17 @@ void Simulation<Real, Dim>::agree_on_dt() {
     clock_.dt = scene_.dt > 0 ? scene_.dt : scene_.cfl * scene_.cell / clock_.signal;
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
     engine_->expect_leavers(agreed_.crowd);
+}
+
+/// Free structures are moved alike on all ranks: by a sum that is the same whoever owns the nodes.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::agree_on_forces() {
+    phases_.time(Phase::agree, [&] {
+        std::vector<StructureSums<Dim>> mine;
+        for (const StructureState<Dim>& state : structures_.states()) mine.push_back(state.pending);
+        forces_ = sum_of(mine);
+        structures_.forget_pending();
+    });
 }
 
 /// What happened, and what may help: of the worst of several faults.

@@ -50,6 +50,20 @@ void each_ledger_entry(Ledger<Dim>& ledger, const F& f) {
     }
 }
 
+/// Names of the sums of all structures, and the sums.
+template <int Dim, class F>
+void each_structure_sum(StructureSet<Dim>& set, const F& f) {
+    for (std::size_t k = 0; k < set.size(); ++k) {
+        StructureState<Dim>& state = set.states()[k];
+        for (int q = 0; q < StructureSums<Dim>::count; ++q) {
+            const std::string at = fmt::format("_{}_{}", set.spec(k).name, q);
+            f("pending" + at, state.pending.sum[q]);
+            f("felt" + at, state.felt.sum[q]);
+            f("reported" + at, state.reported.sum[q]);
+        }
+    }
+}
+
 template <int Dim>
 CheckpointHeader clock_header(const RunClock<Dim>& c) {
     CheckpointHeader h;
@@ -79,6 +93,54 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     return c;
 }
 
+/// One sum over ranks, as a checkpoint holds it. Collective.
+inline std::vector<std::int64_t> stored_sum(const Comm& comm, const ExactSum& mine) {
+    ExactSum sum;
+    for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine})) sum.add(s);
+    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
+}
+inline ExactSum sum_of_stored(const std::vector<std::int64_t>& words) {
+    return words.size() == 2 ? ExactSum{words[0], std::bit_cast<std::uint64_t>(words[1])} : ExactSum{};
+}
+
+/// Collective.
+template <class Real, int Dim>
+void save_structures(Simulation<Real, Dim>& sim, const Comm& comm, CheckpointHeader& header) {
+    StructureSet<Dim>& set = sim.structures();
+    if (set.empty()) return;
+    each_structure_sum(
+        set, [&](const std::string& name, ExactSum& mine) { header["structure_" + name] = stored_sum(comm, mine); });
+    std::vector<double> motion{set.reported_time};
+    for (const StructureState<Dim>& state : set.states()) {
+        motion.insert(motion.end(), state.displacement.e, state.displacement.e + Dim);
+        motion.insert(motion.end(), state.velocity.e, state.velocity.e + Dim);
+        motion.insert(motion.end(), state.carried.e, state.carried.e + Dim);
+    }
+    header["structure_motion"] = motion;
+}
+
+/// What all ranks felt is with rank 0 from now on.
+template <class Real, int Dim>
+void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file) {
+    StructureSet<Dim>& set = sim.structures();
+    if (set.empty()) return;
+    each_structure_sum(set, [&](const std::string& name, ExactSum& mine) {
+        const ExactSum all = sum_of_stored(file.get<std::vector<std::int64_t>>("structure_" + name));
+        mine = comm.is_root() ? all : ExactSum{};
+    });
+    const auto& motion = file.get<std::vector<double>>("structure_motion");
+    if (motion.size() != 1 + 3 * Dim * set.size())
+        throw InputError("The checkpoint does not hold these structures. Is it of another scene?");
+    set.reported_time = motion[0];
+    auto from = motion.begin() + 1;
+    for (StructureState<Dim>& state : set.states()) {
+        std::copy_n(from, Dim, state.displacement.e);
+        std::copy_n(from + Dim, Dim, state.velocity.e);
+        std::copy_n(from + 2 * Dim, Dim, state.carried.e);
+        from += 3 * Dim;
+    }
+}
+
 /// Filed state only; after conclude().
 template <class Real, int Dim>
 void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
@@ -89,11 +151,10 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path)
     header["partitioner_state"] = sim.partitioner().state();
     Ledger<Dim> ledger = sim.ledger();
     header["lost_count"] = comm.sum(ledger.lost_count);
-    each_ledger_entry(ledger, [&](const std::string& name, ExactSum& mine) {
-        ExactSum sum;
-        for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine})) sum.add(s);
-        header["ledger_" + name] = std::vector<std::int64_t>{sum.high, std::bit_cast<std::int64_t>(sum.low)};
-    });
+    each_ledger_entry(
+        ledger, [&](const std::string& name, ExactSum& mine) { header["ledger_" + name] = stored_sum(comm, mine); });
+
+    save_structures(sim, comm, header);
 
     const FiledBlocks filed = sim.patch().filed();
     std::vector<Column> columns;
@@ -103,7 +164,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path)
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.
 template <class Real, int Dim>
-void load(Simulation<Real, Dim>& sim, const CheckpointReader& file, const std::string& path) {
+void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path) {
     const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
     if (!difference.empty())
         throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
@@ -114,8 +175,7 @@ void load(Simulation<Real, Dim>& sim, const CheckpointReader& file, const std::s
     Ledger<Dim> ledger;
     ledger.lost_count = file.get<std::int64_t>("lost_count");
     each_ledger_entry(ledger, [&](const std::string& name, ExactSum& entry) {
-        const auto& words = file.get<std::vector<std::int64_t>>("ledger_" + name);
-        if (words.size() == 2) entry.high = words[0], entry.low = std::bit_cast<std::uint64_t>(words[1]);
+        entry = sum_of_stored(file.get<std::vector<std::int64_t>>("ledger_" + name));
     });
     std::vector<std::int64_t> state;
     if (file.get<std::string>("partitioner") == sim.partitioner().name())
@@ -131,6 +191,7 @@ void load(Simulation<Real, Dim>& sim, const CheckpointReader& file, const std::s
         }
     };
     sim.restore(keys, counts, clock_of<Dim>(file), ledger, state, read);
+    load_structures(sim, comm, file);
     if (std::bit_cast<std::int64_t>(sim.state_hash()) != file.get<std::int64_t>("state_hash"))
         throw InputError(
             fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "

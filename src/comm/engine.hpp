@@ -12,6 +12,7 @@
 #include "comm/block_move.hpp"
 #include "comm/patch.hpp"
 #include "core/method.hpp"
+#include "core/structure_set.hpp"
 #include "core/totals.hpp"
 
 namespace moraine {
@@ -22,9 +23,10 @@ struct StepReport {
     double signal = 0;  ///< largest c + |v| [m/s]
     double moved = 0;   ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
-    std::int64_t clamped = 0;         ///< contiguous GIMP boxes held at half a cell
-    Ledger<Dim> ledger;               ///< to be added
-    std::array<double, 3> seconds{};  ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
+    std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
+    Ledger<Dim> ledger;                    ///< to be added
+    std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
+    std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };
 
 /// A particle that went wrong.
@@ -38,10 +40,11 @@ struct Offence {
 /// What holds for all particles of a step.
 template <int Dim>
 struct StepScales {
-    double dt;                     ///< [s]
-    double mass_cutoff;            ///< [kg]
-    Quantum quantum;               ///< of the exact sums
-    std::array<double, Dim> pull;  ///< integral of gravity up to the end of the step [m/s]
+    double dt;                                      ///< [s]
+    double mass_cutoff;                             ///< [kg]
+    Quantum quantum;                                ///< of the exact sums
+    std::array<double, Dim> pull;                   ///< integral of gravity up to the end of the step [m/s]
+    const StructureSet<Dim>* structures = nullptr;  ///< null: the scene has none
 };
 
 /// Occupied blocks of this rank.

@@ -41,6 +41,8 @@ class HostEngine final : public Engine<Real, Dim> {
     Traffic traffic() const override;
 
   private:
+    template <bool Contact>
+    void solve_nodes(const Round& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks);
     void book(const Quantum& quantum);

@@ -66,18 +66,30 @@ void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks) {
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
+    if (!step.structures) return solve_nodes<false>(round, step, {});
+    ContactField<Dim> contact = step.structures->field();
+    report_.felt.resize(step.structures->size());
+    contact.sums = report_.felt.data();
+    solve_nodes<true>(round, step, contact);
+}
+
+template <class Real, int Dim>
+template <bool Contact>
+void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step,
+                                        const ContactField<Dim>& contact) {
     const std::span<const std::int32_t> needed = patch_.node_blocks();
     impulse_.resize(needed.size() * Dim);
-    const SolveNodes<Real, Dim> kernel{method_.context.walls,
-                                       patch_.table(),
-                                       patch_.grid(),
-                                       needed.data(),
-                                       method_.stencil.width,
-                                       method_.stencil.origin,
-                                       {round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
-                                        static_cast<Real>(step.mass_cutoff)},
-                                       step.quantum,
-                                       impulse_.data()};
+    const SolveNodes<Real, Dim, Contact> kernel{method_.context.walls,
+                                                patch_.table(),
+                                                patch_.grid(),
+                                                needed.data(),
+                                                method_.stencil.width,
+                                                method_.stencil.origin,
+                                                {round.nodes, static_cast<Real>(step.dt), method_.gravity,
+                                                 method_.damping, static_cast<Real>(step.mass_cutoff)},
+                                                step.quantum,
+                                                impulse_.data(),
+                                                contact};
     Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
 }
 

@@ -1,17 +1,19 @@
 #pragma once
 // Nodes: from sums to velocities.
 //
-//   v_i = q_i / m_i,   v_i' = v_i + dt (f_i / m_i + g) , then damping, then walls
+//   v_i = q_i / m_i,   v_i' = v_i + dt (f_i / m_i + g) , then structures (contact.hpp), damping, walls
 //   left for the gather: v_i' and dv_i = v_i' - v_i
 //
 // A node is +0 plus its tiles in the order of the offset delta, never of keys or ranks, so that an
 // absent tile and a zero tile are the same and all copies of a node are updated identically. Local
-// non-viscous damping follows Cundall (1987): a fraction of |f| against the velocity.
+// non-viscous damping follows Cundall (1987): a fraction of |f| against the velocity. A node that a structure touches
+// is not damped: |f| there is a load that the structure bears, and all of it shall be seen in its force.
 //
 // Nodes with less than `mass_cutoff` take no part: their velocity would be a ratio of roundings.
 // Impulses of walls and damping are summed exactly, each node by the owner of the first occupied
 // block c - delta, in offset order, whose tile covers it.
 
+#include "core/contact.hpp"
 #include "core/exact_sum.hpp"
 #include "core/grid_views.hpp"
 #include "core/quad.hpp"
@@ -54,10 +56,20 @@ MORAINE_HD void damp_node(const NodeRound<Real, Dim>& round, const Quad<Real>& f
     }
 }
 
+/// Of a node that no structure is near.
+struct Untouched {
+    template <class Velocity>
+    MORAINE_HD bool operator()(Velocity&) const {
+        return false;
+    }
+};
+
 /// The formula: from a node's sums (m, q) and (f, 0) to its velocities. `node`: its index; null where no wall is near.
-template <class Real, int Dim>
+/// touch(v) applies the structures and says whether one touches.
+template <class Real, int Dim, class Touch = Untouched>
 MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, const Walls<Real, Dim>& walls,
-                                           const Quad<Real>& sums, const Quad<Real>& force, const int* node) {
+                                           const Quad<Real>& sums, const Quad<Real>& force, const int* node,
+                                           const Touch& touch = {}) {
     NodeMotion<Real, Dim> motion;
     motion.start = motion.trial = motion.end = zero_vec<Real, Dim>();
     const Real m = sums[0];
@@ -68,13 +80,15 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     if (round.task == NodeTask::solve)
         for (int a = 0; a < Dim; ++a) v[a] += round.dt * (force[a] * inverse + round.gravity[a]);
     motion.trial = v;
-    if (round.damping > Real(0) && round.task == NodeTask::solve) damp_node(round, force, inverse, v);
+    const bool touched = touch(v);
+    if (round.damping > Real(0) && round.task == NodeTask::solve && !touched) damp_node(round, force, inverse, v);
     if (node) walls.constrain(node, v);
     motion.end = v;
     return motion;
 }
 
-template <class Real, int Dim>
+/// One instance for scenes with structures, one for the others.
+template <class Real, int Dim, bool Contact = false>
 struct SolveNodes {
     struct Scratch {
         Quad<Real> sums[2 * Block<Dim>::cells];
@@ -90,6 +104,7 @@ struct SolveNodes {
     NodeRound<Real, Dim> round;
     Quantum quantum;
     ExactSum* impulse;  ///< node blocks x Dim: impulse of walls and damping of this step [kg m/s]
+    ContactField<Dim> contact = {};
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -97,6 +112,7 @@ struct SolveNodes {
         for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
         if (grid.node_of[c] < 0) return;
         const bool border = table.node_border[c] != 0;
+        const bool near = structure_near(c);
         team.each(Block<Dim>::cells, [&](int n) {
             scratch.sums[2 * n] = scratch.sums[2 * n + 1] = Quad<Real>::zero();
             scratch.counted_by[n] = -1;
@@ -109,7 +125,7 @@ struct SolveNodes {
             team.each(Block<Dim>::cells, [&](int n) { add_tile_node(n, delta, source, tile, scratch); });
             team.sync();
         }
-        team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, scratch); });
+        team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, near, scratch); });
     }
 
   private:
@@ -130,16 +146,39 @@ struct SolveNodes {
 
     static MORAINE_HD int cell_coordinate_of(int n, int axis) { return (n >> (2 * axis)) & 3; }
 
-    MORAINE_HD void finish(int c, int item, int n, bool border, Scratch& scratch) const {
+    /// Other node blocks look at no structure.
+    MORAINE_HD bool structure_near(int c) const {
+        bool near = false;
+        if constexpr (Contact) {
+            int lowest[Dim];
+            for (int a = 0; a < Dim; ++a) lowest[a] = 4 * table.node_position[c][a] - origin;
+            for (int k = 0; k < contact.count && !near; ++k) near = is_near(contact, contact.structure[k], lowest);
+        }
+        return near;
+    }
+
+    MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
         Real* out = grid.nodes + (std::size_t(grid.node_of[c]) * Block<Dim>::cells + n) * node_reals;
         const Quad<Real>& sums = scratch.sums[2 * n];
+        const bool solved = round.task == NodeTask::solve;
+        const bool counted = solved && scratch.counted_by[n] < table.own;
         int node[Dim];
         for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
-        const NodeMotion<Real, Dim> motion =
-            move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr);
-        const bool solved = round.task == NodeTask::solve;
-        if ((border || round.damping > Real(0)) && solved && scratch.counted_by[n] < table.own)
-            for (int a = 0; a < Dim; ++a) impulse[item * Dim + a].add(quantum.of(motion.impulse(sums[0], a)));
+        NodeMotion<Real, Dim> motion;
+        Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
+        if constexpr (Contact) {
+            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr, [&](auto& v) {
+                return near && touch_structures(contact, node, sums[0], round.dt, counted, quantum, v, given);
+            });
+        } else {
+            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr);
+        }
+        if ((border || round.damping > Real(0)) && counted)
+            for (int a = 0; a < Dim; ++a) {
+                double impulse_of_node = motion.impulse(sums[0], a);
+                if constexpr (Contact) impulse_of_node += given[a];
+                impulse[item * Dim + a].add(quantum.of(impulse_of_node));
+            }
         for (int a = 0; a < Dim; ++a) {
             out[quad + a] = solved ? motion.end[a] - motion.start[a] : out[a];
             out[a] = motion.end[a];

@@ -20,6 +20,9 @@ enum class Precision { single_, double_ };
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
 enum class BodyShape { box, polygon, sphere, table };
 enum class Seeding { lattice, jittered };
+enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon };
+enum class StructureMotion { fixed, velocity, sinusoid, table, free };
+enum class InterfaceLaw { smooth, rough, coulomb, undrained };
 enum class Trigger { never, every, threshold, planned };
 
 struct WallSpec {
@@ -61,8 +64,40 @@ struct BodySpec {
     double geostatic_k0 = 1;
 };
 
+/// How a structure moves (core/structure_motion.hpp).
+struct MotionSpec {
+    StructureMotion kind = StructureMotion::fixed;
+    Triple velocity{};            ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;              ///< velocity: time of the rise [s]
+    Triple amplitude{};           ///< sinusoid [m]
+    double period = 0;            ///< sinusoid [s]
+    std::vector<double> times;    ///< table [s]
+    std::vector<double> factors;  ///< table: of the velocity at these times
+    double mass = 0;              ///< free [kg]
+    Triple force{};               ///< free: besides gravity and contact [N]
+};
+
+struct StructureSpec {
+    std::string name;
+    StructureShape shape = StructureShape::plane;
+    Triple point{}, normal{};                   ///< plane: away from the structure
+    Triple center{};                            ///< sphere [m]
+    double radius = 0;                          ///< sphere, cylinder, capsule [m]
+    Triple from{}, to{};                        ///< cylinder, capsule: ends of the axis [m]
+    Triple min{}, max{};                        ///< box; polygon in 3-D: min[2], max[2] are its ends [m]
+    std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
+    bool clear = false;                         ///< particles that begin inside are removed
+    InterfaceLaw law = InterfaceLaw::smooth;
+    double friction = 0;  ///< coulomb [-]
+    double alpha = 0;     ///< undrained: share of su [-]
+    double su = 0;        ///< undrained [Pa]
+    double penalty = 1;   ///< share of m / dt^2 [-]
+    MotionSpec motion;
+};
+
 struct OutputSpec {
-    double interval = 0;  ///< [s]; 0: start and end only
+    double interval = 0;            ///< [s]; 0: start and end only
+    double structure_interval = 0;  ///< of structures.csv [s]; 0: that of the others
     std::vector<std::string> fields;
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
@@ -100,6 +135,7 @@ struct Scene {
     Triple gravity{};             ///< [m/s2]
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
+    std::vector<StructureSpec> structures;
     OutputSpec output;
     BalanceSpec balance;
     std::uint64_t seed = 1;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "gpu/nodes.hpp"
 #include "gpu/refresh.hpp"
 
 namespace moraine::gpu {

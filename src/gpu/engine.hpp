@@ -15,6 +15,7 @@
 #include "gpu/exchange.hpp"
 #include "gpu/g2p.hpp"
 #include "gpu/lists.hpp"
+#include "gpu/nodes.hpp"
 #include "gpu/p2g.hpp"
 #include "gpu/particles.hpp"
 #include "gpu/report.hpp"
@@ -95,6 +96,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<std::uint16_t> material_of_;
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
+    DeviceStructures<Dim> structures_;
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: filing with P2G, nodes, G2P; not of waiting

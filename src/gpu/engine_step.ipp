@@ -118,7 +118,13 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     const NodeRound<Real, Dim> args{round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
                                     static_cast<Real>(step.mass_cutoff)};
     watch_.begin(1, stream_);
-    gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_);
+    if (step.structures) {
+        const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
+        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_, &contact);
+        structures_.fetch(stream_);
+    } else {
+        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_);
+    }
     watch_.end(1, stream_);
     summed_ = false;
 }
@@ -189,6 +195,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.faults = account.faults;
     report.clamped = account.clamped;
     report.ledger = ledger_of(account);
+    report.felt = structures_.take();
     report.seconds = watch_.take();
     if (static_cast<std::size_t>(census_.blocks) > tile_room_) grow_tiles();
     if (++steps_since_refresh_ >= refresh_interval) refresh();

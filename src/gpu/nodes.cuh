@@ -17,7 +17,18 @@ struct NodeWork {
     NodeRound<Real, Dim> round;
     int origin;
     Quantum quantum;
+    ContactField<Dim> contact;
 };
+
+/// Whether a structure is near the node block c. Others look at none.
+template <class Real, int Dim>
+__device__ __forceinline__ bool structure_near(const NodeWork<Real, Dim>& w, int c) {
+    int lowest[Dim];
+    for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
+    for (int k = 0; k < w.contact.count; ++k)
+        if (is_near(w.contact, w.contact.structure[k], lowest)) return true;
+    return false;
+}
 
 /// The tiles around a node block: each warp looks them up, a lane each, for the one or two node blocks of its nodes.
 template <int Dim>
@@ -88,7 +99,7 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
 }
 
 /// One node: its values, and what damping and walls gave it if it is counted here.
-template <class Real, int Dim>
+template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                            const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
@@ -96,9 +107,20 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     int node[Dim];
 #pragma unroll
     for (int a = 0; a < Dim; ++a) node[a] = 4 * w.view.table.node_position[c][a] - w.origin + ((n >> (2 * a)) & 3);
-    const NodeMotion<Real, Dim> motion = move_node(w.round, w.view.context.walls, sums, force, border ? node : nullptr);
+    NodeMotion<Real, Dim> motion;
+    Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
+    if constexpr (Contact) {
+        const bool near = structure_near(w, c);
+        motion = move_node(w.round, w.view.context.walls, sums, force, border ? node : nullptr, [&](auto& v) {
+            return near &&
+                   touch_structures(w.contact, node, sums[0], w.round.dt, solved && counted, w.quantum, v, given);
+        });
+    } else {
+        motion = move_node(w.round, w.view.context.walls, sums, force, border ? node : nullptr);
+    }
     if ((border || w.round.damping > Real(0)) && solved && counted)
-        for (int a = 0; a < Dim; ++a) impulse[a] = w.quantum.of(motion.impulse(sums[0], a));
+        for (int a = 0; a < Dim; ++a)
+            impulse[a] = w.quantum.of(motion.impulse(sums[0], a) + (Contact ? given[a] : 0.0));
     auto* out = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + n) * 2;
     Quad<Real> velocity = Quad<Real>::zero(), second = Quad<Real>::zero();
     if (!solved) second = load_row(out);
@@ -111,8 +133,9 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     store_row(out + 1, second);
 }
 
-template <class Real, int Dim, int Width>
-__global__ void __launch_bounds__(node_threads) nodes_kernel(const __grid_constant__ NodeWork<Real, Dim> w) {
+template <class Real, int Dim, int Width, bool Contact>
+__global__ void __launch_bounds__(node_threads, Contact ? 1 : 0)
+    nodes_kernel(const __grid_constant__ NodeWork<Real, Dim> w) {
     constexpr int cells = Block<Dim>::cells;
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
@@ -121,7 +144,7 @@ __global__ void __launch_bounds__(node_threads) nodes_kernel(const __grid_consta
     Quad<Real> sums, force;
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
     ExactSum impulse[Dim];
-    if (around.own != 0) solve_node(w, c, n, sums, force, counted, impulse);
+    if (around.own != 0) solve_node<Contact>(w, c, n, sums, force, counted, impulse);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
 }
 

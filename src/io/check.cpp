@@ -12,7 +12,9 @@
 #include "core/morton.hpp"
 #include "core/position.hpp"
 #include "core/shape.hpp"
+#include "io/scene_keys.hpp"
 #include "io/seed.hpp"
+#include "io/structure_seeds.hpp"
 
 namespace moraine {
 namespace {
@@ -57,9 +59,12 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
     std::vector<Key> mine;
     std::vector<Seed> some;
     double speed = 0;
+    std::int64_t particles = 0;
     for (std::int64_t row = 0; row < rows; row += stretch) {
         some.clear();
         seeds.fill(row, std::min(rows, row + stretch), total, some);
+        clear_structures(scene, some);
+        particles += static_cast<std::int64_t>(some.size());
         for (const Seed& s : some) {
             p.mass += s.mass;
             speed = std::max(speed, norm(s.velocity));
@@ -68,7 +73,7 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
         }
         if (mine.size() > 1000000) sort_unique(mine);
     }
-    p.particles += total;
+    p.particles += particles;
     keys.insert(keys.end(), mine.begin(), mine.end());
     return speed;
 }
@@ -217,12 +222,29 @@ double bytes_on_device(const Scene& scene, const Prediction& p) {
     return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
 
+/// "structure  pipe: sphere, velocity, rough"
+std::string structure_lines(const Scene& scene) {
+    const auto word = [](const std::string& table, const std::string& key, int choice) {
+        for (const auto& row : structure_rows())
+            if (row.key.table == table && row.key.name == key) return row.key.choices[static_cast<std::size_t>(choice)];
+        return std::string();
+    };
+    std::string text;
+    for (const StructureSpec& s : scene.structures)
+        text +=
+            fmt::format("structure  {}: {}, {}, {}\n", s.name, word("structure", "shape", static_cast<int>(s.shape)),
+                        word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
+                        word("structure.contact", "law", static_cast<int>(s.law)));
+    return text;
+}
+
 std::string check_report(const Scene& scene, int ranks) {
     const Prediction p = predict(scene);
     std::string text = fmt::format("{}: good\n", scene.path);
     if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
     text += fmt::format("particles  {}\n", p.particles);
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
+    text += structure_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
     text += fmt::format("dt         {:.4g} s ({})\n", p.dt,
                         scene.dt > 0 ? std::string("fixed")

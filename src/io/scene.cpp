@@ -57,6 +57,7 @@ class Reader {
         each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
         each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         check_scene(scene_, places_);
         for (std::size_t a = 0; a < 3; ++a)
             if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
@@ -153,6 +154,15 @@ class Reader {
                    "there is no such material", names.empty() ? "Write one as [[material]]?" : suggest(wanted, names));
         body.material = static_cast<int>(found - names.begin());
         scene_.bodies.push_back(std::move(body));
+    }
+
+    void read_structure(const toml::table& table, const std::string& path) {
+        StructureSpec structure;
+        read_table(&table, "structure", path, structure_rows(), structure);
+        for (const char* part : {"contact", "motion"})
+            if (const toml::table* nested = section_table(table, part))
+                read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
+        scene_.structures.push_back(std::move(structure));
     }
 
     void read_wall(const toml::table& table, const std::string& path) {

@@ -92,6 +92,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_fields(scene, places);
     check_starts(scene, places);
     check_bodies(scene, places);
+    check_structures(scene, places);
 }
 
 }  // namespace moraine

@@ -23,8 +23,6 @@ void check_form(const Scene& scene, const BodySpec& body, const Places& places) 
             if (!(body.max[a] > body.min[a]))
                 refuse(places.of(path + ".max"), fmt::format("{} has no length along {}", path, axis_name[a]),
                        fmt::format("min {}, max {}", body.min[a], body.max[a]), "Are they exchanged?");
-    if (prism && !(measure_of(body, scene.dimensions) > 0))
-        refuse(places.of(path + ".points"), path + " has no area", "its points lie on a line", "Move one of them?");
 }
 
 using Point = std::array<double, 2>;
@@ -33,15 +31,13 @@ double turn(const Point& a, const Point& b, const Point& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
 }
 
-/// Edges that cross would make area and inside disagree.
-void check_crossings(const BodySpec& body, const Places& places) {
-    const std::size_t n = body.points.size();
+void check_crossings(const std::vector<Point>& points, const std::string& path, const Places& places) {
+    const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 2; j < n; ++j) {
-            const Point &a = body.points[i], &b = body.points[i + 1], &c = body.points[j],
-                        &d = body.points[(j + 1) % n];
+            const Point &a = points[i], &b = points[i + 1], &c = points[j], &d = points[(j + 1) % n];
             if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
-                refuse(places.of("body." + body.name + ".points"), fmt::format("body.{} crosses itself", body.name),
+                refuse(places.of(path + ".points"), path + " crosses itself",
                        fmt::format("the edges after points {} and {}", i + 1, j + 1), "Put the points in order?");
         }
 }
@@ -123,6 +119,14 @@ void check_overlaps(const Scene& scene, const Places& places) {
 
 }  // namespace
 
+void check_polygon(const std::vector<Point>& points, const std::string& path, const Places& places) {
+    check_crossings(points, path, places);
+    double twice_area = 0;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) twice_area += turn(points[0], points[i], points[i + 1]);
+    if (twice_area == 0)
+        refuse(places.of(path + ".points"), path + " has no area", "its points lie on a line", "Move one of them?");
+}
+
 void check_bodies(const Scene& scene, const Places& places) {
     if (scene.bodies.empty())
         refuse(places.of("body"), "the scene has no body", "nothing would move", "Write one as [[body]]?");
@@ -132,7 +136,7 @@ void check_bodies(const Scene& scene, const Places& places) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
         if (body.shape != BodyShape::table) {
-            if (body.shape == BodyShape::polygon) check_crossings(body, places);
+            if (body.shape == BodyShape::polygon) check_polygon(body.points, "body." + body.name, places);
             check_form(scene, body, places);
             check_extent(scene, body, extent_of(body, scene.dimensions), places);
         }

@@ -86,6 +86,37 @@ void add_bodies(Entries& all, const Scene& s) {
     }
 }
 
+void add_structures(Entries& all, const Scene& s) {
+    for (const StructureSpec& r : s.structures) {
+        const std::string key = "structure." + r.name;
+        add(all, key + ".shape", r.shape);
+        add(all, key + ".point", r.point);
+        add(all, key + ".normal", r.normal);
+        add(all, key + ".center", r.center);
+        add(all, key + ".radius", r.radius);
+        add(all, key + ".from", r.from);
+        add(all, key + ".to", r.to);
+        add(all, key + ".min", r.min);
+        add(all, key + ".max", r.max);
+        add(all, key + ".points", r.points);
+        add(all, key + ".clear", r.clear);
+        add(all, key + ".contact.law", r.law);
+        add(all, key + ".contact.friction", r.friction);
+        add(all, key + ".contact.alpha", r.alpha);
+        add(all, key + ".contact.su", r.su);
+        add(all, key + ".contact.penalty", r.penalty);
+        add(all, key + ".motion.kind", r.motion.kind);
+        add(all, key + ".motion.velocity", r.motion.velocity);
+        add(all, key + ".motion.ramp", r.motion.ramp);
+        add(all, key + ".motion.amplitude", r.motion.amplitude);
+        add(all, key + ".motion.period", r.motion.period);
+        add(all, key + ".motion.times", r.motion.times);
+        add(all, key + ".motion.factors", r.motion.factors);
+        add(all, key + ".motion.mass", r.motion.mass);
+        add(all, key + ".motion.force", r.motion.force);
+    }
+}
+
 }  // namespace
 
 Entries scene_identity(const Scene& scene) {
@@ -94,6 +125,7 @@ Entries scene_identity(const Scene& scene) {
     add_numerics(all, scene);
     add_materials(all, scene);
     add_bodies(all, scene);
+    add_structures(all, scene);
     return all;
 }
 

@@ -52,13 +52,16 @@ std::vector<SceneKey> all_scene_keys() {
     }
     append(keys, body_rows());
     append(keys, wall_rows());
+    append(keys, structure_rows());
     return keys;
 }
 
 std::string selector_of(const std::string& table) {
     if (table == "body") return "shape";
     if (table == "material") return "law";
-    if (table == "wall") return "kind";
+    if (table == "wall" || table == "structure.motion") return "kind";
+    if (table == "structure") return "shape";
+    if (table == "structure.contact") return "law";
     return "";
 }
 
@@ -107,6 +110,10 @@ std::string type_text(const SceneKey& key) {
             return "a list of strings";
         case KeyType::points:
             return "a list of at least three [x, y]" + unit;
+        case KeyType::list:
+            return "a list of numbers" + unit;
+        case KeyType::truth:
+            return "true or false";
     }
     return "";
 }

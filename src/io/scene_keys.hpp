@@ -30,6 +30,8 @@ enum class KeyType {
     axes,      ///< list of "x", "y", "z"
     words,     ///< list of strings
     points,    ///< list of [x, y], at least three
+    list,      ///< list of numbers
+    truth,     ///< true or false
 };
 
 struct KeyRange {
@@ -63,7 +65,8 @@ struct KeyValue {
     int choice = -1;                            ///< choice: position in the list
     double real = 0;                            ///< real
     std::int64_t integer = 0;                   ///< integer
-    std::vector<double> numbers;                ///< vector, pair, per_axis
+    bool truth = false;                         ///< truth
+    std::vector<double> numbers;                ///< vector, pair, per_axis, list
     std::vector<int> axes;                      ///< axes: 0, 1, 2
     std::vector<std::string> words;             ///< words
     std::vector<std::array<double, 2>> points;  ///< points
@@ -86,6 +89,7 @@ struct FacedWall {
     WallSpec wall;
 };
 const std::vector<KeyRow<FacedWall>>& wall_rows();
+const std::vector<KeyRow<StructureSpec>>& structure_rows();
 
 /// The key of a law's parameter.
 SceneKey parameter_key(const LawInfo& law, const Parameter& parameter);

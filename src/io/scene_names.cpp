@@ -64,9 +64,6 @@ class NameCheck {
             const std::string name(key.str());
             const std::string full = path.empty() ? name : fmt::format("{}.{}", path, name);
             const std::string place = place_of(node, file_);
-            if (full == "structure")
-                refuse(place, "structure is not supported yet", "this version has walls, but no rigid structures",
-                       "Remove the table?");
             if (std::find(valid.begin(), valid.end(), name) == valid.end())
                 refuse(place, fmt::format("{} is not a key", full),
                        section == "material" ? "no such key, or not one of this law" : "no such key",

@@ -195,6 +195,13 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
         case KeyType::points:
             value.points = points(node, c);
             break;
+        case KeyType::list:
+            for (const toml::node& item : array(node, c)) value.numbers.push_back(real(item, c));
+            break;
+        case KeyType::truth:
+            if (!node.is_boolean()) refuse_type(node, c);
+            value.truth = node.as_boolean()->get();
+            break;
     }
     return value;
 }

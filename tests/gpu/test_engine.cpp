@@ -150,6 +150,12 @@ TEST_CASE("an open wall, a periodic axis, friction, damping and two materials gi
             }
 }
 
+TEST_CASE("scenes with structures, fixed, moved and free, give the host's answer") {
+    compare(input("sliding_block", {}), 200, 1e-9);
+    compare(input("pipe_penetration", {"domain.cell=0.1"}), 200, 1e-9);
+    compare(input("reference", {}), 100, 1e-9);
+}
+
 TEST_CASE("single precision on the device follows the host's") {
     compare(input("slurry_runout", {"numerics.precision=single"}), 50, 1e-4);
     compare(input("slurry_runout_3d", {"numerics.precision=single", "domain.cell=0.2"}), 30, 1e-4);

@@ -47,31 +47,43 @@ class Pair {
             "Copying tiles");
     }
 
-    std::array<ExactSum, Dim> on_host(const NodeRound<Real, Dim>& round) {
+    std::vector<StructureSums<Dim>> felt_on_host, felt_on_device;
+
+    template <bool Contact = false>
+    std::array<ExactSum, Dim> on_host(const NodeRound<Real, Dim>& round, ContactField<Dim> contact = {}) {
+        felt_on_host.assign(static_cast<std::size_t>(contact.count), {});
+        contact.sums = felt_on_host.data();
         const auto chosen = sample.patch.node_blocks();
         std::vector<ExactSum> impulse(chosen.size() * Dim);
         BlockTable<Dim> table = sample.patch.table();
         table.own = own;
-        const SolveNodes<Real, Dim> kernel{sample.method.context.walls,
-                                           table,
-                                           sample.patch.grid(),
-                                           chosen.data(),
-                                           sample.method.stencil.width,
-                                           sample.method.stencil.origin,
-                                           round,
-                                           quantum,
-                                           impulse.data()};
+        const SolveNodes<Real, Dim, Contact> kernel{sample.method.context.walls,
+                                                    table,
+                                                    sample.patch.grid(),
+                                                    chosen.data(),
+                                                    sample.method.stencil.width,
+                                                    sample.method.stencil.origin,
+                                                    round,
+                                                    quantum,
+                                                    impulse.data(),
+                                                    contact};
         Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
         std::array<ExactSum, Dim> all{};
         for (std::size_t k = 0; k < impulse.size(); ++k) all[k % Dim].add(impulse[k]);
         return all;
     }
 
-    std::array<ExactSum, Dim> on_device(const NodeRound<Real, Dim>& round) {
+    std::array<ExactSum, Dim> on_device(const NodeRound<Real, Dim>& round,
+                                        const StructureSet<Dim>* structures = nullptr) {
         device.clear_accounts();
         device.view.table.own = own;
-        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr);
+        gpu::DeviceStructures<Dim> there;
+        ContactField<Dim> contact{};
+        if (structures) contact = there.place(*structures, nullptr);
+        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr, structures ? &contact : nullptr);
+        if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
+        felt_on_device = there.take();
         std::array<ExactSum, Dim> all{};
         for (const gpu::Account<Dim>& a : device.accounts())
             for (std::size_t i = 0; i < Dim; ++i) all[i].add(a.impulse[i]);
@@ -157,6 +169,42 @@ TEST_CASE_TEMPLATE("the device moves nodes as the host does, for both tasks, wit
                     if (task == NodeTask::velocity) CHECK(impulse == 0);
                 }
             }
+    });
+}
+
+TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the host's do, and feel the same", C,
+                   EVERY_CASE) {
+    each_pair<C>([](auto& pair) {
+        Scene scene = pair.sample.scene;
+        for (int shape = 0; shape < 6; ++shape) {
+            if (C::dim == 2 && shape == int(StructureShape::cylinder)) continue;
+            StructureSpec s;
+            s.shape = static_cast<StructureShape>(shape);
+            s.law = static_cast<InterfaceLaw>(shape % 4);
+            s.friction = 0.3, s.alpha = 0.5, s.su = 1e4;
+            s.point = {0, 0.7, 0}, s.normal = {0.2, 1, 0.1};
+            s.center = {1, 2, 1.5}, s.radius = 0.6;
+            s.from = {2.5, 2.5, 1}, s.to = {3, 3.5, 2};
+            s.min = {2, 0.5, 0.5}, s.max = {3, 1.5, 2};
+            s.points = {{0.5, 3}, {1.5, 3.5}, {0.7, 4.5}};
+            s.motion.kind = StructureMotion::velocity;
+            s.motion.velocity = {0.1, 0.5, -0.2};
+            scene.structures.push_back(s);
+        }
+        StructureSet<C::dim> structures(scene);
+        structures.begin_step(0, 0.01, {}, {});
+        const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);
+        pair.template on_host<true>(round, structures.field());
+        pair.on_device(round, &structures);
+        CHECK(pair.difference() <= 10 * C::tolerance);
+        double most = 0;
+        for (std::size_t k = 0; k < structures.size(); ++k)
+            for (int q = 0; q < StructureSums<C::dim>::count; ++q) {
+                const double felt = pair.quantum.value(pair.felt_on_host[k].sum[q]);
+                most = std::max(most, std::fabs(felt));
+                CHECK(std::fabs(pair.quantum.value(pair.felt_on_device[k].sum[q]) - felt) <= 1e4 * C::tolerance);
+            }
+        CHECK(most > 0);
     });
 }
 

@@ -99,9 +99,11 @@ TEST_CASE("two tables of one name are refused") {
     CHECK(said_of("name = \"disk\"", "name = \"a b\"").find("letters, digits") != std::string::npos);
 }
 
-TEST_CASE("rigid structures are not there yet") {
-    CHECK(said_about(good_scene + "[[structure]]\nname = \"pipe\"\n").find("structure is not supported yet") !=
+TEST_CASE("a structure without a shape is refused, and so is one of a name that is there twice") {
+    CHECK(said_about(good_scene + "[[structure]]\nname = \"pipe\"\n").find("structure.pipe.shape is missing") !=
           std::string::npos);
+    const std::string disk = "[[structure]]\nname = \"pipe\"\nshape = \"sphere\"\ncenter = [0.1, 0.9]\nradius = 0.01\n";
+    CHECK(said_about(good_scene + disk + disk).find("structure.pipe is there twice") != std::string::npos);
 }
 
 TEST_CASE("what is not TOML is refused with its line") {

@@ -142,7 +142,7 @@ def summary(directory):
 
 def table(directory, name):
     """Rows of history.csv or balance.csv, by column; numbers but for the columns that hold words."""
-    words = ("reason", "plan")
+    words = ("reason", "plan", "structure")
     with open(pathlib.Path(directory) / name, newline="") as file:
         return [{key: value if key in words else float(value) for key, value in row.items()}
                 for row in csv.DictReader(file)]

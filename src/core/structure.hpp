@@ -1,0 +1,175 @@
+#pragma once
+// A rigid structure as a value: a shape, where it is, how fast it goes. Never made of particles.
+//
+//   distance d(x) [m]: negative inside; normal n(x): unit, outward, = grad d where that exists
+//
+// Exact distances of plane, sphere (2-D: circle), cylinder with flat ends, box, capsule (a segment with a radius; 2-D:
+// stadium) and of a polygon, in 3-D a prism along z. An exact distance grows by at most the way walked (Lipschitz
+// constant 1), so one look at the middle of a block of nodes tells that none of them is near. Positions are doubles
+// also where the particles are single: a structure moves by a millionth of a cell per step.
+
+#include <cmath>
+
+#include "core/scene.hpp"
+#include "core/vec.hpp"
+
+namespace moraine {
+
+template <int Dim>
+struct Structure {
+    StructureShape shape;
+    Vec<double, Dim> at;        ///< now: a point of the plane; centre; middle of the segment, box or prism [m]
+    Vec<double, Dim> along;     ///< plane: normal; cylinder, capsule: unit vector; box, prism: half lengths [m]
+    double radius;              ///< [m]
+    double half;                ///< cylinder, capsule: half length [m]
+    int first_corner, corners;  ///< polygon: corners relative to `at`, counter-clockwise
+    Vec<double, Dim> velocity;  ///< in this step [m/s]
+    InterfaceLaw law;
+    double friction;  ///< Coulomb coefficient [-]
+    double cap;       ///< largest shear stress [Pa]
+    double penalty;   ///< share of m / dt^2 that holds a node, 0 to 1
+};
+
+template <int Dim>
+struct Surface {
+    double distance;          ///< [m]
+    Vec<double, Dim> normal;  ///< away from the structure
+};
+
+template <int N>
+MORAINE_HD double dot(const Vec<double, N>& a, const Vec<double, N>& b) {
+    double sum = 0;
+    for (int i = 0; i < N; ++i) sum += a[i] * b[i];
+    return sum;
+}
+template <int N>
+MORAINE_HD double magnitude(const Vec<double, N>& a) {
+    using std::sqrt;
+    return sqrt(dot(a, a));
+}
+template <int N>
+MORAINE_HD Vec<double, N> operator*(double s, const Vec<double, N>& a) {
+    Vec<double, N> r;
+    for (int i = 0; i < N; ++i) r[i] = s * a[i];
+    return r;
+}
+template <int N>
+MORAINE_HD Vec<double, N> operator-(const Vec<double, N>& a, const Vec<double, N>& b) {
+    Vec<double, N> r;
+    for (int i = 0; i < N; ++i) r[i] = a[i] - b[i];
+    return r;
+}
+
+/// From the point's offset to the nearest point of an axis or corner; `spare` where they coincide.
+template <int Dim>
+MORAINE_HD Surface<Dim> round_surface(const Vec<double, Dim>& offset, double radius, const Vec<double, Dim>& spare) {
+    const double r = magnitude(offset);
+    return {r - radius, r > 0 ? (1 / r) * offset : spare};
+}
+
+template <int Dim>
+MORAINE_HD Vec<double, Dim> last_axis() {
+    Vec<double, Dim> up = zero_vec<double, Dim>();
+    up[Dim - 1] = 1;
+    return up;
+}
+
+template <int Dim>
+MORAINE_HD Surface<Dim> box_surface(const Vec<double, Dim>& half, const Vec<double, Dim>& x) {
+    using std::fabs;
+    Vec<double, Dim> beyond;  // the face of each axis
+    Surface<Dim> s{-1e300, zero_vec<double, Dim>()};
+    int axis = 0;
+    bool outside = false;
+    for (int a = 0; a < Dim; ++a) {
+        const double past = fabs(x[a]) - half[a];
+        if (past > s.distance) s.distance = past, axis = a;
+        beyond[a] = past > 0 ? (x[a] < 0 ? -past : past) : 0;
+        outside = outside || past > 0;
+    }
+    s.normal[axis] = x[axis] < 0 ? -1 : 1;
+    return outside ? round_surface(beyond, 0, s.normal) : s;
+}
+
+/// Cylinder with flat ends: a rectangle in (along the axis, away from it).
+template <int Dim>
+MORAINE_HD Surface<Dim> cylinder_surface(const Structure<Dim>& c, const Vec<double, Dim>& x) {
+    const double t = dot(x, c.along);
+    const Vec<double, Dim> away = x - t * c.along;
+    const double r = magnitude(away);
+    Vec<double, Dim> out = r > 0 ? (1 / r) * away : zero_vec<double, Dim>();
+    if (!(r > 0)) out[c.along[0] * c.along[0] < 0.5 ? 0 : 1] = 1;  // on the axis: only deep inside
+    const Surface<2> flat = box_surface<2>({{c.half, c.radius}}, {{t, r}});
+    return {flat.distance, flat.normal[0] * c.along - (-flat.normal[1]) * out};
+}
+
+/// Distance and normal of a polygon in x and y; corners counter-clockwise.
+template <int Dim>
+MORAINE_HD Surface<2> polygon_surface(const Vec<double, 2>* corner, int n, double x, double y) {
+    double best = 1e300;
+    Vec<double, 2> offset = zero_vec<double, 2>(), out = zero_vec<double, 2>();
+    bool inside = false;
+    for (int i = 0, j = n - 1; i < n; j = i++) {
+        const double ex = corner[i][0] - corner[j][0], ey = corner[i][1] - corner[j][1];
+        const double px = x - corner[j][0], py = y - corner[j][1];
+        const double square = ex * ex + ey * ey;
+        double t = (px * ex + py * ey) / square;
+        t = t < 0 ? 0 : (t > 1 ? 1 : t);
+        const Vec<double, 2> to{{px - t * ex, py - t * ey}};
+        const double d = dot(to, to);
+        if (d < best) {
+            best = d;
+            offset = to;
+            out = (1 / std::sqrt(square)) * Vec<double, 2>{{ey, -ex}};
+        }
+        if ((corner[i][1] > y) != (corner[j][1] > y) && x < corner[j][0] + ex * (y - corner[j][1]) / ey)
+            inside = !inside;
+    }
+    const Surface<2> s = round_surface(offset, 0.0, out);
+    return inside ? Surface<2>{-s.distance, s.distance > 0 ? -1.0 * s.normal : out} : s;
+}
+
+template <int Dim>
+MORAINE_HD Surface<Dim> prism_surface(const Structure<Dim>& p, const Vec<double, 2>* corners,
+                                      const Vec<double, Dim>& x) {
+    const Surface<2> flat = polygon_surface<Dim>(corners + p.first_corner, p.corners, x[0], x[1]);
+    Surface<Dim> s{flat.distance, zero_vec<double, Dim>()};
+    double sideways = 1, upright = 0;
+    if constexpr (Dim == 3) {
+        const double above = std::fabs(x[2]) - p.along[2];
+        const Surface<2> both = above > 0 && flat.distance > 0
+                                    ? round_surface<2>({{flat.distance, above}}, 0.0, {{1, 0}})
+                                : above > flat.distance ? Surface<2>{above, {{0, 1}}}
+                                                        : Surface<2>{flat.distance, {{1, 0}}};
+        s.distance = both.distance, sideways = both.normal[0], upright = both.normal[1];
+        s.normal[2] = x[2] < 0 ? -upright : upright;
+    }
+    s.normal[0] = sideways * flat.normal[0];
+    s.normal[1] = sideways * flat.normal[1];
+    return s;
+}
+
+/// Of one structure at x [m]; `corners` of all polygons.
+template <int Dim>
+MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
+    const Vec<double, Dim> from = x - s.at;
+    switch (s.shape) {
+        case StructureShape::plane:
+            return {dot(from, s.along), s.along};
+        case StructureShape::sphere:
+            return round_surface(from, s.radius, last_axis<Dim>());
+        case StructureShape::cylinder:
+            return cylinder_surface(s, from);
+        case StructureShape::box:
+            return box_surface(s.along, from);
+        case StructureShape::capsule: {
+            double t = dot(from, s.along);
+            t = t < -s.half ? -s.half : (t > s.half ? s.half : t);
+            return round_surface(from - t * s.along, s.radius, last_axis<Dim>());
+        }
+        default:
+            return prism_surface(s, corners, from);
+    }
+}
+
+}  // namespace moraine
