@@ -1,9 +1,12 @@
 #include "comm/epoch.hpp"
 
 #include <algorithm>
-#include <map>
+#include <atomic>
+#include <limits>
 
-#include "comm/key_map.hpp"
+#include "comm/growth.hpp"
+#include "comm/halo_lists.hpp"
+#include "comm/in_order.hpp"
 
 namespace moraine {
 
@@ -16,34 +19,6 @@ Vec<std::int32_t, Dim> as_vec(const BlockPosition<Dim>& at) {
     return v;
 }
 
-std::int32_t index_of(const std::vector<Key>& keys, Key key) {
-    const auto it = std::lower_bound(keys.begin(), keys.end(), key);
-    return it != keys.end() && *it == key ? static_cast<std::int32_t>(it - keys.begin()) : -1;
-}
-
-/// Nodes of a tile that blocks at the offsets of `mask` share with it, ascending.
-template <int Dim>
-std::vector<std::uint16_t> overlap_nodes(std::uint32_t mask, int width) {
-    const int side = tile_side(width);
-    std::vector<std::uint16_t> nodes;
-    for (int n = 0; n < power<Dim>(side); ++n) {
-        const int at[3] = {n % side, n / side % side, n / (side * side)};
-        for (int code = 0; code < Block<Dim>::offsets; ++code) {
-            if (!(mask >> code & 1u)) continue;
-            bool inside = true;
-            for (int a = 0; a < Dim; ++a) {
-                const int eta = Block<Dim>::offset(code, a);
-                inside = inside && (eta == 0 || (eta > 0 ? at[a] >= 4 : at[a] < width - 1));
-            }
-            if (inside) {
-                nodes.push_back(static_cast<std::uint16_t>(n));
-                break;
-            }
-        }
-    }
-    return nodes;
-}
-
 template <int Dim>
 class Builder {
   public:
@@ -51,188 +26,174 @@ class Builder {
         : topology_(topology), domain_(domain), stencil_(stencil), rank_(rank) {}
 
     EpochTables<Dim> build() {
-        for (std::size_t i = 0; i < topology_.keys.size(); ++i)
-            if (topology_.owner[i] == rank_) e_.own.push_back(topology_.keys[i]);
-        own_index_ = KeyMap(e_.own);
-        if (e_.own.size() < topology_.keys.size()) find_ghosts();
-        ghost_index_ = KeyMap(e_.ghost);
+        list_own();
         link_blocks();
+        number_ghosts();
+        link_ghosts();
         make_node_blocks();
-        make_halo();
+        describe_node_blocks();
+        e_.peers = halo_lists(e_, stencil_.width);
         return std::move(e_);
     }
 
   private:
-    bool shifted(const BlockPosition<Dim>& from, int code, BlockPosition<Dim>& to) const {
-        for (int a = 0; a < Dim; ++a)
-            to[static_cast<std::size_t>(a)] = from[static_cast<std::size_t>(a)] + Block<Dim>::offset(code, a);
-        return domain_.wrap(to);
+    static constexpr unsigned children = Block<Dim>::corners;
+    static constexpr std::size_t offsets = Block<Dim>::offsets;
+    static constexpr std::size_t corners = Block<Dim>::corners;
+
+    /// In local_: block s of the topology is another rank's and no ghost (so far).
+    static std::int32_t foreign(std::size_t s) { return -2 - static_cast<std::int32_t>(s); }
+    static std::size_t block_of(std::int32_t foreign) { return static_cast<std::size_t>(-2 - foreign); }
+
+    std::uint32_t own_blocks(const Family& family) const {
+        std::uint32_t mask = 0;
+        for (unsigned child = 0; child < children; ++child)
+            if (family.has(child) && topology_.owner[static_cast<std::size_t>(family.index_of(child))] == rank_)
+                mask |= 1u << child;
+        return mask;
     }
 
-    void find_ghosts() {
-        const KeyMap all(topology_.keys);
-        std::vector<std::pair<std::int32_t, Key>> foreign;
-        BlockPosition<Dim> near{};
-        for (Key key : e_.own) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(key);
-            for (int code = 0; code < Block<Dim>::offsets; ++code) {
-                if (!shifted(at, code, near)) continue;
-                const std::int32_t i = all.find(Morton<Dim>::encode(near));
-                if (i < 0) continue;
-                const std::int32_t owner = topology_.owner[static_cast<std::size_t>(i)];
-                if (owner != rank_) foreign.emplace_back(owner, topology_.keys[static_cast<std::size_t>(i)]);
+    void list_own() {
+        const std::vector<Family>& all = topology_.index.families();
+        std::vector<std::uint32_t> mask(all.size());
+#pragma omp parallel for schedule(static)
+        for (std::size_t f = 0; f < all.size(); ++f) mask[f] = own_blocks(all[f]);
+        std::vector<Family> own;
+        place_in_order(
+            all.size(), [&](std::size_t f) { return mask[f] != 0; }, [&](std::size_t size) { own.resize(size); },
+            [&](std::size_t f, std::size_t at) {
+                own[at] = {all[f].parent, 0, mask[f]};
+            });
+        own_ = BlockIndex<Dim>(std::move(own));
+        e_.own = own_.keys();
+        local_.resize(topology_.keys.size());
+#pragma omp parallel for schedule(static)
+        for (const Family& family : all) {
+            const Family mine = own_family(family.parent);
+            for (unsigned child = 0; child < children; ++child) {
+                if (!family.has(child)) continue;
+                const auto s = static_cast<std::size_t>(family.index_of(child));
+                local_[s] = mine.has(child) ? mine.index_of(child) : foreign(s);
             }
         }
-        std::sort(foreign.begin(), foreign.end());
-        foreign.erase(std::unique(foreign.begin(), foreign.end()), foreign.end());
-        for (const auto& [owner, key] : foreign) {
-            e_.ghost.push_back(key);
-            e_.ghost_owner.push_back(owner);
-        }
     }
 
-    /// Own index, own count + ghost index, or -1.
-    std::int32_t local(Key key) const {
-        const std::int32_t own = own_index_.find(key);
-        if (own >= 0) return own;
-        const std::int32_t ghost = ghost_index_.find(key);
-        return ghost < 0 ? -1 : static_cast<std::int32_t>(e_.own.size()) + ghost;
+    Family own_family(Key parent) const {
+        const std::int32_t f = own_.family(parent);
+        return f < 0 ? Family{parent, 0, 0} : own_.families()[static_cast<std::size_t>(f)];
     }
 
+    /// local_ of the blocks that a family's reach, -1 where there is none.
+    auto local_around(const Family& family, Ends ends, const std::array<Places, children>& reach) const {
+        auto blocks = blocks_at(topology_.index, Surroundings<Dim>(domain_, family.parent, ends),
+                                PlaceTables<Dim>::of(family.mask, reach));
+        for (std::int32_t& block : blocks) block = block < 0 ? -1 : local_[static_cast<std::size_t>(block)];
+        return blocks;
+    }
+
+    bool at_face(const BlockPosition<Dim>& at, int last) const {
+        bool face = false;
+        for (std::size_t a = 0; a < Dim; ++a)
+            face = face ||
+                   (!domain_.periodic[a] && (at[a] <= 0 || 4 * at[a] - stencil_.origin + last >= domain_.nodes[a]));
+        return face;
+    }
+
+    /// Foreign neighbours have no number yet: they are marked, and entered as what local_ says.
     void link_blocks() {
-        const std::size_t n = e_.own.size();
-        e_.position.resize(n);
-        e_.border.resize(n);
-        e_.neighbour.resize(n * Block<Dim>::offsets);
+        e_.position.resize(e_.own.size());
+        e_.border.resize(e_.own.size());
+        e_.neighbour.resize(e_.own.size() * offsets);
+        beside_foreign_.resize(e_.own.size());
+        is_ghost_.resize(topology_.keys.size());
 #pragma omp parallel for schedule(static)
-        for (std::size_t i = 0; i < n; ++i) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(e_.own[i]);
-            BlockPosition<Dim> near{};
-            e_.position[i] = as_vec<Dim>(at);
-            bool border = false;
-            for (std::size_t a = 0; a < Dim; ++a)
-                border =
-                    border || (!domain_.periodic[a] &&
-                               (at[a] <= 0 || 4 * at[a] - stencil_.origin + 4 + stencil_.width >= domain_.nodes[a]));
-            e_.border[i] = border;
-            for (int code = 0; code < Block<Dim>::offsets; ++code)
-                e_.neighbour[i * Block<Dim>::offsets + static_cast<std::size_t>(code)] =
-                    shifted(at, code, near) ? local(Morton<Dim>::encode(near)) : -1;
+        for (const Family& family : own_.families()) {
+            const auto near = local_around(family, Ends::closed, place_tables<Dim>.around);
+            Places foreign_near = 0, ghosts = 0;
+            for (std::size_t p = 0; p < near.size(); ++p) foreign_near |= Places(near[p] < -1) << p;
+            for (unsigned child = 0; child < children; ++child) {
+                if (!family.has(child)) continue;
+                const auto i = static_cast<std::size_t>(family.index_of(child));
+                const BlockPosition<Dim> at = Morton<Dim>::decode(e_.own[i]);
+                e_.position[i] = as_vec<Dim>(at);
+                e_.border[i] = at_face(at, 4 + stencil_.width);
+                for (std::size_t code = 0; code < offsets; ++code)
+                    e_.neighbour[i * offsets + code] = near[place_tables<Dim>.at[child][code]];
+                beside_foreign_[i] = (foreign_near & place_tables<Dim>.around[child]) != 0;
+                ghosts |= foreign_near & place_tables<Dim>.around[child];
+            }
+            for (; ghosts != 0; ghosts &= ghosts - 1)
+                std::atomic_ref(is_ghost_[block_of(near[static_cast<std::size_t>(std::countr_zero(ghosts))])])
+                    .store(1, std::memory_order_relaxed);
         }
     }
 
-    /// Block at `at` + sign * delta, wrapped where the axis is periodic.
-    BlockPosition<Dim> corner(BlockPosition<Dim> at, int delta, int sign) const {
-        for (int a = 0; a < Dim; ++a) at[static_cast<std::size_t>(a)] += sign * Block<Dim>::corner(delta, a);
-        domain_.wrap(at);
-        return at;
+    /// By owner, then key.
+    void number_ghosts() {
+        const auto blocks = chosen_of<std::size_t>(is_ghost_.size(), [&](std::size_t s) { return is_ghost_[s] != 0; });
+        std::int32_t low = std::numeric_limits<std::int32_t>::max(), high = -1;
+#pragma omp parallel for schedule(static) reduction(min : low) reduction(max : high)
+        for (std::size_t s : blocks) low = std::min(low, topology_.owner[s]), high = std::max(high, topology_.owner[s]);
+        const Grouped by_owner =
+            grouped_in_order(blocks.size(), blocks.empty() ? 0 : static_cast<std::size_t>(high - low + 1),
+                             [&](std::size_t k) { return topology_.owner[blocks[k]] - low; });
+        e_.ghost.resize(blocks.size());
+        e_.ghost_owner.resize(blocks.size());
+#pragma omp parallel for schedule(static)
+        for (std::size_t g = 0; g < blocks.size(); ++g) {
+            const std::size_t s = blocks[by_owner.item[g]];
+            e_.ghost[g] = topology_.keys[s];
+            e_.ghost_owner[g] = topology_.owner[s];
+            local_[s] = static_cast<std::int32_t>(e_.own.size() + g);
+        }
     }
 
-    /// The neighbour of own block i at corner delta upwards (sign 1) or downwards (-1): own, own + ghost index, or -1.
-    std::int32_t beside(std::size_t i, int delta, int sign) const {
-        int code = 0;
-        for (int a = Dim - 1; a >= 0; --a) code = 3 * code + 1 + sign * Block<Dim>::corner(delta, a);
-        return delta == 0 ? static_cast<std::int32_t>(i)
-                          : e_.neighbour[i * Block<Dim>::offsets + static_cast<std::size_t>(code)];
+    void link_ghosts() {
+        const std::size_t own = e_.own.size();
+        e_.boundary = chosen_of<std::int32_t>(own, [&](std::size_t i) { return beside_foreign_[i] != 0; });
+        e_.interior = chosen_of<std::int32_t>(own, [&](std::size_t i) { return beside_foreign_[i] == 0; });
+#pragma omp parallel for schedule(static)
+        for (std::int32_t i : e_.boundary)
+            for (std::size_t code = 0; code < offsets; ++code) {
+                std::int32_t& neighbour = e_.neighbour[static_cast<std::size_t>(i) * offsets + code];
+                if (neighbour < -1) neighbour = local_[block_of(neighbour)];
+            }
     }
 
     /// Own blocks, and those at their upper corners that are not.
-    void find_node_blocks() {
-        std::vector<Key> others;
-        for (std::size_t i = 0; i < e_.own.size(); ++i)
-            for (int delta = 1; delta < Block<Dim>::corners; ++delta) {
-                const std::int32_t up = beside(i, delta, 1);
-                if (up < 0 || up >= static_cast<std::int32_t>(e_.own.size()))
-                    others.push_back(Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), delta, 1)));
-            }
-        std::sort(others.begin(), others.end());
-        others.erase(std::unique(others.begin(), others.end()), others.end());
-        e_.node_key.resize(e_.own.size() + others.size());
-        std::merge(e_.own.begin(), e_.own.end(), others.begin(), others.end(), e_.node_key.begin());
-    }
-
     void make_node_blocks() {
-        constexpr std::size_t corners = Block<Dim>::corners;
-        find_node_blocks();
-        const KeyMap index(e_.node_key);
-        std::vector<std::int32_t> node_of_own(e_.own.size()), own_of_node(e_.node_key.size(), -1);
-        for (std::size_t i = 0, n = 0; i < e_.own.size(); ++i, ++n) {
-            while (e_.node_key[n] != e_.own[i]) ++n;
-            node_of_own[i] = static_cast<std::int32_t>(n);
-            own_of_node[n] = static_cast<std::int32_t>(i);
-        }
+        nodes_ = grown(own_, domain_, Reach::upwards);
+        e_.node_key = nodes_.keys();
         e_.node_block.resize(e_.own.size() * corners);
 #pragma omp parallel for schedule(static)
-        for (std::size_t i = 0; i < e_.own.size(); ++i)
-            for (std::size_t delta = 0; delta < corners; ++delta) {
-                const std::int32_t up = beside(i, static_cast<int>(delta), 1);
-                const bool own = up >= 0 && up < static_cast<std::int32_t>(e_.own.size());
-                e_.node_block[i * corners + delta] =
-                    own ? node_of_own[static_cast<std::size_t>(up)]
-                        : index.find(
-                              Morton<Dim>::encode(corner(Morton<Dim>::decode(e_.own[i]), static_cast<int>(delta), 1)));
-            }
-        describe_node_blocks(own_of_node);
+        for (const Family& family : own_.families()) {
+            const auto near = blocks_at(nodes_, Surroundings<Dim>(domain_, family.parent, Ends::open),
+                                        PlaceTables<Dim>::of(family.mask, place_tables<Dim>.upwards));
+            for (unsigned child = 0; child < children; ++child)
+                for (std::size_t delta = 0; family.has(child) && delta < corners; ++delta)
+                    e_.node_block[static_cast<std::size_t>(family.index_of(child)) * corners + delta] =
+                        near[place_tables<Dim>.at[child][corner_code<Dim>(static_cast<int>(delta), 1)]];
+        }
     }
 
-    void describe_node_blocks(const std::vector<std::int32_t>& own_of_node) {
-        constexpr std::size_t corners = Block<Dim>::corners;
-        const std::size_t n = e_.node_key.size();
-        e_.node_position.resize(n);
-        e_.node_border.resize(n);
-        e_.source.resize(n * corners);
+    void describe_node_blocks() {
+        e_.node_position.resize(e_.node_key.size());
+        e_.node_border.resize(e_.node_key.size());
+        e_.source.resize(e_.node_key.size() * corners);
 #pragma omp parallel for schedule(static)
-        for (std::size_t i = 0; i < n; ++i) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(e_.node_key[i]);
-            e_.node_position[i] = as_vec<Dim>(at);
-            bool border = false;
-            for (std::size_t a = 0; a < Dim; ++a)
-                border = border ||
-                         (!domain_.periodic[a] && (at[a] <= 0 || 4 * at[a] - stencil_.origin + 3 >= domain_.nodes[a]));
-            e_.node_border[i] = border;
-            for (std::size_t delta = 0; delta < corners; ++delta) {
-                const auto d = static_cast<int>(delta);
-                e_.source[i * corners + delta] = own_of_node[i] >= 0
-                                                     ? beside(static_cast<std::size_t>(own_of_node[i]), d, -1)
-                                                     : local(Morton<Dim>::encode(corner(at, d, -1)));
+        for (const Family& family : nodes_.families()) {
+            const auto near = local_around(family, Ends::open, place_tables<Dim>.downwards);
+            for (unsigned child = 0; child < children; ++child) {
+                if (!family.has(child)) continue;
+                const auto i = static_cast<std::size_t>(family.index_of(child));
+                const BlockPosition<Dim> at = Morton<Dim>::decode(e_.node_key[i]);
+                e_.node_position[i] = as_vec<Dim>(at);
+                e_.node_border[i] = at_face(at, 3);
+                for (std::size_t delta = 0; delta < corners; ++delta)
+                    e_.source[i * corners + delta] =
+                        std::max(-1, near[place_tables<Dim>.at[child][corner_code<Dim>(static_cast<int>(delta), -1)]]);
             }
         }
-    }
-
-    void make_halo() {
-        std::map<int, std::map<std::int32_t, std::uint32_t>> sends, receives;  // peer -> block -> offsets
-        const auto own = static_cast<std::int32_t>(e_.own.size());
-        for (std::int32_t b = 0; b < own && !e_.ghost.empty(); ++b)
-            for (int code = 0; code < Block<Dim>::offsets; ++code) {
-                const std::int32_t n = e_.neighbour[static_cast<std::size_t>(b * Block<Dim>::offsets + code)];
-                if (n < own) continue;
-                const int peer = e_.ghost_owner[static_cast<std::size_t>(n - own)];
-                sends[peer][b] |= 1u << code;
-                receives[peer][n - own] |= 1u << Block<Dim>::opposite(code);
-            }
-        std::vector<std::uint8_t> needed(e_.own.size(), 0);
-        for (auto& [peer, blocks] : sends) {
-            for (auto& [b, mask] : blocks) needed[static_cast<std::size_t>(b)] = 1;
-            PeerHalo halo{peer, tile_list(blocks), tile_list(receives[peer]), 0, 0};
-            halo.ghost_begin = halo.receive.block.front();
-            halo.ghost_end = halo.receive.block.back() + 1;
-            e_.peers.push_back(std::move(halo));
-        }
-        for (std::int32_t b = 0; b < own; ++b)
-            (needed[static_cast<std::size_t>(b)] ? e_.boundary : e_.interior).push_back(b);
-    }
-
-    TileList tile_list(const std::map<std::int32_t, std::uint32_t>& blocks) {
-        TileList list;
-        list.first.push_back(0);
-        for (const auto& [block, mask] : blocks) {
-            auto [it, fresh] = nodes_.try_emplace(mask);
-            if (fresh) it->second = overlap_nodes<Dim>(mask, stencil_.width);
-            list.block.push_back(block);
-            list.node.insert(list.node.end(), it->second.begin(), it->second.end());
-            list.first.push_back(static_cast<std::uint32_t>(list.node.size()));
-        }
-        return list;
     }
 
     const Topology<Dim>& topology_;
@@ -240,15 +201,18 @@ class Builder {
     const Stencil stencil_;
     const int rank_;
     EpochTables<Dim> e_;
-    KeyMap own_index_, ghost_index_;
-    std::map<std::uint32_t, std::vector<std::uint16_t>> nodes_;
+    BlockIndex<Dim> own_, nodes_;
+    std::vector<std::int32_t> local_;  ///< of each block of the topology: own index, own + ghost index, or foreign()
+    std::vector<std::uint8_t> beside_foreign_;  ///< own
+    std::vector<std::uint8_t> is_ghost_;        ///< topology
 };
 
 }  // namespace
 
 template <int Dim>
 std::int32_t EpochTables<Dim>::find_own(Key key) const {
-    return index_of(own, key);
+    const auto it = std::lower_bound(own.begin(), own.end(), key);
+    return it != own.end() && *it == key ? static_cast<std::int32_t>(it - own.begin()) : -1;
 }
 
 template <int Dim>

@@ -1,9 +1,8 @@
 #include "comm/topology.hpp"
 
-#include <algorithm>
 #include <cmath>
 
-#include "comm/key_map.hpp"
+#include "comm/growth.hpp"
 
 namespace moraine {
 
@@ -29,47 +28,37 @@ bool DomainBlocks<Dim>::wrap(BlockPosition<Dim>& at) const {
     return inside;
 }
 
-template <int Dim>
-std::int64_t Topology<Dim>::find(Key key) const {
-    const auto it = std::lower_bound(keys.begin(), keys.end(), key);
-    return it != keys.end() && *it == key ? it - keys.begin() : -1;
-}
-
 namespace {
 
-/// Neighbour of `at` at offset `code`; false: outside the domain.
+/// Owners of a family's blocks: those of occupied blocks are known; an empty one's is said by its position, or it has
+/// that of its first occupied neighbour.
 template <int Dim>
-bool neighbour(const DomainBlocks<Dim>& domain, const BlockPosition<Dim>& at, int code, BlockPosition<Dim>& result) {
-    for (int a = 0; a < Dim; ++a)
-        result[static_cast<std::size_t>(a)] = at[static_cast<std::size_t>(a)] + Block<Dim>::offset(code, a);
-    return domain.wrap(result);
-}
-
-/// Empty blocks beside occupied ones, sorted.
-template <int Dim>
-std::vector<Key> apron_of(const DomainBlocks<Dim>& domain, const std::vector<Key>& keys, const KeyMap& place) {
-    std::vector<Key> apron;
-#pragma omp parallel
-    {
-        std::vector<Key> mine;
-        BlockPosition<Dim> near{};
-#pragma omp for schedule(static) nowait
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            const BlockPosition<Dim> at = Morton<Dim>::decode(keys[i]);
-            for (int code = 0; code < Block<Dim>::offsets; ++code) {
-                if (!neighbour<Dim>(domain, at, code, near)) continue;
-                const Key key = Morton<Dim>::encode(near);
-                if (place.find(key) < 0) mine.push_back(key);
-            }
-        }
-        std::sort(mine.begin(), mine.end());
-        mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
-#pragma omp critical
-        apron.insert(apron.end(), mine.begin(), mine.end());
+void set_owners(Topology<Dim>& t, const Family& family, const DomainBlocks<Dim>& domain,
+                const std::vector<OccupiedBlock>& occupied, const BlockIndex<Dim>& filled,
+                const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at) {
+    const std::int32_t f = filled.family(family.parent);
+    const Family known = f < 0 ? Family{family.parent, 0, 0} : filled.families()[static_cast<std::size_t>(f)];
+    const auto owner_of = [&](std::int32_t block) { return occupied[static_cast<std::size_t>(block)].owner; };
+    std::array<std::int32_t, Surroundings<Dim>::places> near;
+    Places there = 0;
+    if (known.mask != family.mask) {
+        const PlaceTables<Dim>& table = place_tables<Dim>;
+        near = blocks_at(filled, Surroundings<Dim>(domain, family.parent, Ends::closed),
+                         table.of(family.mask & ~known.mask, table.around));
+        for (std::size_t p = 0; p < near.size(); ++p) there |= Places(near[p] >= 0) << p;
     }
-    std::sort(apron.begin(), apron.end());
-    apron.erase(std::unique(apron.begin(), apron.end()), apron.end());
-    return apron;
+    for (unsigned child = 0; child < Block<Dim>::corners; ++child) {
+        if (!family.has(child)) continue;
+        std::int32_t& owner = t.owner[static_cast<std::size_t>(family.index_of(child))];
+        if (known.has(child)) {
+            owner = owner_of(known.index_of(child));
+            continue;
+        }
+        owner = owner_at(Morton<Dim>::decode((family.parent << Dim) + child));
+        // Places and offset codes ascend alike.
+        for (Places beside = there & place_tables<Dim>.around[child]; owner < 0 && beside != 0; beside &= beside - 1)
+            owner = owner_of(near[static_cast<std::size_t>(std::countr_zero(beside))]);
+    }
 }
 
 }  // namespace
@@ -77,31 +66,19 @@ std::vector<Key> apron_of(const DomainBlocks<Dim>& domain, const std::vector<Key
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
                             const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at) {
-    std::vector<Key> keys;
-    keys.reserve(occupied.size());
-    for (const OccupiedBlock& b : occupied) keys.push_back(b.key);
-    const KeyMap place(keys);
-    const std::vector<Key> apron = apron_of<Dim>(domain, keys, place);
+    std::vector<Key> keys(occupied.size());
+#pragma omp parallel for schedule(static)
+    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = occupied[i].key;
+    const BlockIndex<Dim> filled(keys);
 
     Topology<Dim> t;
-    t.keys.resize(keys.size() + apron.size());
-    std::merge(keys.begin(), keys.end(), apron.begin(), apron.end(), t.keys.begin());
-    t.owner.assign(t.keys.size(), -1);
-    for (std::size_t i = 0; i < t.keys.size(); ++i) {
-        const std::int32_t here = place.find(t.keys[i]);
-        if (here >= 0) {
-            t.owner[i] = occupied[static_cast<std::size_t>(here)].owner;
-            continue;
-        }
-        const BlockPosition<Dim> at = Morton<Dim>::decode(t.keys[i]);
-        BlockPosition<Dim> near{};
-        t.owner[i] = owner_at(at);
-        for (int code = 0; t.owner[i] < 0 && code < Block<Dim>::offsets; ++code) {
-            if (!neighbour<Dim>(domain, at, code, near)) continue;
-            const std::int32_t there = place.find(Morton<Dim>::encode(near));
-            if (there >= 0) t.owner[i] = occupied[static_cast<std::size_t>(there)].owner;
-        }
-    }
+    t.index = grown(filled, domain, Reach::around);
+    t.keys = t.index.keys();
+    t.owner.resize(t.keys.size());
+    const std::vector<Family>& families = t.index.families();
+#pragma omp parallel for schedule(static)
+    for (std::size_t f = 0; f < families.size(); ++f)
+        set_owners<Dim>(t, families[f], domain, occupied, filled, owner_at);
     return t;
 }
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <vector>
 
+#include "comm/block_index.hpp"
 #include "core/block.hpp"
 #include "core/morton.hpp"
 #include "core/scene.hpp"
@@ -39,13 +40,14 @@ template <int Dim>
 struct Topology {
     std::vector<Key> keys;            ///< S, sorted
     std::vector<std::int32_t> owner;  ///< of each block of S
+    BlockIndex<Dim> index;            ///< of S
 
     /// Index in S, or -1.
-    std::int64_t find(Key key) const;
+    std::int64_t find(Key key) const { return index.find(key); }
 };
 
 /// `occupied` in key order, the same on all ranks. `owner_at` gives the owner of an empty block by
-/// position, or -1 for the neighbour rule. Not collective.
+/// position, or -1 for the neighbour rule; several threads call it at a time. Not collective.
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
                             const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at);
