@@ -158,6 +158,7 @@ class Simulation {
     void start_agreement();
     void agree_on_dt();
     void book();
+    void check_step();
     void report_faults() const;
     void apply_body_force();
     StepScales<Dim> scales() const { return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull}; }
