@@ -17,12 +17,13 @@ double wall_clock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// The first multiple of the interval that is still to come at time t.
+/// The first multiple of the interval that is still to come at time t; of intervals far below a step, none is passed.
 std::int64_t next_multiple(double interval, double t) {
-    std::int64_t k = 1;
-    if (interval > 0) k = std::max<std::int64_t>(1, static_cast<std::int64_t>(t / interval));
-    while (interval > 0 && static_cast<double>(k) * interval <= t) ++k;
-    return k;
+    if (!(interval > 0)) return 1;
+    const double most = 9007199254740992;  // 2^53: whole numbers are exact up to here
+    double k = std::max(1.0, std::floor(std::min(t / interval, most)));
+    while (k < most && k * interval <= t) ++k;
+    return static_cast<std::int64_t>(k);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "core/error.hpp"
 #include "device.hpp"
 #include "driver.hpp"
+#include "io/capacity.hpp"
 #include "io/check.hpp"
 #include "io/options.hpp"
 #include "io/scene.hpp"
@@ -37,14 +38,21 @@ int tell(const Comm& comm, int code, const std::string& words) {
     return code;
 }
 
+/// Where the scene is to run; `check --ranks P` tells of other machines, whose memory is not known here. Collective.
+Machine machine_of(const Comm& comm, const Options& options) {
+    if (options.command == "check") return {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
+    return {comm.size(), comm.on_this_machine().size, host_memory()};
+}
+
 /// Input is read by every rank on its own; they agree on the first thing wrong. Collective.
 Scene read_agreed(const Comm& comm, const Options& options) {
+    const Machine machine = machine_of(comm, options);
     Scene scene;
     std::string wrong;
     try {
         std::vector<std::string> sets = options.sets;
         if (!options.partitioner.empty()) sets.push_back("balance.partitioner=\"" + options.partitioner + "\"");
-        scene = read_scene(options.scene, sets);
+        scene = read_scene(options.scene, sets, [&](const Scene& s) { check_capacity(s, machine); });
     } catch (const InputError& e) {
         wrong = e.what();
     }

@@ -163,6 +163,7 @@ class Simulation {
     void start_agreement();
     void agree_on_dt();
     void book();
+    void check_step();
     void report_faults() const;
     void apply_body_force();
     void agree_on_forces();

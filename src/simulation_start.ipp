@@ -45,8 +45,8 @@ Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
     BlockPosition<Dim> block{};
     for (int a = 0; a < Dim; ++a) {
         const auto i = static_cast<std::size_t>(a);
-        const Place<Real> at = place<Real>((seed.x[i] - scene_.min[i]) / scene_.cell + method_.stencil.offset());
-        block[i] = at.block;
+        Place<Real> at = place<Real>((seed.x[i] - scene_.min[i]) / scene_.cell + method_.stencil.offset());
+        block[i] = at.block + file_below(method_.ends.cell[a][1], method_.ends.fraction[a][1], at.block, at.u);
         p.position[slot][a] = at.u;
         p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
     }

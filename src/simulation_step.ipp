@@ -57,6 +57,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     clock_.dt = scene_.dt > 0 ? scene_.dt : scene_.cfl * scene_.cell / clock_.signal;
+    check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
     engine_->expect_leavers(agreed_.crowd);
 }
@@ -70,6 +71,18 @@ void Simulation<Real, Dim>::agree_on_forces() {
         forces_ = sum_of(mine);
         structures_.forget_pending();
     });
+}
+
+/// A run that would not see its end: something grew without bound, and no one particle is to blame. Scenes that need
+/// more than 1e10 steps are refused at the start.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::check_step() {
+    if (clock_.dt * 1e12 >= scene_.end - clock_.time) return;
+    engine_->receive_halo();  // leave no message behind
+    throw PhysicsError(
+        fmt::format("step {}: dt fell to {:.3g} s at t = {:.6g} s (a wave or a particle of {:.3g} m/s). "
+                    "Try a smaller time.cfl?",
+                    clock_.step, clock_.dt, clock_.time, clock_.signal));
 }
 
 /// What happened, and what may help: of the worst of several faults.

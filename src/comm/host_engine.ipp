@@ -100,18 +100,18 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
         static_cast<Real>(step.dt), patch_.moves(), patch_.leavers(), patch_.shuffled(), patch_.outcome()};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) offences_.clear();
-    book(step.quantum);
+    book(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
 }
 
-/// Books what the round did.
+/// Books what the round did; `moved`: particles have been moved by it.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::book(const Quantum& quantum) {
+void HostEngine<Real, Dim>::book(const Quantum& quantum, bool moved) {
     for (std::int32_t b : patch_.blocks()) {
         const BlockOutcome& out = patch_.outcome(b);
         report_.signal = std::max(report_.signal, out.signal);
         report_.moved = std::max(report_.moved, out.moved);
         report_.faults |= out.faults;
-        if (out.faults) note_offence(b, out);
+        if (out.faults) note_offence(b, out, moved);
         report_.clamped += out.clamped;
         report_.ledger.work.add(quantum.of(out.work));
     }
@@ -120,7 +120,7 @@ void HostEngine<Real, Dim>::book(const Quantum& quantum) {
 
 /// Notes who went wrong in a block, before filing moves it on.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome& out) {
+void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome& out, bool moved) {
     const ListView<Dim> list = patch_.list();
     const ParticleView<Real, Dim> p = patch_.particles.view();
     Offence<Dim> offence{out.offender, out.faults, {}};
@@ -128,7 +128,7 @@ void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome&
         const std::uint32_t s = list.slot[k];
         if (p.id[s] != out.offender) continue;
         offence.x = place_in<Real, Dim>(scene_, method_.stencil, patch_.table().position[block], p.position[s]);
-        const int code = move_code(patch_.moves()[k]);
+        const int code = moved ? move_code(patch_.moves()[k]) : Block<Dim>::centre;  // else a code of another step
         for (int a = 0; a < Dim && code < Block<Dim>::offsets; ++a)
             offence.x[static_cast<std::size_t>(a)] += 4 * scene_.cell * Block<Dim>::offset(code, a);
     }

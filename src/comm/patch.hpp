@@ -5,6 +5,7 @@
 // state that is repartitioned, stored and restored. Within an epoch the lists are indexed by own block.
 
 #include <algorithm>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -53,7 +54,7 @@ class Patch {
     std::span<const std::int32_t> blocks() const { return every_.span().first(tables_.own.size()); }
     std::span<const std::int32_t> node_blocks() const { return every_.span().first(tables_.node_key.size()); }
 
-    /// New particles' slots; the caller fills them.
+    /// New particles' slots; the caller fills them. Throws std::bad_alloc beyond 2^32 - 1.
     std::vector<std::uint32_t> take_slots(std::size_t n);
     void give_slots(std::span<const std::uint32_t> slots) { free_.insert(free_.end(), slots.begin(), slots.end()); }
 

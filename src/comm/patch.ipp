@@ -30,6 +30,8 @@ BlockTable<Dim> Patch<Space, Real, Dim>::table() const {
 
 template <class Space, class Real, int Dim>
 std::vector<std::uint32_t> Patch<Space, Real, Dim>::take_slots(std::size_t n) {
+    constexpr std::size_t most = ~std::uint32_t(0);
+    if (n > most || particles.size() + n - std::min(n, free_.size()) > most) throw std::bad_alloc();  // of slots
     std::vector<std::uint32_t> taken;
     taken.reserve(n);
     while (taken.size() < n && !free_.empty()) {

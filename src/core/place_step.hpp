@@ -39,6 +39,15 @@ struct PlaceStep {
     Real moved;            ///< largest displacement along an axis [cells]
 };
 
+/// A place exactly on an upper face where that is the edge of a filing cell (linear, cubic) is filed below it: the cell
+/// above has a node beyond the domain, which has no mass, and yet a hat's full slope. Returns the change of block.
+template <class Real>
+MORAINE_HD int file_below(std::int32_t end_cell, Real end_fraction, std::int32_t block, Coordinate<Real>& u) {
+    if (end_fraction != Real(0) || 4 * block + cell_of<Real>(u) != end_cell || (u & (one_cell<Real> - 1)) != 0)
+        return 0;
+    return u-- == 0 ? -1 : 0;
+}
+
 enum class End { none, open, closed };
 
 /// The end of the domain that a place in block + carry has passed.
@@ -82,6 +91,7 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
             step.moved = size;
         }
         carry[a] = advance<Real>(u[a], move);
+        if (border) carry[a] += file_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
         code = 3 * code + carry[a] + 1;
         cell = 4 * cell + cell_of<Real>(u[a]);
     }

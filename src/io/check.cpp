@@ -10,7 +10,7 @@
 #include "core/block.hpp"
 #include "core/material/laws.hpp"
 #include "core/morton.hpp"
-#include "core/position.hpp"
+#include "core/place_step.hpp"
 #include "core/shape.hpp"
 #include "io/scene_keys.hpp"
 #include "io/seed.hpp"
@@ -24,9 +24,12 @@ template <class Real, int Dim>
 Key block_of(const Scene& scene, double offset, const Triple& x) {
     BlockPosition<Dim> position;
     for (std::size_t a = 0; a < Dim; ++a) {
-        position[a] = place<Real>((x[a] - scene.min[a]) / scene.cell + offset).block;
-        const auto count = static_cast<std::int32_t>(std::lround((scene.max[a] - scene.min[a]) / scene.cell / 4));
-        if (scene.periodic[a]) position[a] = (position[a] % count + count) % count;
+        Place<Real> at = place<Real>((x[a] - scene.min[a]) / scene.cell + offset);
+        const auto cells = static_cast<std::int32_t>(std::lround((scene.max[a] - scene.min[a]) / scene.cell));
+        if (scene.periodic[a])
+            position[a] = (at.block % (cells / 4) + cells / 4) % (cells / 4);
+        else
+            position[a] = at.block + file_below<Real>(cells, static_cast<Real>(offset), at.block, at.u);
     }
     return Morton<Dim>::encode(position);
 }
@@ -37,10 +40,6 @@ BlockOf choose_block_of(const Scene& scene) {
     const bool single = scene.precision == Precision::single_;
     if (scene.dimensions == 2) return single ? block_of<float, 2> : block_of<double, 2>;
     return single ? block_of<float, 3> : block_of<double, 3>;
-}
-
-double norm(const Triple& v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
 void sort_unique(std::vector<Key>& keys) {
@@ -116,6 +115,14 @@ void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Predicti
     scene.dimensions == 2 ? count_blocks_in<2>(scene, occupied, p) : count_blocks_in<3>(scene, occupied, p);
 }
 
+double norm(const Triple& v) {
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+double wave_speed(const MaterialSpec& material) {
+    return std::sqrt(find_law(material.law)->wave_modulus(material.parameters.data()) / material.density);
+}
+
 Prediction predict(const Scene& scene) {
     Prediction p;
     std::vector<Key> keys;
@@ -123,8 +130,7 @@ Prediction predict(const Scene& scene) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const double speed = add_body(scene, static_cast<int>(b), p, keys);
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(scene.bodies[b].material)];
-        const double wave =
-            std::sqrt(find_law(material.law)->wave_modulus(material.parameters.data()) / material.density);
+        const double wave = wave_speed(material);
         p.dt = std::min(p.dt, scene.cfl * scene.cell / (wave + speed));
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);

@@ -13,6 +13,11 @@
 
 namespace moraine {
 
+/// sqrt(M / density) of the unstrained material [m/s].
+double wave_speed(const MaterialSpec& material);
+
+double norm(const Triple& v);
+
 struct Prediction {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;        ///< occupied at the start

@@ -43,7 +43,7 @@ class Reader {
         for (const std::string& assignment : sets) apply_set(root_, assignment);
     }
 
-    Scene read() {
+    Scene read(const std::function<void(const Scene&)>& admit) {
         refuse_unknown_keys(root_, file_);
         scene_.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
@@ -59,6 +59,9 @@ class Reader {
         each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         check_scene(scene_, places_);
+        if (admit) admit(scene_);
+        check_particles(scene_, places_);
+        check_structures(scene_, places_);
         for (std::size_t a = 0; a < 3; ++a)
             if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
         return scene_;
@@ -182,8 +185,9 @@ class Reader {
 
 }  // namespace
 
-Scene read_scene(const std::string& path, const std::vector<std::string>& sets) {
-    return Reader(path, sets).read();
+Scene read_scene(const std::string& path, const std::vector<std::string>& sets,
+                 const std::function<void(const Scene&)>& admit) {
+    return Reader(path, sets).read(admit);
 }
 
 }  // namespace moraine

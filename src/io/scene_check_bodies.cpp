@@ -54,6 +54,17 @@ void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, con
     }
 }
 
+/// An id has 48 bits for the place in the lattice.
+void check_lattice(const Scene& scene, const BodySpec& body, const Places& places) {
+    const Extent e = extent_of(body, scene.dimensions);
+    double points = 1;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        points *= (e.upper[a] - e.lower[a]) / scene.cell * body.particles_per_cell[a] + 2;
+    if (points > std::ldexp(1, 48))
+        refuse(places.of("body." + body.name), fmt::format("body.{} spans {:.3g} particles", body.name, points),
+               "ids have room for 2^48 a body", "Use a larger domain.cell?");
+}
+
 /// Calls f(seeds) for a part of the body at a time, so that the memory stays small, until it returns true.
 template <class F>
 void each_part(const Scene& scene, std::size_t body, const F& f) {
@@ -139,7 +150,14 @@ void check_bodies(const Scene& scene, const Places& places) {
             if (body.shape == BodyShape::polygon) check_polygon(body.points, "body." + body.name, places);
             check_form(scene, body, places);
             check_extent(scene, body, extent_of(body, scene.dimensions), places);
+            check_lattice(scene, body, places);
         }
+    }
+}
+
+void check_particles(const Scene& scene, const Places& places) {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodySpec& body = scene.bodies[b];
         const BodySeeds seeds(scene, static_cast<int>(b));
         std::int64_t particles = 0;
         for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);

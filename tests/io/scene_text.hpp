@@ -106,7 +106,7 @@ inline std::string said_of_set(const std::string& assignment) {
 }
 
 inline std::string inputs_folder() {
-    return (std::filesystem::path(__FILE__).parent_path() / "../../inputs").lexically_normal().string();
+    return MORAINE_INPUTS;
 }
 
 }  // namespace moraine

@@ -109,3 +109,31 @@ TEST_CASE("a polygon that crosses itself, or has no area, is refused") {
 TEST_CASE("geostatic stress needs weight") {
     says(said_about(good_scene, {"gravity=[0, 0]", "body.block.geostatic.surface=1"}), "gravity is zero");
 }
+
+TEST_CASE("a fixed step whose end is out of reach, or that waves cross in no time, is refused") {
+    const std::string text = replaced(good_scene, "cfl = 0.4\n", "");
+    CHECK(said_about(text, {"time.dt=1e-9"}).empty());
+    CHECK(said_about(text, {"time.dt=1e-30"}) ==
+          "--set time.dt=1e-30: time.dt = 1e-30 needs 1e+30 steps to time.end (at most 1e+10). By cfl it would be "
+          "0.0015 s?");
+    CHECK(said_about(text, {"time.dt=0.2"}).empty());
+    says(said_about(text, {"time.dt=1e30"}), "time.dt = 1e+30 lets waves cross 3.4e+32 cells (unstable above about 1");
+}
+
+TEST_CASE("waves or speeds that leave the end out of reach are refused") {
+    const std::string words = said_of("young = 5.0e5", "young = 1.0e300");
+    says(words, "scene.toml:13: body.block with waves of 4.9e+148 m/s needs 1.2e+150 steps to time.end");
+    says(words, "Are young [Pa]");
+    says(said_of_set("material.clay.density=1e-300"), "needs");
+    says(said_of_set("body.disk.velocity=[1e200, 0.0]"), "body.disk with waves");
+    says(said_of_set("time.end=1e12"), "steps to time.end");
+}
+
+TEST_CASE("an affine transfer with linear shapes is refused") {
+    CHECK(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=apic"}) ==
+          "--set numerics.transfer=apic: numerics.transfer = \"apic\" with shape \"linear\" (the inertia D of a hat's "
+          "weights is zero at nodes, and rounding grows there). Use shape = \"quadratic\", or transfer = \"flip\"?");
+    says(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=tpic"}), "transfer = \"pic\"?");
+    CHECK(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=pic"}).empty());
+    CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
+}

@@ -2,7 +2,7 @@
 import os
 
 import moraine
-from moraine import SMALL_SCENE, call
+from moraine import INPUTS, SMALL_SCENE, call
 
 SECOND_BODY = """
 [[body]]
@@ -91,6 +91,14 @@ class BadInput(moraine.ProgramTest):
         for words in (["rum"], ["run"], ["check"], [scene], ["run", self.folder / "no.toml"], ["run", self.folder]):
             with self.subTest(words):
                 self.assert_refused(*words, says=[str(words[-1])] if len(words) > 1 else [])
+
+    def test_a_scene_that_cannot_fit_or_end_is_refused_at_once(self):
+        scene = INPUTS / "slurry_runout_3d.toml"
+        for command in ("run", "check"):
+            for keys, says in (("domain.cell=0.002", "Use"), ("domain.cell=0.001", "a rank numbers"),
+                               ("material.slurry.young=1e300", "steps to time.end")):
+                with self.subTest(command=command, keys=keys):
+                    self.assert_refused(command, scene, "--set", keys, says=[says], on=(None,))
 
     def test_zero_particles_are_refused(self):
         text = SMALL_SCENE[:SMALL_SCENE.index("[[body]]")] + SMALL_SCENE[SMALL_SCENE.index("[[wall]]"):]

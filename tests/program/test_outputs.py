@@ -83,6 +83,10 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual(seen[1:], [(row["step"], row["blocks"]) for row in rows])
         self.assertEqual(seen[0][0], 0)
 
+    def test_intervals_far_below_a_step_are_one_a_step(self):
+        directory = self.run_scene(self.write(SMALL_SCENE), "each", *sets(output__interval=1e-300, time__end=0.01))
+        self.assertEqual(len(table(directory, "history.csv")), summary(directory)["steps"] + 1)
+
     def test_history_keeps_mass_and_momentum(self):
         directory = self.run_slurry()
         rows, last = table(directory, "history.csv"), summary(directory)
