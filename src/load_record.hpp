@@ -24,7 +24,11 @@ LoadHeader load_header(const Simulation<Real, Dim>& sim) {
     h.trigger = static_cast<std::int32_t>(scene.balance.trigger);
     h.weighs_cost = scene.balance.weight == "cost" ? 1 : 0;
     h.threshold = scene.balance.threshold;
-    h.model = {host_costs.a, host_costs.d};
+    const bool on_host = sim.engine().device() == "cpu";
+    const CostModel& costs = on_host ? host_costs : device_costs;
+    const MoveModel& moves = on_host ? host_moves : device_moves;
+    h.model = {costs.a, costs.d};
+    h.moves = {moves.start, moves.particle};
     for (std::size_t a = 0; a < Dim; ++a) h.corner[a] = scene.min[a] - scene.cell * sim.method().stencil.offset();
     h.block_side = 4 * scene.cell;
     scene.balance.partitioner.copy(h.partitioner.data(), h.partitioner.size() - 1);

@@ -80,9 +80,10 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     weights_ = {header_.model[0], 0, header_.model[1]};
     read_through();
     check_end();
-    model_ = calibration_.model(weights_);
+    model_ = fit_.model(weights_);
     model_.rounds = header_.halo_rounds;
     model_.wire = {options.latency, options.bandwidth};
+    model_.moves = {header_.moves[0], header_.moves[1]};
 }
 
 bool ReplayRecord::next(BlockLoadReader& reader, LoadFrame& frame) const {
@@ -149,7 +150,7 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     std::vector<double> blocks(frame.seconds.size(), 0);
     for (std::int32_t owner : begin) blocks[owner] += 0.5;
     for (std::int32_t owner : end) blocks[owner] += 0.5;
-    std::vector<Calibration::Sample> samples;
+    std::vector<ModelFit::Sample> samples;
     double look = std::numeric_limits<double>::infinity(), stepping = 0;
     for (std::size_t r = 0; r < frame.seconds.size(); ++r) {
         const RankSeconds& s = frame.seconds[r];
@@ -164,7 +165,7 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     wire.wire = {options_.latency, options_.bandwidth};
     HaloForecast halo;
     if (ranks > 1) halo = Surroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
-    calibration_.add(samples, steps, wire.sending(halo, ranks), look);
+    fit_.add(samples, steps, wire.sending(halo, ranks), look);
 
     const double at_begin = summary_of(first).imbalance(), at_end = summary_of(last).imbalance();
     measured_.ranks = ranks;

@@ -57,7 +57,7 @@ class ReplayRecord {
     BalanceSpec balance_;
     CostModel weights_{};
     TimeModel model_;
-    Calibration calibration_;
+    ModelFit fit_;
     ForecastResult measured_;
     double measured_seconds_ = 0;
     std::int64_t last_step_ = -1, blocks_min_ = 0, blocks_max_ = 0, feeds_at_start_ = 0, feeds_always_ = 0;

@@ -14,7 +14,7 @@ double per(double sum, std::int64_t count) {
 std::string line_of(const ForecastResult& r) {
     return fmt::format(
         "{:<10}{:>6} "
-        "{:<14}{:<10}{:>9.3f}{:>8.3f}{:>10.0f}{:>9.3f}{:>9.0f}{:>7.1f}{:>5}{:>8}{:>12}{:>10.1f}{:>10.4g}{:>7.1f}\n",
+        "{:<14}{:<10}{:>9.3f}{:>8.3f}{:>10.0f} {:>8.3g}{:>9.0f}{:>7.1f}{:>5}{:>8}{:>12}{:>10.1f}{:>10.4g}{:>7.1f}\n",
         "predicted", r.ranks, r.partitioner, r.trigger, r.imbalance_mean(), r.imbalance_max, per(r.tiles, r.intervals),
         per(r.bytes, r.steps) / 1e6, per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals),
         r.neighbours_max, r.repartitions, r.migrated_particles, 1e3 * per(r.plan_seconds, r.plans), r.seconds(),

@@ -8,7 +8,7 @@ import struct
 import numpy
 
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
-HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2q")  # io/block_loads.hpp
+HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2d")  # io/block_loads.hpp
 FRAME = struct.Struct("<8sqdqqQ")
 ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
 

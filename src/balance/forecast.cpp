@@ -20,7 +20,7 @@ Forecast::Forecast(const BalanceSpec& spec, const Layout& layout, const CostMode
       ranks_(ranks),
       relabelled_only_(relabelled_only),
       partitioner_(make_partitioner(spec, layout, ranks)),
-      trigger_(spec, *partitioner_),
+      trigger_(spec, *partitioner_, model.moves),
       weight_(spec, weights) {
     result_.ranks = ranks;
     result_.partitioner = spec.partitioner;

@@ -25,17 +25,71 @@ std::int64_t index_of(std::span<const BlockLoad> blocks, Key key) {
     return at != blocks.end() && at->key == key ? at - blocks.begin() : -1;
 }
 
-/// The first neighbour whose owner is known, or -1.
-std::int64_t known_neighbour(const Layout& layout, std::span<const BlockLoad> now, std::int32_t b,
-                             const std::vector<char>& known) {
-    for (int code = 0; code < offsets_of(layout); ++code) {
-        Key near = 0;
-        if (!neighbour_key(layout, now[b].key, code, near)) continue;
-        const std::int64_t i = index_of(now, near);
-        if (i >= 0 && known[i]) return i;
+/// Finds of each new block whom it follows, wave by wave from the blocks whose owners are known.
+class Heirs {
+  public:
+    Heirs(const Layout& layout, std::span<const BlockLoad> now, Carry& carry)
+        : layout_(layout), now_(now), carry_(carry), known_(now.size()), asked_(now.size(), 0) {
+        for (std::size_t b = 0; b < now.size(); ++b) known_[b] = carry.from[b] >= 0;
     }
-    return -1;
-}
+
+    void find(std::vector<std::int32_t> waiting) {
+        std::vector<std::int32_t> wave = waiting;
+        for (std::size_t first = 0; first < waiting.size();) {
+            wave = pass(wave);
+            while (first < waiting.size() && known_[waiting[first]]) ++first;
+            if (!wave.empty() || first == waiting.size()) continue;
+            const std::int32_t island = waiting[first];
+            wave = follow({{island, std::max(island - 1, 0)}});
+        }
+    }
+
+  private:
+    using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
+
+    template <class F>
+    void each_neighbour(std::int32_t b, const F& f) const {
+        Key near = 0;
+        for (int code = 0; code < offsets_of(layout_); ++code) {
+            if (!neighbour_key(layout_, now_[b].key, code, near)) continue;
+            const std::int64_t i = index_of(now_, near);
+            if (i >= 0 && f(static_cast<std::int32_t>(i))) return;
+        }
+    }
+
+    /// Blocks of the wave beside a known one follow it; those that may follow them are the next wave.
+    std::vector<std::int32_t> pass(const std::vector<std::int32_t>& wave) {
+        Pairs found;
+        for (const std::int32_t b : wave)
+            each_neighbour(b, [&](std::int32_t near) {
+                if (known_[near]) found.emplace_back(b, near);
+                return known_[near] != 0;
+            });
+        return follow(found);
+    }
+
+    std::vector<std::int32_t> follow(const Pairs& found) {
+        for (const auto& [b, near] : found) {
+            known_[b] = 1;
+            carry_.heirs.emplace_back(b, near);
+        }
+        ++number_;
+        std::vector<std::int32_t> next;
+        for (const auto& pair : found)
+            each_neighbour(pair.first, [&](std::int32_t near) {
+                if (!known_[near] && asked_[near] != number_) asked_[near] = number_, next.push_back(near);
+                return false;
+            });
+        return next;
+    }
+
+    const Layout& layout_;
+    std::span<const BlockLoad> now_;
+    Carry& carry_;
+    std::vector<char> known_;
+    std::vector<std::int32_t> asked_;  // of each block the wave that it was put into last
+    std::int32_t number_ = 0;
+};
 
 }  // namespace
 
@@ -62,26 +116,7 @@ Carry carry_between(const Layout& layout, std::span<const Key> before, std::span
         else
             waiting.push_back(static_cast<std::int32_t>(b));
     }
-    std::vector<char> known(now.size());
-    for (std::size_t b = 0; b < now.size(); ++b) known[b] = carry.from[b] >= 0;
-    while (!waiting.empty()) {
-        const std::size_t done = carry.heirs.size();
-        std::vector<std::int32_t> later;
-        for (std::int32_t b : waiting) {
-            const std::int64_t near = known_neighbour(layout, now, b, known);
-            if (near >= 0)
-                carry.heirs.emplace_back(b, static_cast<std::int32_t>(near));
-            else
-                later.push_back(b);
-        }
-        if (carry.heirs.size() == done) {  // an island
-            const std::int32_t b = later.front();
-            carry.heirs.emplace_back(b, std::max(b - 1, 0));
-            later.erase(later.begin());
-        }
-        for (std::size_t h = done; h < carry.heirs.size(); ++h) known[carry.heirs[h].first] = 1;
-        waiting = std::move(later);
-    }
+    Heirs(layout, now, carry).find(std::move(waiting));
     return carry;
 }
 

@@ -37,7 +37,7 @@ class Followed {
         std::vector<std::int32_t> to(parts.size());
         for (std::size_t b = 0; b < to.size(); ++b) to[b] = rank_of[parts[b]];
         PlanCosts costs;
-        costs.move = host_moves;
+        costs.move = model_.moves;
         return best_plan({{PlanKind::relabelled, std::move(to)}}, blocks, ranks_, costs).migration;
     }
 

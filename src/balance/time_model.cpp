@@ -20,7 +20,7 @@ double TimeModel::sending(const HaloForecast& halo, int ranks) const {
            wire.latency * std::log2(ranks);
 }
 
-void Calibration::add(std::span<const Sample> ranks, double steps, double sending, double look) {
+void ModelFit::add(std::span<const Sample> ranks, double steps, double sending, double look) {
     const Sample* heaviest = nullptr;
     for (const Sample& s : ranks) {
         nn_ += steps * s.particles * s.particles;
@@ -37,7 +37,7 @@ void Calibration::add(std::span<const Sample> ranks, double steps, double sendin
     looks_.push_back(look);
 }
 
-TimeModel Calibration::model(const CostModel& prior) const {
+TimeModel ModelFit::model(const CostModel& prior) const {
     TimeModel m;
     // The prior's ratio, scaled to fit; then the fit with a pull towards it.
     const auto a = static_cast<double>(prior.a), d = static_cast<double>(prior.d);

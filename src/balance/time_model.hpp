@@ -14,6 +14,7 @@
 #include <span>
 
 #include "balance/halo_forecast.hpp"
+#include "balance/planner.hpp"
 #include "balance/weight.hpp"
 
 namespace moraine {
@@ -30,6 +31,7 @@ struct TimeModel {
     double look = 0;      ///< [s]
     int rounds = 1;
     Wire wire;
+    MoveModel moves = host_moves;
 
     double computing(double particles, double blocks) const { return particle * particles + block * blocks; }
 
@@ -40,7 +42,7 @@ struct TimeModel {
 };
 
 /// Sums over ranks and intervals of a run, from which a model follows.
-class Calibration {
+class ModelFit {
   public:
     /// One rank in one interval: what it held, and its seconds per step, of computing and of all (waiting included,
     /// balancing and output not).
@@ -52,7 +54,7 @@ class Calibration {
     /// balancing, of the rank that waited least. Not collective.
     void add(std::span<const Sample> ranks, double steps, double sending, double look);
 
-    /// Without rounds and wire. `prior`: the ratio of costs per particle and block. Not collective.
+    /// Without rounds, wire and moves. `prior`: the ratio of costs per particle and block. Not collective.
     TimeModel model(const CostModel& prior) const;
 
   private:

@@ -41,7 +41,7 @@ struct LoadHeader {
     std::array<double, 3> corner{};          ///< lower corner of block (0, 0, 0) [m]
     double block_side = 0;                   ///< [m]
     std::array<char, 24> partitioner{};      ///< its name
-    std::array<std::int64_t, 2> reserved{};
+    std::array<double, 2> moves{};           ///< cost of a migration: of any, per particle of the busiest rank [s]
 };
 static_assert(sizeof(LoadHeader) == 160);
 

@@ -9,11 +9,11 @@ namespace {
 constexpr CostModel prior{130000, 0, 8000000};
 
 /// Steps of ranks that compute as told and wait for the slowest, and `more` seconds per particle of the heaviest.
-void feed(Calibration& calibration, const std::vector<std::pair<double, double>>& ranks, double a, double d,
-          double more, double look) {
+void feed(ModelFit& calibration, const std::vector<std::pair<double, double>>& ranks, double a, double d, double more,
+          double look) {
     double longest = 0, heaviest = 0;
     for (const auto& [n, b] : ranks) longest = std::max(longest, a * n + d * b), heaviest = std::max(heaviest, n);
-    std::vector<Calibration::Sample> samples;
+    std::vector<ModelFit::Sample> samples;
     for (const auto& [n, b] : ranks) samples.push_back({n, b, a * n + d * b, longest + more * heaviest});
     calibration.add(samples, 50, 0, look);
 }
@@ -21,7 +21,7 @@ void feed(Calibration& calibration, const std::vector<std::pair<double, double>>
 }  // namespace
 
 TEST_CASE("costs of particles and blocks are found again where they vary") {
-    Calibration calibration;
+    ModelFit calibration;
     feed(calibration, {{1000, 10}, {1100, 100}, {900, 4}}, 2e-7, 3e-6, 5e-8, 1e-3);
     feed(calibration, {{100, 30}, {1200, 10}, {300, 4}}, 2e-7, 3e-6, 5e-8, 9e-3);
     feed(calibration, {{100, 30}, {1200, 10}, {300, 4}}, 2e-7, 3e-6, 5e-8, 2e-3);
@@ -33,7 +33,7 @@ TEST_CASE("costs of particles and blocks are found again where they vary") {
 }
 
 TEST_CASE("where particles and blocks cannot be told apart their ratio is the cost model's, and the step is right") {
-    Calibration calibration;
+    ModelFit calibration;
     for (int k = 0; k < 3; ++k) feed(calibration, {{1000, 20}, {1000, 20}}, 2e-7, 0, 1e-7, 0);
     const TimeModel m = calibration.model(prior);
     CHECK(m.block / m.particle == doctest::Approx(8000000.0 / 130000));
