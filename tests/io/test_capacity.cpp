@@ -42,7 +42,7 @@ TEST_CASE(
 TEST_CASE("a scene that needs more memory than the machine has is refused with what would do") {
     CHECK(said("0.1", {1, 1, 24e9}).empty());
     CHECK(said("0.02", {1, 1, 24e9}) ==
-          "slurry_runout_3d.toml: 1.25e+08 particles need 25.3 GB of memory for 1 rank here (this machine has 24 GB). "
+          "slurry_runout_3d.toml: 1.25e+08 particles need 25.8 GB of memory for 1 rank here (this machine has 24 GB). "
           "Use 2 such machines with 1 rank each, or a domain.cell of 0.021 m?");
     CHECK(said("0.02", {2, 1, 24e9}).empty());
     CHECK(said("0.02", {2, 2, 24e9})
