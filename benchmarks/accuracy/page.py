@@ -69,8 +69,10 @@ def seconds_to(reached):
 
 def gain(base, reached):
     """How many times sooner than B0."""
-    if not base or not reached:
+    if not reached:
         return "-"
+    if not base:
+        return "B0 never"
     sign = "" if base[1] == reached[1] else ("<= " if base[1] else ">= ")
     return f"{sign}{base[0] / reached[0]:.2g}" if not (base[1] and reached[1]) else "both below"
 
@@ -164,7 +166,8 @@ def results(lines, words):
             "**The machine was shared and heavily loaded**: wall times are several times what they would be alone and mean little. Times "
             "here are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
             "particle-steps. A run below 0.2 s is the median of up to five. p: order over the last two rungs. `B0 / this`: how many times sooner than the method paper's "
-            "scheme (gimp FLIP USL, fixed dt = 0.3 h/c) the error is reached; `-`: one of both never does. All take dt = 0.3 h/c, those with @0.6 twice that.", ""]
+            "scheme (gimp FLIP USL, fixed dt = 0.3 h/c) the error is reached; `-`: not on this ladder. All take dt = 0.3 h/c, those with @0.6 twice that. "
+            "With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
     for case, about in words.items():
         mine = [x for x in lines if x["case"] == case]
         if mine:
