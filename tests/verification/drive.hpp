@@ -1,25 +1,15 @@
 #pragma once
-// What all verification problems share: a scene written in code, a run over it, and sums over its
-// particles with the places where they began.
-//
-// A problem in one direction is a strip of four cells (one block) across, periodic there; one particle
-// per cell across is enough, since nothing varies. The exact solutions are in exact_*.hpp.
+// What the tests of all verification problems share: which ladders to run, and how a figure is printed.
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdlib>
-#include <map>
-#include <numbers>
 #include <string>
-#include <vector>
 
-#include "simulation.hpp"
+#include "verification/run.hpp"
 
 namespace moraine::verification {
-
-inline constexpr double pi = std::numbers::pi;
 
 /// Ladders and durations that are too long for every build.
 inline bool long_tests() {
@@ -32,139 +22,6 @@ inline void say(const std::string& figure) {
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0) MESSAGE(figure);
-}
-
-/// What a user may choose for one and the same scene.
-struct Choice {
-    const char* name;
-    Shape shape;
-    Transfer transfer;
-    StressUpdate update;
-};
-
-inline constexpr Choice quadratic_flip_usl{"quadratic FLIP USL", Shape::quadratic, Transfer::flip, StressUpdate::usl};
-inline constexpr Choice quadratic_flip_musl{"quadratic FLIP MUSL", Shape::quadratic, Transfer::flip,
-                                            StressUpdate::musl};
-inline constexpr Choice quadratic_apic_usl{"quadratic APIC USL", Shape::quadratic, Transfer::apic, StressUpdate::usl};
-inline constexpr Choice quadratic_apic_usf{"quadratic APIC USF", Shape::quadratic, Transfer::apic, StressUpdate::usf};
-inline constexpr Choice quadratic_apic_musl{"quadratic APIC MUSL", Shape::quadratic, Transfer::apic,
-                                            StressUpdate::musl};
-inline constexpr Choice quadratic_tpic_usl{"quadratic TPIC USL", Shape::quadratic, Transfer::tpic, StressUpdate::usl};
-inline constexpr Choice cubic_flip_usl{"cubic FLIP USL", Shape::cubic, Transfer::flip, StressUpdate::usl};
-inline constexpr Choice cubic_apic_usl{"cubic APIC USL", Shape::cubic, Transfer::apic, StressUpdate::usl};
-inline constexpr Choice gimp_flip_usl{"gimp FLIP USL", Shape::gimp, Transfer::flip, StressUpdate::usl};
-inline constexpr Choice gimp_tpic_usl{"gimp TPIC USL", Shape::gimp, Transfer::tpic, StressUpdate::usl};
-inline constexpr Choice contiguous_flip_usl{"gimp-contiguous FLIP USL", Shape::gimp_contiguous, Transfer::flip,
-                                            StressUpdate::usl};
-inline constexpr Choice contiguous_tpic_usl{"gimp-contiguous TPIC USL", Shape::gimp_contiguous, Transfer::tpic,
-                                            StressUpdate::usl};
-
-inline void choose(Scene& scene, const Choice& choice) {
-    scene.shape = choice.shape;
-    scene.transfer = choice.transfer;
-    scene.stress_update = choice.update;
-}
-
-/// Values by key, defaults for the rest, in the order of the law's table.
-inline MaterialSpec material(const std::string& law, double density, const std::map<std::string, double>& values) {
-    MaterialSpec spec;
-    spec.name = spec.law = law;
-    spec.density = density;
-    for (const Parameter& p : find_law(law)->parameters) {
-        const auto given = values.find(p.key);
-        spec.parameters.push_back(given == values.end() ? p.standard : given->second);
-    }
-    return spec;
-}
-
-inline void make_periodic(Scene& scene, std::size_t axis) {
-    scene.periodic[axis] = true;
-    for (WallSpec& wall : scene.walls[axis]) wall.kind = WallKind::periodic;
-}
-
-/// Where each particle began, by id (one body). Collective.
-template <class Real, int Dim>
-std::vector<std::array<double, Dim>> places(const Simulation<Real, Dim>& sim, const Comm& comm) {
-    struct Row {
-        std::uint64_t id;
-        std::array<double, Dim> x;
-    };
-    std::vector<Row> rows;
-    auto& patch = const_cast<Simulation<Real, Dim>&>(sim).patch();
-    const ParticleView<Real, Dim> p = patch.particles.view();
-    sim.each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) { rows.push_back({p.id[s], x}); });
-    rows = comm.all_gather(rows);
-    std::vector<std::array<double, Dim>> by_id;
-    for (const Row& row : rows) {
-        if (row.id >= by_id.size()) by_id.resize(row.id + 1);
-        by_id[row.id] = row.x;
-    }
-    return by_id;
-}
-
-/// A run of one scene that remembers where its particles began.
-template <class Real = double, int Dim = 2>
-class Run {
-  public:
-    using Point = std::array<double, Dim>;
-    using View = ParticleView<Real, Dim>;
-    using BodyForce = std::function<Vec<double, Dim>(const Point& X, double t)>;
-
-    explicit Run(const Scene& scene, const BodyForce& force = {}) : comm_(MPI_COMM_WORLD), sim(scene, comm_) {
-        if (force)
-            sim.set_body_force([this, force](std::uint64_t id, const Point&, double t) { return force(X_[id], t); });
-        sim.seed();
-        X_ = places(sim, comm_);
-    }
-
-    /// f(particles, slot, X): sets a start that a scene cannot say. Collective.
-    template <class F>
-    void start_with(const F& f) {
-        const View p = view();
-        sim.each_particle([&](std::uint32_t s, const Point&) { f(p, s, X_[p.id[s]]); });
-        sim.refresh_signal();
-    }
-
-    void steps(std::int64_t n) {
-        for (std::int64_t k = 0; k < n; ++k) {
-            sim.step();
-            sim.balance();
-        }
-        sim.conclude();
-    }
-
-    /// Sum over all particles of f(particles, slot, X, x). Filed state only. Collective.
-    template <class F>
-    double sum(const F& f) {
-        const View p = view();
-        double sum = 0;
-        sim.each_particle([&](std::uint32_t s, const Point& x) { sum += f(p, s, X_[p.id[s]], x); });
-        return comm_.sum(sum);
-    }
-
-    /// Largest f(particles, slot, X, x). Filed state only. Collective.
-    template <class F>
-    double largest(const F& f) {
-        const View p = view();
-        double most = 0;
-        sim.each_particle([&](std::uint32_t s, const Point& x) { most = std::max(most, f(p, s, X_[p.id[s]], x)); });
-        return comm_.max(most);
-    }
-
-    View view() { return sim.patch().particles.view(); }
-    double time() const { return sim.clock().time; }
-
-  private:
-    Comm comm_;
-    std::vector<Point> X_;
-
-  public:
-    Simulation<Real, Dim> sim;
-};
-
-/// Observed order between neighbours of a ladder that halves h.
-inline double order(double coarse, double fine) {
-    return std::log2(coarse / fine);
 }
 
 }  // namespace moraine::verification

@@ -23,6 +23,9 @@ struct Bar {
     double period() const { return 2 * std::numbers::pi / frequency(); }
     double shape(double x) const { return std::sin(wave_number() * x); }
     double velocity(double x, double t) const { return speed * shape(x) * std::cos(frequency() * t); }
+    double stress(double x, double t) const {
+        return young * speed / wave_speed() * std::cos(wave_number() * x) * std::sin(frequency() * t);
+    }
     double energy(double volume) const { return 0.25 * density * speed * speed * volume; }
 };
 

@@ -1,97 +1,22 @@
 // E3: the manufactured displacement converges at second order, periodic and between walls, in 1-D and 2-D.
 #include "verification/drive.hpp"
-#include "verification/exact_manufactured.hpp"
+#include "verification/problem_manufactured.hpp"
 
 using namespace moraine;
 using namespace moraine::verification;
 
 namespace {
 
-constexpr double cfl = 0.2;
-
-struct Error {
-    double displacement = 0;  ///< rms over A, largest over one period
-    double stress = 0;        ///< rms at that time over E A pi
-};
-
-/// Square or (one moving axis) a strip: over [0, 2] periodic, or over [0, 1] between walls.
-Scene square(const Manufactured& exact, int cells_per_wave, const Choice& choice, bool periodic) {
-    Scene scene;
-    scene.dimensions = 2;
-    scene.cell = 2.0 / cells_per_wave;
-    const double side = periodic ? 2 : 1;
-    scene.max = {side, exact.axes == 2 ? side : 4 * scene.cell, 0};
-    choose(scene, choice);
-    for (std::size_t a = 0; a < 2; ++a) {
-        if (periodic || static_cast<int>(a) >= exact.axes)
-            make_periodic(scene, a);
-        else
-            scene.walls[a][0].kind = scene.walls[a][1].kind = WallKind::free_slip;
-    }
-    const double modulus = exact.lambda() + 2 * exact.mu();
-    scene.dt = cfl * scene.cell / std::sqrt(modulus / exact.density);
-    scene.materials.push_back(
-        material("neo-hookean", exact.density, {{"young", exact.young}, {"poisson", exact.poisson}}));
-    BodySpec body;
-    body.max = scene.max;
-    if (exact.axes == 1) body.particles_per_cell[1] = 1;
-    scene.bodies.push_back(body);
-    return scene;
-}
-
-void start(Run<>& run, const Manufactured& exact, double dt) {
-    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
-        for (int a = 0; a < 2; ++a) {
-            const double x = X[static_cast<std::size_t>(a)];
-            p.velocity[s][a] = exact.velocity(a, x, -dt / 2);
-            if (p.affine) p.affine[s](a, a) = exact.stretch_rate(a, x, -dt / 2);
-        }
-    });
-}
-
-Error deviation(Run<>& run, const Manufactured& exact, const Scene& scene) {
-    const double t = run.time();
-    Error e;
-    double count = run.sum([](const auto&...) { return 1; });
-    e.displacement = run.sum([&](const auto&, std::uint32_t, const auto& X, const auto& x) {
-        double square = 0;
-        for (std::size_t a = 0; a < 2; ++a) {
-            const double error = x[a] - X[a] - exact.displacement(static_cast<int>(a), X[a], t);
-            square += std::pow(std::remainder(error, scene.max[a]), 2);
-        }
-        return square;
-    });
-    e.stress = run.sum([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
-        double square = 0;
-        for (int a = 0; a < exact.axes; ++a) square += std::pow(p.stress[s](a, a) - exact.stress(a, X, t), 2);
-        return square;
-    });
-    e.displacement = std::sqrt(e.displacement / count) / exact.amplitude;
-    e.stress = std::sqrt(e.stress / count) / (exact.young * exact.amplitude * pi);
-    return e;
-}
-
-Error manufacture(const Manufactured& exact, int cells_per_wave, const Choice& choice, bool periodic) {
-    const Scene scene = square(exact, cells_per_wave, choice, periodic);
-    Run<> run(scene, [&](const auto& X, double t) {
-        return Vec<double, 2>{{exact.body_force(0, X, t), exact.body_force(1, X, t)}};
-    });
-    start(run, exact, scene.dt);
-    Error worst;
-    const auto steps = static_cast<int>(std::lround(exact.period() / scene.dt));
-    for (int part = 1; part <= 16; ++part) {
-        run.steps(steps * part / 16 - steps * (part - 1) / 16);
-        const Error now = deviation(run, exact, scene);
-        worst.displacement = std::max(worst.displacement, now.displacement);
-        worst.stress = std::max(worst.stress, now.stress);
-    }
-    return worst;
+Deviation manufacture(const Manufactured& exact, int cells_per_wave, const Choice& choice, bool periodic) {
+    const Scene scene = square(exact, cells_per_wave, choice, periodic, 0.2);
+    Run<> run(scene, push(exact));
+    return manufacture(run, exact);
 }
 
 /// Runs `cells` per wavelength one after another, prints all, returns the order over the last two rungs.
 struct Orders {
     double displacement, stress;
-    Error finest;
+    Deviation finest;
 };
 
 Orders converge(double amplitude, int axes, bool periodic, const Choice& choice, const std::vector<int>& cells) {
@@ -99,7 +24,7 @@ Orders converge(double amplitude, int axes, bool periodic, const Choice& choice,
     Orders last{};
     std::string line;
     for (int n : cells) {
-        const Error e = manufacture(exact, n, choice, periodic);
+        const Deviation e = manufacture(exact, n, choice, periodic);
         last = {order(last.finest.displacement, e.displacement), order(last.finest.stress, e.stress), e};
         line += fmt::format("; {}: u {:.2e}, stress {:.2e}", n, e.displacement, e.stress);
     }

@@ -1,0 +1,92 @@
+#include "accuracy/cases.hpp"
+
+#include <fmt/format.h>
+
+namespace moraine {
+
+namespace {
+
+constexpr double paper_cfl = 0.3;
+
+std::string name_of(Shape shape) {
+    switch (shape) {
+        case Shape::gimp:
+            return "gimp";
+        case Shape::gimp_contiguous:
+            return "gimp-contiguous";
+        case Shape::quadratic:
+            return "quadratic";
+        default:
+            return "cubic";
+    }
+}
+
+void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, StressUpdate update, double cfl) {
+    const char* transfer_name = transfer == Transfer::flip ? "FLIP" : transfer == Transfer::apic ? "APIC" : "TPIC";
+    const char* update_name = update == StressUpdate::usl ? "USL" : update == StressUpdate::usf ? "USF" : "MUSL";
+    std::string name = fmt::format("{} {} {}", name_of(shape), transfer_name, update_name);
+    if (cfl != paper_cfl) name += fmt::format(" @{}", cfl);
+    all.push_back({name, shape, transfer, update, cfl});
+}
+
+std::vector<Configuration> make_configurations() {
+    using enum StressUpdate;
+    std::vector<Configuration> all;
+    add(all, Shape::gimp, Transfer::flip, usl, paper_cfl);  // B0
+    add(all, Shape::gimp_contiguous, Transfer::flip, usl, paper_cfl);
+    add(all, Shape::gimp_contiguous, Transfer::tpic, usl, paper_cfl);
+    for (Shape shape : {Shape::quadratic, Shape::cubic})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+            for (StressUpdate update : {usl, usf, musl}) add(all, shape, transfer, update, paper_cfl);
+    add(all, Shape::gimp, Transfer::flip, usl, 2 * paper_cfl);
+    add(all, Shape::gimp_contiguous, Transfer::tpic, usl, 2 * paper_cfl);
+    add(all, Shape::quadratic, Transfer::apic, usl, 2 * paper_cfl);
+    add(all, Shape::quadratic, Transfer::apic, usf, 2 * paper_cfl);
+    add(all, Shape::cubic, Transfer::apic, usl, 2 * paper_cfl);
+    add(all, Shape::cubic, Transfer::apic, musl, 2 * paper_cfl);
+    return all;
+}
+
+}  // namespace
+
+const std::vector<Configuration>& configurations() {
+    static const std::vector<Configuration> all = make_configurations();
+    return all;
+}
+
+const std::vector<AccuracyCase>& accuracy_cases() {
+    static const std::vector<AccuracyCase> all = {
+        {.name = "E1",
+         .words = "bar, fixed and free, 10 periods; the larger error of frequency and energy",
+         .problem = Problem::bar,
+         .cells = {16, 32, 64, 128}},
+        {.name = "E1-drift",
+         .words = "periodic bar adrift at Mach 0.05, 10 periods; the larger error of frequency and energy",
+         .problem = Problem::bar,
+         .cells = {16, 32, 64},
+         .drifts = true},
+        {.name = "E2",
+         .words = "column under its own weight, k l0 = 0.04; L1 of stress over the base pressure",
+         .problem = Problem::column,
+         .cells = {4, 8, 16, 32}},
+        {.name = "E3-small",
+         .words = "manufactured displacement, A = 1e-4; rms displacement over A",
+         .problem = Problem::manufactured,
+         .cells = {16, 32, 64, 128},
+         .amplitude = 1e-4},
+        {.name = "E3-large",
+         .words = "manufactured displacement, A = 0.05; rms displacement over A",
+         .problem = Problem::manufactured,
+         .cells = {16, 32, 64, 128, 256},
+         .amplitude = 0.05},
+        {.name = "E3-jitter",
+         .words = "manufactured displacement, A = 0.05, particles jittered by a quarter of their spacing; rms over A",
+         .problem = Problem::manufactured,
+         .cells = {16, 32, 64, 128},
+         .amplitude = 0.05,
+         .jitter = 0.25},
+    };
+    return all;
+}
+
+}  // namespace moraine

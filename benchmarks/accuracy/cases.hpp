@@ -1,0 +1,53 @@
+#pragma once
+// What benchmark_accuracy measures: the cases with their ladders of cells, and the configurations that run them.
+//
+// B0 is the method paper's scheme: gimp, FLIP, USL, fixed dt = 0.3 h/c. All others take the same dt, so that at equal
+// cells a difference is the scheme's; the last ones take twice that dt, which B0's stability limit (about 0.74 h/c)
+// hardly allows. What a run needs of the simulation is compiled once per precision (measure.ipp); this header knows
+// nothing of it.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/scene.hpp"
+
+namespace moraine {
+
+struct Configuration {
+    std::string name;  ///< shape TRANSFER UPDATE, and @cfl where it is not 0.3
+    Shape shape;
+    Transfer transfer;
+    StressUpdate update;
+    double cfl;  ///< dt c / h
+};
+
+/// Norms of one run by name; the first is the error that the tables and plots are of.
+using Norms = std::vector<std::pair<std::string, double>>;
+
+struct Measured {
+    Norms norms;
+    double particles = 0, steps = 0, particle_steps = 0;
+    double wall = 0, processor = 0;  ///< of the step loop [s]
+};
+
+enum class Problem { bar, column, manufactured };
+
+struct AccuracyCase {
+    std::string name;
+    std::string words;  ///< what it is, and what the error is
+    Problem problem;
+    std::vector<int> cells;
+    bool drifts = false;   ///< bar
+    double amplitude = 0;  ///< manufactured [m]
+    double jitter = 0;     ///< manufactured, fraction of the particle spacing
+};
+
+const std::vector<Configuration>& configurations();
+const std::vector<AccuracyCase>& accuracy_cases();
+
+/// One rung, on one rank. Throws PhysicsError where the method fails.
+template <class Real>
+Measured measure(const AccuracyCase& problem, const Configuration& c, int cells);
+
+}  // namespace moraine

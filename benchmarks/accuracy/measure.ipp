@@ -1,0 +1,78 @@
+// One rung of each problem; compiled once per precision.
+
+#include "accuracy/cases.hpp"
+#include "verification/problem_bar.hpp"
+#include "verification/problem_column.hpp"
+#include "verification/problem_manufactured.hpp"
+
+namespace moraine {
+
+namespace accuracy {
+
+using namespace verification;
+
+inline Choice choice_of(const Configuration& c) {
+    return {"", c.shape, c.transfer, c.update};
+}
+
+template <class Real>
+Measured measured(const Run<Real>& run, Norms norms) {
+    const RunCounts counts = run.sim.counts_so_far();
+    return {std::move(norms),
+            static_cast<double>(run.particles()),
+            static_cast<double>(counts.steps),
+            counts.particle_steps,
+            run.spent().wall,
+            run.spent().processor};
+}
+
+template <class Real>
+Measured measure_bar(const Configuration& c, int cells, const Motion& motion) {
+    const Bar bar;
+    const Scene scene = bar_scene(bar, choice_of(c), motion, cells, c.cfl);
+    Run<Real> run(scene);
+    const Ringing r = ring(run, bar, 10, motion);
+    const double frequency = std::fabs(r.frequency_error), energy = std::fabs(r.energy - 1);
+    const double error = frequency > energy || !std::isfinite(frequency) ? frequency : energy;
+    return measured(run, {{"error", error}, {"frequency", r.frequency_error}, {"energy", r.energy - 1}});
+}
+
+template <class Real>
+Measured measure_column(const Configuration& c, int cells) {
+    const Column column;
+    Scene scene = column_scene(column, cells, choice_of(c), "linear-elastic", true);
+    scene.dt = c.cfl * scene.cell / column.wave_speed();
+    Run<Real> run(scene);
+    const Settled s = settle(run, column, 15);
+    return measured(run, {{"stress", s.stress}, {"place", s.settlement}, {"base", s.base}, {"speed_left", s.speed}});
+}
+
+template <class Real>
+Measured measure_manufactured(const Configuration& c, int cells, double amplitude, double jitter) {
+    const Manufactured exact{.amplitude = amplitude, .poisson = 0, .axes = 1};
+    Scene scene = square(exact, cells, choice_of(c), true, c.cfl);
+    if (jitter > 0) {
+        scene.bodies[0].seeding = Seeding::jittered;
+        scene.bodies[0].jitter = jitter;
+    }
+    Run<Real> run(scene, push(exact));
+    const Deviation e = manufacture(run, exact);
+    return measured(run, {{"displacement", e.displacement}, {"stress", e.stress}});
+}
+
+}  // namespace accuracy
+
+template <class Real>
+Measured measure(const AccuracyCase& problem, const Configuration& c, int cells) {
+    switch (problem.problem) {
+        case Problem::bar:
+            return accuracy::measure_bar<Real>(c, cells,
+                                               problem.drifts ? verification::adrift : verification::free_end);
+        case Problem::column:
+            return accuracy::measure_column<Real>(c, cells);
+        default:
+            return accuracy::measure_manufactured<Real>(c, cells, problem.amplitude, problem.jitter);
+    }
+}
+
+}  // namespace moraine

@@ -1,0 +1,223 @@
+"""What the lines of benchmark_accuracy say together: orders, time to an error, Pareto front; as Markdown and as a plot.
+
+A rung is one line: a configuration at one number of cells. A rung fails where the program refused to go on, or where the error is
+not a number or at least 1 (100 %). Times to an error are interpolated on log-log axes between two neighbouring rungs, never extrapolated.
+"""
+import math
+import sys
+
+B0 = "gimp FLIP USL"
+GOALS = (0.01, 0.001)
+
+
+def key(line):
+    return line["case"], line["configuration"], line["precision"], line["cells"]
+
+
+def fails(line):
+    return "failed" in line or line["error"] is None or line["error"] >= 1
+
+
+def short(line):
+    what = f"{line['case']} {line['configuration']} {line['precision']} {line['cells']}"
+    return f"{what}: {line['failed']}" if "failed" in line else f"{what}: {line['error']} in {line['processor_s']} s"
+
+
+def ladder(lines, configuration, precision):
+    rungs = [x for x in lines if x["configuration"] == configuration and x["precision"] == precision]
+    return sorted(rungs, key=lambda x: x["cells"])
+
+
+def order(rungs):
+    """Over the last two rungs; None if one of them fails."""
+    if len(rungs) < 2 or fails(rungs[-1]) or fails(rungs[-2]):
+        return None
+    coarse, fine = rungs[-2:]
+    return math.log(coarse["error"] / fine["error"]) / math.log(fine["cells"] / coarse["cells"])
+
+
+def reach(rungs, goal, key):
+    """(key at which the error first is `goal`, whether that is only an upper bound, whether it is exceeded again); None: never."""
+    for k, rung in enumerate(rungs):
+        if fails(rung) or rung["error"] > goal:
+            continue
+        again = any(fails(x) or x["error"] > goal for x in rungs[k + 1:])
+        if k == 0 or fails(rungs[k - 1]):
+            return rung[key], True, again
+        before = rungs[k - 1]
+        share = math.log(before["error"] / goal) / math.log(before["error"] / rung["error"])
+        return before[key] * (rung[key] / before[key]) ** share, False, again
+    return None
+
+
+def front(lines):
+    """Rungs that no other beats in both time and error."""
+    best, kept = math.inf, []
+    for line in sorted((x for x in lines if not fails(x)), key=lambda x: (x["processor_s"], x["error"])):
+        if line["error"] < best:
+            best = line["error"]
+            kept.append(line)
+    return kept
+
+
+def seconds_to(reached):
+    if not reached:
+        return "-"
+    value, bound, again = reached
+    return f"{'<= ' if bound else ''}{value:.2g}{' (then worse)' if again else ''}"
+
+
+def gain(base, reached):
+    """How many times sooner than B0."""
+    if not reached:
+        return "-"
+    if not base:
+        return "B0 never"
+    sign = "" if base[1] == reached[1] else ("<= " if base[1] else ">= ")
+    return f"{sign}{base[0] / reached[0]:.2g}" if not (base[1] and reached[1]) else "both below"
+
+
+def error_text(line):
+    return "fails" if fails(line) else f"{line['error']:.1e}"
+
+
+def row(lines, name, precision, cells):
+    rungs = ladder(lines, name, precision)
+    by_cells = {x["cells"]: x for x in rungs}
+    base = ladder(lines, B0, precision)
+    p = order(rungs)
+    columns = [name + (" (B0)" if name == B0 else "")]
+    columns += [error_text(by_cells[n]) if n in by_cells else "" for n in cells]
+    columns.append("-" if p is None else f"{p:.2f}")
+    last = rungs[-1]
+    columns += ["-"] * 3 if fails(last) and "failed" in last else [
+        f"{last['processor_s']:.2g}", f"{last['wall_s']:.2g}", f"{last['particle_steps'] / 1e6:.2g}"]
+    for goal in GOALS:
+        reached = reach(rungs, goal, "processor_s")
+        columns += [seconds_to(reached), gain(reach(base, goal, "processor_s"), reached),
+                    gain(reach(base, goal, "particle_steps"), reach(rungs, goal, "particle_steps"))]
+    return "| " + " | ".join(columns) + " |"
+
+
+def table(lines, precision):
+    cells = sorted({x["cells"] for x in lines if x["precision"] == precision})
+    names = list(dict.fromkeys(x["configuration"] for x in lines if x["precision"] == precision))
+    head = ["configuration"] + [f"{n} cells" for n in cells] + ["p", "processor s", "wall s", "M particle-steps"]
+    for goal in GOALS:
+        head += [f"s to {100 * goal:g} %", "B0 / this", "in particle-steps"]
+    return ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"] + [row(lines, n, precision, cells) for n in names]
+
+
+def precisions(lines):
+    """One sentence: how far single is from double, and what it saves."""
+    doubles = {(x["configuration"], x["cells"]): x for x in lines if x["precision"] == "double" and not fails(x)}
+    pairs = [(doubles[x["configuration"], x["cells"]], x) for x in lines if x["precision"] == "single" and not fails(x)
+             and (x["configuration"], x["cells"]) in doubles]
+    if not pairs:
+        return []
+    apart = [(abs(s["error"] - d["error"]), d, s) for d, s in pairs]
+    worst, d, s = max(apart, key=lambda x: x[0])
+    within = sum(1 for a, _, _ in apart if a <= 1e-3)
+    times = sorted(s["processor_s"] / d["processor_s"] for d, s in pairs if d["processor_s"] > 0.2)
+    text = (f"Single against double: the errors of {within} of {len(pairs)} rungs differ by at most 0.1 % of the quantity; the largest difference is "
+            f"{worst:.1e} ({d['configuration']}, {d['cells']} cells: {d['error']:.2e} in double, {s['error']:.2e} in single).")
+    if times:
+        text += f" Single took {times[len(times) // 2]:.2f} of the time of double (median of rungs above 0.2 s)."
+    return ["", text]
+
+
+def failures(lines):
+    rows = []
+    for x in lines:
+        if fails(x):
+            why = x.get("failed") or ("the error is not a number" if x["error"] is None else f"error {x['error']:.1e}")
+            rows.append(f"* {x['configuration']}, {x['precision']}, {x['cells']} cells: {why}")
+    return (["", f"Failing ({len(rows)} of {len(lines)} rungs):", ""] + rows) if rows else ["", "No rung fails."]
+
+
+def case_page(case, words, lines):
+    text = [f"## {case}: {words}", "", f"![{case}]({case}.svg)", ""]
+    text += ["Double:", ""] + table(lines, "double")
+    best = [x for x in lines if x["precision"] == "double"]
+    text += ["", "Pareto front in double: " + "; ".join(
+        f"{x['configuration']}, {x['cells']} cells ({x['processor_s']:.2g} s, {x['error']:.1e})" for x in front(best)) + "."]
+    return text + precisions(lines) + failures(lines) + [""]
+
+
+def second_norms(lines):
+    """The other norms of the finest rung of each configuration, in double."""
+    cells = max(x["cells"] for x in lines)
+    rows = [x for x in lines if x["cells"] == cells and x["precision"] == "double" and not fails(x)]
+    if not rows:
+        return []
+    names = list(rows[0]["norms"])
+    text = ["", f"All norms at {cells} cells, in double:", "", "| configuration | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for x in rows:
+        text.append(f"| {x['configuration']} | " + " | ".join("-" if x["norms"][n] is None else f"{x['norms'][n]:.1e}" for n in names) + " |")
+    return text + [""]
+
+
+def results(lines, words):
+    some = lines[0]
+    commits = ", ".join(sorted({x["commit"] for x in lines}))
+    text = ["# Run time against error on one core", "",
+            "Made by `nice -n 10 benchmarks/accuracy/run`; every line is in [results.jsonl](results.jsonl), and `page.py` says how the figures are made of them.", "",
+            f"{some['machine']}, {some['cores']} cores, one of them used; {some['compiler']}, -march={some['march']}; commit {commits}.", "",
+            "**The machine was shared and heavily loaded**: wall times are several times what they would be alone and mean little. Times "
+            "here are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
+            "particle-steps. A run below 0.2 s is the median of up to five. p: order over the last two rungs. `B0 / this`: how many times sooner than the method paper's "
+            "scheme (gimp FLIP USL, fixed dt = 0.3 h/c) the error is reached; `-`: not on this ladder. All take dt = 0.3 h/c, those with @0.6 twice that. "
+            "With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
+    for case, about in words.items():
+        mine = [x for x in lines if x["case"] == case]
+        if mine:
+            text += case_page(case, about, mine) + second_norms(mine)
+    return "\n".join(text).rstrip() + "\n"
+
+
+def pyplot():
+    """matplotlib, also where only the system's Python has it; None: nowhere."""
+    sys.path.append("/usr/lib/python3/dist-packages")  # Debian's python3-matplotlib
+    try:
+        import matplotlib
+        matplotlib.use("svg")
+        matplotlib.rcParams.update({"svg.hashsalt": "accuracy", "svg.fonttype": "none", "font.size": 8})
+        import matplotlib.pyplot
+        return matplotlib.pyplot
+    except ImportError:
+        return None
+
+
+def style(name):
+    shape, transfer, update = name.split()[:3]
+    colors = {"gimp": "black", "gimp-contiguous": "tab:red", "quadratic": "tab:blue", "cubic": "tab:green"}
+    return {"color": colors[shape], "marker": {"FLIP": "o", "APIC": "s", "TPIC": "^"}[transfer], "markersize": 3,
+            "linestyle": {"USL": "-", "USF": "--", "MUSL": ":"}[update], "linewidth": 2 if name == B0 else 0.8,
+            "markerfacecolor": "none" if "@" in name else colors[shape]}
+
+
+def plot(lines, words, path):
+    plt = pyplot()
+    lines = [x for x in lines if x["precision"] == "double" and not fails(x)]
+    if not lines:
+        return
+    if not plt:
+        print("accuracy: no plots (matplotlib is missing). Install python3-matplotlib?", file=sys.stderr)
+        return
+    figure, axes = plt.subplots(figsize=(9, 5))
+    for name in dict.fromkeys(x["configuration"] for x in lines):
+        rungs = ladder(lines, name, "double")
+        axes.loglog([x["processor_s"] for x in rungs], [x["error"] for x in rungs], label=name, **style(name))
+    best = front(lines)
+    axes.loglog([x["processor_s"] for x in best], [x["error"] for x in best], color="orange", linewidth=5, alpha=0.35, label="Pareto front")
+    for goal in GOALS:
+        axes.axhline(goal, color="gray", linewidth=0.5)
+    axes.set_xlabel("processor time of the step loop [s]")
+    axes.set_ylabel("error")
+    axes.set_title(words, fontsize=8)
+    axes.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    figure.tight_layout()
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+    text = path.read_text()
+    path.write_text("\n".join(line.rstrip() for line in text.splitlines()) + "\n")
