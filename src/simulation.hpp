@@ -32,11 +32,10 @@ namespace moraine {
 /// Cost of a block on one core, from benchmark_step --costs [ps per particle, occupied cell, block]: the cell
 /// term came out as nothing.
 inline constexpr CostModel host_costs{130000, 0, 8000000};
-/// The same on one H200 in single: least squares over benchmark_device's cases costs-* (benchmarks/device/results.md);
-/// in double a full block takes about twice that. What a step takes whatever its share is (0.1 ms) has no term, so that
-/// small cases lift the scale: 43 % too high at 64 M. Cuts depend on the ratio alone, and measured steps set the scale
-/// of costs.
-inline constexpr CostModel device_costs{115, 0, 25000};
+/// The same on one H200 in single: least squares over benchmark_device's cases costs-* (benchmarks/device/results.md)
+/// with what a step takes whatever its share is (0.1 ms), which no cut changes; in double about twice that. Cuts depend
+/// on the ratio alone, and measured steps set the scale.
+inline constexpr CostModel device_costs{81, 296, 0};
 
 /// Counts over the whole run. Those of a rank are summed when they are reported.
 struct RunCounts {
