@@ -47,6 +47,25 @@ void sort_unique(std::vector<Key>& keys) {
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
+/// Whether the rows of a body that lie in the same layer of blocks are alike: then one of them tells of all.
+bool rows_are_alike(const Scene& scene, const BodySpec& body) {
+    const bool cleared = std::any_of(scene.structures.begin(), scene.structures.end(),
+                                     [](const StructureSpec& structure) { return structure.clear; });
+    return body.shape == BodyShape::box && !(body.wave.wavelength > 0) && !cleared;
+}
+
+/// Layers of blocks, numbered, by row; jitter across a layer's face is left out.
+std::vector<std::int64_t> layers_of(const Scene& scene, const BodySpec& body, std::int64_t rows) {
+    const auto axis = static_cast<std::size_t>(scene.dimensions - 1);
+    const Lattice lattice = lattice_of(scene, body);
+    std::vector<std::int64_t> layer;
+    for (std::int64_t row = 0; row < rows; ++row) {
+        const double cells = (lattice.place(axis, row) - scene.min[axis]) / scene.cell;
+        layer.push_back(std::llround(std::floor((cells + stencil_of(scene.shape).offset()) / 4)));
+    }
+    return layer;
+}
+
 /// Adds one body, a few rows at a time so that the memory stays small. Returns its top speed [m/s].
 double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& keys) {
     const BodySeeds seeds(scene, body);
@@ -57,19 +76,30 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
     const std::int64_t stretch = scene.bodies[static_cast<std::size_t>(body)].shape == BodyShape::table ? 65536 : 1;
     std::vector<Key> mine;
     std::vector<Seed> some;
-    double speed = 0;
+    double speed = 0, row_mass = 0;
     std::int64_t particles = 0;
+    const BodySpec& spec = scene.bodies[static_cast<std::size_t>(body)];
+    const bool alike = rows_are_alike(scene, spec);
+    const std::vector<std::int64_t> layer = alike ? layers_of(scene, spec, rows) : std::vector<std::int64_t>{};
     for (std::int64_t row = 0; row < rows; row += stretch) {
+        const auto at = static_cast<std::size_t>(row);
+        if (alike && row > 0 && layer[at] == layer[at - 1]) {
+            p.mass += row_mass;
+            particles += seeds.count(row, row + 1);
+            continue;
+        }
         some.clear();
         seeds.fill(row, std::min(rows, row + stretch), total, some);
         clear_structures(scene, some);
         particles += static_cast<std::int64_t>(some.size());
+        row_mass = 0;
         for (const Seed& s : some) {
-            p.mass += s.mass;
+            row_mass += s.mass;
             speed = std::max(speed, norm(s.velocity));
             const Key key = block(scene, offset, s.x);
             if (mine.empty() || mine.back() != key) mine.push_back(key);
         }
+        p.mass += row_mass;
         if (mine.size() > 1000000) sort_unique(mine);
     }
     p.particles += particles;
