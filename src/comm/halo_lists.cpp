@@ -3,10 +3,14 @@
 #include <atomic>
 
 #include "comm/in_order.hpp"
+#include "core/shape.hpp"
 
 namespace moraine {
 
 namespace {
+
+/// Nodes of a tile of the widest stencil.
+constexpr auto largest_tile = static_cast<std::size_t>(power<3>(tile_side(Cubic::width)));
 
 /// A tile that some rank needs, and at which offsets from it that rank's blocks (or, sent, the needing ones) lie.
 struct Exchanged {
@@ -56,8 +60,13 @@ TileList tile_list(std::size_t n, const Tile& tile, const std::vector<std::uint3
             const Exchanged tile_k = tile(k);
             list.block[k] = tile_k.block;
             list.first[k] = static_cast<std::uint32_t>(at);
-            for (std::size_t node = 0; node < covering.size(); ++node)
-                if (covering[node] & tile_k.offsets) list.node[at++] = static_cast<std::uint16_t>(node);
+            std::array<std::uint16_t, largest_tile> covered;  // without branches: which nodes is hard to predict
+            std::size_t size = 0;
+            for (std::size_t node = 0; node < covering.size(); ++node) {
+                covered[size] = static_cast<std::uint16_t>(node);
+                size += (covering[node] & tile_k.offsets) != 0;
+            }
+            std::copy_n(covered.begin(), size, list.node.begin() + static_cast<std::ptrdiff_t>(at));
         });
     return list;
 }

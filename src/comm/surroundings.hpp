@@ -131,10 +131,11 @@ std::array<std::int32_t, Surroundings<Dim>::places> blocks_at(const BlockIndex<D
             f < 0 ? Family{0, 0, 0} : index.families()[static_cast<std::size_t>(f)];
     }
     std::array<std::int32_t, Surroundings<Dim>::places> blocks;
-    for (int p = 0; p < Surroundings<Dim>::places; ++p) {
+    blocks.fill(-1);
+    for (; wanted != 0; wanted &= wanted - 1) {
+        const int p = std::countr_zero(wanted);
         const auto [slot, child] = near.cell(p);
-        const Family& family = families[slot];
-        blocks[static_cast<std::size_t>(p)] = family.has(child) && (wanted >> p & 1u) ? family.index_of(child) : -1;
+        if (families[slot].has(child)) blocks[static_cast<std::size_t>(p)] = families[slot].index_of(child);
     }
     return blocks;
 }

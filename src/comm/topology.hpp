@@ -46,8 +46,8 @@ struct Topology {
     std::int64_t find(Key key) const { return index.find(key); }
 };
 
-/// `occupied` in key order, the same on all ranks. `owner_at` gives the owner of an empty block by
-/// position, or -1 for the neighbour rule; several threads call it at a time. Not collective.
+/// `occupied` in key order, all in the domain, the same on all ranks. `owner_at` gives the owner of an empty
+/// block by position, or -1 for the neighbour rule; several threads call it at a time. Not collective.
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
                             const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at);

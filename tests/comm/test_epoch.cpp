@@ -1,3 +1,5 @@
+#include <omp.h>
+
 #include <map>
 
 #include "comm/epoch.hpp"
@@ -198,7 +200,54 @@ void borders_are_flagged() {
     });
 }
 
+bool same(const TileList& a, const TileList& b) {
+    return a.block == b.block && a.first == b.first && a.node == b.node;
+}
+
+template <int Dim>
+bool same(const EpochTables<Dim>& a, const EpochTables<Dim>& b) {
+    const auto same_peer = [](const PeerHalo& p, const PeerHalo& q) {
+        return p.rank == q.rank && p.ghost_begin == q.ghost_begin && p.ghost_end == q.ghost_end &&
+               same(p.send, q.send) && same(p.receive, q.receive);
+    };
+    return a.own == b.own && a.ghost == b.ghost && a.ghost_owner == b.ghost_owner && a.neighbour == b.neighbour &&
+           a.border == b.border && a.node_key == b.node_key && a.node_border == b.node_border &&
+           a.node_block == b.node_block && a.source == b.source && a.boundary == b.boundary &&
+           a.interior == b.interior &&
+           std::equal(a.peers.begin(), a.peers.end(), b.peers.begin(), b.peers.end(), same_peer);
+}
+
+/// Of a world large enough that threads share each list.
+template <int Dim>
+void threads_build_what_one_builds(std::uint64_t seed) {
+    World<Dim> world(seed, 3);
+    for (std::size_t a = 0; a < Dim; ++a) world.domain.count[a] = Dim == 2 ? 61 : 17;
+    for (std::size_t a = 0; a < Dim; ++a) world.domain.nodes[a] = 4 * world.domain.count[a];
+    world.occupied.clear();
+    world.each_position([&](const BlockPosition<Dim>& at) {
+        if (mix(seed + mix(Morton<Dim>::encode(at))) % 3 == 0) world.occupied.push_back({Morton<Dim>::encode(at), 0});
+    });
+    std::sort(world.occupied.begin(), world.occupied.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+    world.shuffle_owners(seed);
+    const int before = omp_get_max_threads();
+    omp_set_num_threads(1);
+    const std::vector<EpochTables<Dim>> by_one = tables_of_all(world);
+    for (int threads : {2, 5}) {
+        omp_set_num_threads(threads);
+        const std::vector<EpochTables<Dim>> all = tables_of_all(world);
+        for (std::size_t r = 0; r < all.size(); ++r) CHECK(same(all[r], by_one[r]));
+    }
+    omp_set_num_threads(before);
+}
+
 }  // namespace
+
+TEST_CASE("the tables do not depend on the number of threads") {
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        threads_build_what_one_builds<2>(seed);
+        threads_build_what_one_builds<3>(seed);
+    }
+}
 
 TEST_CASE("every block of the topology belongs to one rank and is boundary or interior there") {
     every_block_has_one_owner<2>();
