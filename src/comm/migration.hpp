@@ -128,6 +128,7 @@ class Migration {
     static std::byte* pack(const std::vector<ColumnBytes>& columns, const Outgoing& o, std::size_t from, std::size_t to,
                            std::byte* at) {
         const std::size_t n = to - from;
+        if (n == 0) return at;
         std::memcpy(at, o.key.data() + from, 8 * n);
         std::memcpy(at + 8 * n, o.move.data() + from, 2 * n);
         return gather_rows(columns, std::span(o.slot).subspan(from, n), at + 8 * n + padded(2 * n));
