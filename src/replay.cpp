@@ -53,7 +53,7 @@ std::vector<ForecastResult> forecast_all(const ReplayOptions& options, const Rep
         }
     record.each_look([&](Interval& now, const Carry& carry) {
         for (Forecast& forecast : forecasts) forecast.look(now, carry);
-        const Surroundings around(record.layout(), now.blocks);
+        const HaloSurroundings around(record.layout(), now.blocks);
         for (Forecast& forecast : forecasts) forecast.book_halo(around, record.real_bytes());
     });
     std::vector<ForecastResult> results;

@@ -164,7 +164,7 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     wire.rounds = header_.halo_rounds;
     wire.wire = {options_.latency, options_.bandwidth};
     HaloForecast halo;
-    if (ranks > 1) halo = Surroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
+    if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
     fit_.add(samples, steps, wire.sending(halo, ranks), look);
 
     const double at_begin = summary_of(first).imbalance(), at_end = summary_of(last).imbalance();

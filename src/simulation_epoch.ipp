@@ -124,13 +124,13 @@ void Simulation<Real, Dim>::balance() {
     });
 }
 
-/// By what each rank holds, before anything is filed or gathered: no plan is worth making. Costs may say otherwise, but
-/// only block by block.
+/// By what the last agreement says of the ranks, before anything is filed or sent: no plan is worth making. Costs may
+/// say otherwise, but only block by block.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::is_balanced() {
     if (weighs_cells()) return false;
     look_.terms = TriggerInput{};
-    look_.terms.now = summary_of(comm_.all_gather(std::vector<std::int64_t>{engine_->census().particles}));
+    look_.terms.now = {agreed_.count, agreed_.count_sum, comm_.size()};
     look_.reason = "balanced";
     return !trigger_.needs_plan(look_.terms.now);
 }

@@ -125,7 +125,7 @@ void Forecast::look(Interval& now, const Carry& carry) {
     step_ = now.step;
 }
 
-void Forecast::book_halo(const Surroundings& around, int real_bytes) {
+void Forecast::book_halo(const HaloSurroundings& around, int real_bytes) {
     halo_ = around.halo(owners_, *partitioner_, ranks_, real_bytes);
 }
 

@@ -48,7 +48,7 @@ class Forecast {
     void look(Interval& now, const Carry& carry);
 
     /// The halo until the next look, of the owners that look() found. Not collective.
-    void book_halo(const Surroundings& around, int real_bytes);
+    void book_halo(const HaloSurroundings& around, int real_bytes);
 
     const Partitioner& partitioner() const { return *partitioner_; }
     const std::vector<std::int32_t>& owners() const { return owners_; }

@@ -84,9 +84,9 @@ void count_neighbours(std::vector<std::uint64_t>& pairs, int ranks, HaloForecast
 
 }  // namespace
 
-Surroundings::Surroundings(const Layout& layout, std::span<const BlockLoad> blocks)
+HaloSurroundings::HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks)
     : layout_(layout), blocks_(blocks), offsets_(static_cast<std::size_t>(offsets_of(layout))) {
-    occupied_ = KeyMap(keys_of(blocks));
+    occupied_ = BlockIndex<3>(keys_of(blocks));
     find_apron();
     if (blocks.size() > most_in_table) return;
     std::vector<std::int32_t> table(blocks.size() * offsets_);
@@ -96,7 +96,7 @@ Surroundings::Surroundings(const Layout& layout, std::span<const BlockLoad> bloc
     table_ = std::move(table);
 }
 
-void Surroundings::find_apron() {
+void HaloSurroundings::find_apron() {
     Key near = 0;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         for (int code = 0; code < offsets_of(layout_); ++code)
@@ -105,7 +105,7 @@ void Surroundings::find_apron() {
         std::sort(apron_.begin(), apron_.end());  // now and then, so that the list stays short
         apron_.erase(std::unique(apron_.begin(), apron_.end()), apron_.end());
     }
-    empty_ = KeyMap(apron_);
+    empty_ = BlockIndex<3>(apron_);
     for (const Key key : apron_) {
         std::int32_t heir = -1;
         for (int code = 0; heir < 0 && code < offsets_of(layout_); ++code)
@@ -114,7 +114,7 @@ void Surroundings::find_apron() {
     }
 }
 
-std::int32_t Surroundings::look_up(Key key, int code) const {
+std::int32_t HaloSurroundings::look_up(Key key, int code) const {
     Key near = 0;
     if (!neighbour_key(layout_, key, code, near)) return -1;
     const std::int32_t here = occupied_.find(near);
@@ -123,8 +123,8 @@ std::int32_t Surroundings::look_up(Key key, int code) const {
     return there < 0 ? -1 : static_cast<std::int32_t>(blocks_.size()) + there;
 }
 
-HaloForecast Surroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
-                                int real_bytes) const {
+HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
+                                    int real_bytes) const {
     std::vector<std::int32_t> empty_owner;
     empty_owner.reserve(apron_.size());
     for (std::size_t e = 0; e < apron_.size(); ++e) {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "balance/interval.hpp"
-#include "comm/key_map.hpp"
+#include "comm/block_index.hpp"
 
 namespace moraine {
 
@@ -26,10 +26,10 @@ struct HaloForecast {
 };
 
 /// The blocks around the occupied ones; serves any number of partitions.
-class Surroundings {
+class HaloSurroundings {
   public:
     /// `blocks` must outlive it. Not collective.
-    Surroundings(const Layout& layout, std::span<const BlockLoad> blocks);
+    HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks);
 
     /// `owners` of the blocks; `static_owner`: nothing, or the rank of a place. `real_bytes`: of a number of a node.
     HaloForecast halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
@@ -45,7 +45,7 @@ class Surroundings {
     const Layout layout_;
     std::span<const BlockLoad> blocks_;
     std::size_t offsets_;
-    KeyMap occupied_, empty_;
+    BlockIndex<3> occupied_, empty_;   // families of eight serve 2-D keys as well
     std::vector<Key> apron_;           // empty neighbours, sorted
     std::vector<std::int32_t> heir_;   // of each: its first occupied neighbour
     std::vector<std::int32_t> table_;  // blocks x offsets: block, blocks + apron, or -1; not for millions of blocks

@@ -59,7 +59,7 @@ ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> looks, in
     Forecast f(spec, l, weights, ranks, m, relabelled);
     for (std::size_t k = 0; k < looks.size(); ++k) {
         f.look(looks[k], carries[k]);
-        f.book_halo(Surroundings(l, looks[k].blocks), 8);
+        f.book_halo(HaloSurroundings(l, looks[k].blocks), 8);
     }
     return f.result();
 }

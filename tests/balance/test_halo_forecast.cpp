@@ -56,7 +56,7 @@ void forecast_is_what_tables_say() {
         for (const OccupiedBlock& b : world.occupied) blocks.push_back({b.key, 1, 1, b.owner});
         const auto partitioner = make_partitioner(BalanceSpec{}, layout, world.ranks);
         const HaloForecast found =
-            Surroundings(layout, blocks).halo(present_owners(blocks), *partitioner, world.ranks, 8);
+            HaloSurroundings(layout, blocks).halo(present_owners(blocks), *partitioner, world.ranks, 8);
         const HaloForecast expected = halo_of_tables(world);
         CHECK(found.tiles == expected.tiles);
         CHECK(found.bytes == expected.bytes);
@@ -80,7 +80,7 @@ TEST_CASE("a face between two ranks is cut once, an edge or a corner is not a fa
     for (std::int32_t y = 0; y < 2; ++y)
         for (std::int32_t x = 0; x < 2; ++x) blocks.push_back({Morton<3>::encode({x, y, 0}), 1, 1, x});
     const auto partitioner = make_partitioner(BalanceSpec{}, layout, 2);
-    const Surroundings around(layout, blocks);
+    const HaloSurroundings around(layout, blocks);
     CHECK(around.halo(present_owners(blocks), *partitioner, 2, 8).face_cut == 2);
     const std::vector<std::int32_t> alone(4, 0);
     CHECK(around.halo(alone, *partitioner, 2, 8).tiles == 0);
