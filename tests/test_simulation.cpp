@@ -107,6 +107,14 @@ TEST_CASE("it is the same in single precision and with a mix of FLIP and PIC") {
     same_on_all_ranks<float, 2>(scene, 40);
 }
 
+TEST_CASE("it is the same where cells have one volumetric rate") {
+    Scene scene = slurry();
+    scene.materials[0].volumetric_rate = VolumetricRate::cell;
+    const Result r = same_on_all_ranks<double, 2>(scene, 40);
+    scene.materials[0].volumetric_rate = VolumetricRate::particle;
+    CHECK(!(same_on_all_ranks<double, 2>(scene, 40) == r));
+}
+
 TEST_CASE("two soils in a periodic channel are the same on any number of ranks, for every shape") {
     for (moraine::Shape shape : every_shape) {
         CAPTURE(int(shape));

@@ -74,7 +74,7 @@ Scene empty_scene(const ColumnOptions& o, double edge) {
     s.stress_update = o.stress_update;
     s.cell = 1;
     s.cfl = o.shape == Shape::linear ? 0.2 : 0.5;  // sheared clay on hat functions turns inside out at 0.3
-    s.end = 1e9;
+    s.end = 1e6;
     s.gravity[static_cast<std::size_t>(o.dimensions - 1)] = -9.81;
     const double side = 4 * std::ceil(edge / 2) + 8;
     for (std::size_t a = 0; a < static_cast<std::size_t>(o.dimensions); ++a) {
@@ -83,12 +83,14 @@ Scene empty_scene(const ColumnOptions& o, double edge) {
         s.periodic[a] = a == 0;
     }
     s.materials.push_back(material(o.law));
+    s.materials.back().volumetric_rate = o.volumetric_rate;
     return s;
 }
 
 std::string name_of(const ColumnOptions& o) {
     return std::to_string(o.dimensions) + "d-" + text_of(o.shape) + "-" + text_of(o.transfer) + "-" +
-           text_of(o.stress_update) + "-" + o.law + (o.precision == Precision::double_ ? "-double" : "-single");
+           text_of(o.stress_update) + "-" + o.law + (o.volumetric_rate == VolumetricRate::cell ? "-cell-rates" : "") +
+           (o.precision == Precision::double_ ? "-double" : "-single");
 }
 
 }  // namespace
@@ -128,6 +130,11 @@ std::vector<Case> all_cases(double particles) {
     for (const char* law : {"linear-elastic", "neo-hookean", "tresca", "herschel-bulkley", "drucker-prager"}) {
         list.emplace_back();
         list.back().law = law;
+    }
+    for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+        list.emplace_back();
+        list.back().transfer = transfer;
+        list.back().volumetric_rate = VolumetricRate::cell;
     }
     list.emplace_back();
     list.back().dimensions = 2;

@@ -24,6 +24,7 @@ struct ColumnOptions {
     Transfer transfer = Transfer::flip;
     StressUpdate stress_update = StressUpdate::usl;
     std::string law = "von-mises";
+    VolumetricRate volumetric_rate = VolumetricRate::particle;
     std::array<int, 3> particles_per_cell{2, 2, 2};
 };
 
@@ -33,7 +34,7 @@ Case column_case(const ColumnOptions& options, double particles);
 /// The two cases that have a target.
 std::vector<Case> target_cases(double particles);
 
-/// Those and one for each shape, transfer, stress update, law and dimension.
+/// Those and one for each shape, transfer, stress update, law and dimension, and with the volumetric rates of cells.
 std::vector<Case> all_cases(double particles);
 
 /// Cases for the cost of a block: few and many particles per cell, thin layers, single cells.

@@ -8,10 +8,12 @@
 //
 // One team reads the nodes of one block into its scratch and goes through the list cell by cell.
 // Along an axis whose ghost node was folded, APIC takes the gradient: there D tends to zero.
+// Where a material wants the volumetric rate of the cell (mean_rate.hpp), a cell's particles stay in one batch.
 // `Stress` is called with batches of particles and their dL: on the host one call per material in
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
+#include "core/mean_rate.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
 #include "core/stencil.hpp"
@@ -48,7 +50,8 @@ struct GridToParticles {
     ListView<Dim> list;
     TileView<Real> grid;
     Stress stress;
-    const std::int32_t* chosen;  ///< own blocks
+    const std::int32_t* chosen;    ///< own blocks
+    const std::uint8_t* averaged;  ///< by body: takes the volumetric rate of its cell; null: none does
     DomainEnds<Real, Dim> ends;
     unsigned gather;         ///< bits of Gather
     bool tpic;               ///< C_p is the velocity gradient
@@ -115,22 +118,49 @@ struct GridToParticles {
             folded[a] = border && context.walls.ghosts(a, base, width) != 0;
         }
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
-        for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
+        const std::uint32_t begin = list.first[block] + bounds[0], end = list.first[block] + bounds[1];
+        const bool averages = averaged && (gather & gather_gradient), crowded = end - begin > unsigned(batch);
+        if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
+        const int first = filled;
+        const Real mean = averages && crowded ? mean_of_crowd(begin, end, nodes, folded) : Real(0);
+        for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
             const W n = stencil<Real, Dim, Shape>(context, p, s);
             Gathered g = sum_nodes(n, nodes, folded);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
-                for (int a = 0; a < Dim; ++a)
-                    for (int b = 0; b < Dim; ++b) scratch.gradient[filled](a, b) = dt * g.gradient[b][a];
+                scratch.gradient[filled] = increment_of(g);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
+                if (averages && crowded && averaged[p.body[s]]) set_trace(scratch.gradient[filled], mean);
                 scratch.slot[filled++] = s;
+                if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
                 if (filled == batch) flush(scratch, filled, out);
             }
             if (gather & (gather_motion | gather_second_motion))
                 move(block, s, k, c, gather & gather_motion ? g.velocity : g.change, border, out);
         }
+    }
+
+    /// Gives the particles first, ..., filled - 1 of the batch, which are those of one cell, their common rate.
+    MORAINE_HD void average(Scratch& scratch, int first, int filled) const {
+        MeanRate<Real> mean;
+        for (int k = first; k < filled; ++k)
+            if (averaged[p.body[scratch.slot[k]]]) mean.add(p.mass[scratch.slot[k]], trace(scratch.gradient[k]));
+        for (int k = first; k < filled; ++k)
+            if (averaged[p.body[scratch.slot[k]]]) set_trace(scratch.gradient[k], mean.value());
+    }
+
+    /// The rate of a cell with more particles than a batch holds: they are gathered twice.
+    MORAINE_HD Real mean_of_crowd(std::uint32_t begin, std::uint32_t end, const Q* nodes, const bool* folded) const {
+        MeanRate<Real> mean;
+        for (std::uint32_t k = begin; k < end; ++k) {
+            const std::uint32_t s = list.slot[k];
+            if (!averaged[p.body[s]]) continue;
+            mean.add(p.mass[s],
+                     trace(increment_of(sum_nodes(stencil<Real, Dim, Shape>(context, p, s), nodes, folded))));
+        }
+        return mean.value();
     }
 
     struct Gathered {
@@ -139,6 +169,14 @@ struct GridToParticles {
         Q gradient[Dim];  ///< sum v' dw/dx_b, per axis b
         Q affine[Dim];    ///< columns of C
     };
+
+    /// dL of the step.
+    MORAINE_HD Mat<Real, Dim> increment_of(const Gathered& g) const {
+        Mat<Real, Dim> dL;
+        for (int a = 0; a < Dim; ++a)
+            for (int b = 0; b < Dim; ++b) dL(a, b) = dt * g.gradient[b][a];
+        return dL;
+    }
 
     static MORAINE_HD Gathered sum_nodes_plain(const W& n, const Q* nodes, const Real (*slope)[width], Gathered g) {
         constexpr int layers = Dim == 2 ? 1 : width;

@@ -48,12 +48,15 @@ struct Method {
     HostStress<Real, Dim> stress() const {
         return {law_pointers_.data(), static_cast<int>(laws_.size()), material_of_.data()};
     }
+    /// By body: whether it takes the volumetric rate of its cell (mean_rate.hpp); null where none does.
+    const std::uint8_t* averaged() const { return averaged_.empty() ? nullptr : averaged_.data(); }
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
   private:
     std::vector<std::unique_ptr<LawBatch<Real, Dim>>> laws_;
     std::vector<const LawBatch<Real, Dim>*> law_pointers_;
     std::vector<std::uint16_t> material_of_;  ///< by body
+    std::vector<std::uint8_t> averaged_;      ///< by body; empty: none
     std::vector<Vec<Real, Dim>> half_size_;   ///< by body [cells]
 };
 
@@ -101,6 +104,11 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
         half_size_.push_back(half);
     }
     context.half_size = half_size_.data();
+    const auto wants_mean = [&](const BodySpec& b) {
+        return scene.materials[static_cast<std::size_t>(b.material)].volumetric_rate == VolumetricRate::cell;
+    };
+    if (std::any_of(scene.bodies.begin(), scene.bodies.end(), wants_mean))
+        for (const BodySpec& b : scene.bodies) averaged_.push_back(wants_mean(b));
 }
 
 }  // namespace moraine

@@ -32,6 +32,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     std::vector<std::uint16_t> materials;
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
+    if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *wires);
     counters_.assign(std::vector<Counters>{{0, 0, 0, 0}});
     accounts_.resize(account_parts);

@@ -94,6 +94,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<std::int32_t> node_of_;
     Array<Vec<Real, Dim>> half_size_;
     Array<std::uint16_t> material_of_;
+    Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
     DeviceStructures<Dim> structures_;

@@ -34,6 +34,8 @@ struct GatherArgs {
     Real dt;                        ///< [s]
     double pull[Dim];               ///< integral of gravity up to the end of this step [m/s]
     Quantum quantum;                ///< of the exact sums
+    bool averages;                  ///< some bodies take the volumetric rate of their cell (core/mean_rate.hpp)
+    const std::uint8_t* averaged;   ///< by body, on the device: which; null: all
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
     std::uint64_t gradient_stride;  ///< list entries between components
 };

@@ -1,16 +1,19 @@
 #pragma once
 // Gather and stress update in one kernel: hats or quadratic splines, no affine field, one material.
 //
-// One thread per particle; its gradient never leaves the registers, and its rows are read and written once.
+// One thread per particle; its gradient never leaves the registers, and its rows are read and written once. Kernels
+// that average rates over cells (mean_rate.cuh) are instances of their own: a branch cost the others a register too
+// many.
 
 #include "core/material/laws.hpp"
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
+#include "gpu/mean_rate.cuh"
 #include "gpu/stress_particle.cuh"
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, class Law>
+template <class Real, int Dim, class Shape, class Law, bool Averages>
 struct FusedGather {
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
@@ -21,9 +24,24 @@ struct FusedGather {
         Rows rows;
         Tile tile;
         double sums[T::warps];
+        std::conditional_t<Averages, CellRates<Real, Dim>, char> rates;
     };
     using V = View<Real, Dim>;
     using Args = GatherArgs<Real, Dim>;
+
+    static __device__ __forceinline__ void weights(const Vec<Coordinate<Real>, Dim>& u,
+                                                   AxisWeights<Real, Shape, false> (&n)[Dim]) {
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
+    }
+
+    /// The nodes of the block, and where they are wanted the rates of its cells.
+    static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        load_tile<Shape>(v, work.block, shared.tile);
+        if constexpr (Averages)
+            average_rates<Shape>(v, g, work, shared.tile, shared.rates,
+                                 [](std::uint32_t, const auto& u, auto& n) { weights(u, n); });
+    }
 
     static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
                                                            Real inverse_density, const Work& work, std::uint32_t k,
@@ -34,9 +52,9 @@ struct FusedGather {
         p.row[p.place] = row(p.place);
         Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
         AxisWeights<Real, Shape, false> n[Dim];
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
-        const auto sums = gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+        weights(u, n);
+        auto sums = gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+        if constexpr (Averages) shared.rates.put(number_of<4, Real, Dim>(u), sums);
 
         const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
@@ -66,13 +84,13 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Shape, class Law, int MinBlocks>
+template <class Real, int Dim, class Shape, class Law, bool Averages, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
               const Real inverse_density) {
     using T = Team<Dim>;
-    using F = FusedGather<Real, Dim, Shape, Law>;
+    using F = FusedGather<Real, Dim, Shape, Law, Averages>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -89,7 +107,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
                     shared.rows.start(half, T::rank(), r, law_row<Law>(v.p, r, s));
                 return 0u;
             },
-            [&] { load_tile<Shape>(v, work.block, shared.tile); },
+            [&] { F::prepare(v, g, work, shared); },
             [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t) {
                 F::update(v, g, law, inverse_density, work, k, s, half, shared, tally, power);
             });
@@ -100,17 +118,18 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real>
-inline constexpr int fused_blocks = sizeof(Real) == 4 ? 5 : 3;
+template <class Real, bool Averages>
+inline constexpr int fused_blocks = sizeof(Real) == 4 ? (Averages ? 4 : 5) : (Averages ? 2 : 3);
 
-template <class Real, int Dim, class Shape, class Law>
+template <class Real, int Dim, class Shape, class Law, bool Averages>
 class FusedKernel final : public GatherKernel<Real, Dim> {
   public:
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(g2p_fused<Real, Dim, Shape, Law, fused_blocks<Real>>,
-                  sizeof(typename FusedGather<Real, Dim, Shape, Law>::Shared), "Launching the gather with stress") {}
+          kernel_(g2p_fused<Real, Dim, Shape, Law, Averages, fused_blocks<Real, Averages>>,
+                  sizeof(typename FusedGather<Real, Dim, Shape, Law, Averages>::Shared),
+                  "Launching the gather with stress") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
@@ -123,15 +142,19 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
     TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real> kernel_;
 };
 
+template <class Real, int Dim, class Shape, class Law>
+std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const MaterialSpec& material) {
+    if (material.volumetric_rate == VolumetricRate::cell)
+        return std::make_unique<FusedKernel<Real, Dim, Shape, Law, true>>(law, material.density);
+    return std::make_unique<FusedKernel<Real, Dim, Shape, Law, false>>(law, material.density);
+}
+
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape) {
-    return with_law<Real>(material.law, material.parameters.data(),
-                          [&](const auto& law) -> std::unique_ptr<GatherKernel<Real, Dim>> {
-                              using Law = std::decay_t<decltype(law)>;
-                              if (shape == moraine::Shape::linear)
-                                  return std::make_unique<FusedKernel<Real, Dim, Linear, Law>>(law, material.density);
-                              return std::make_unique<FusedKernel<Real, Dim, Quadratic, Law>>(law, material.density);
-                          });
+    return with_law<Real>(material.law, material.parameters.data(), [&](const auto& law) {
+        return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear>(law, material)
+                                               : fused_kernel<Real, Dim, Quadratic>(law, material);
+    });
 }
 
 }  // namespace moraine::gpu

@@ -6,6 +6,7 @@
 
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
+#include "gpu/mean_rate.cuh"
 
 namespace moraine::gpu {
 
@@ -21,6 +22,7 @@ struct SplitGather {
     struct Shared {
         Rows rows;
         Tile tile;
+        CellRates<Real, Dim> rates;
     };
     using V = View<Real, Dim>;
     using Args = GatherArgs<Real, Dim>;
@@ -44,6 +46,21 @@ struct SplitGather {
         Real half = v.context.half_size[body][a];
         if (v.p.log_stretch) half *= std::exp(stretch.e[a]);
         return half < Real(0.5) ? half : Real(0.5);
+    }
+
+    /// The nodes of the block, and where they are wanted the rates of its cells.
+    static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        load_tile<Shape>(v, work.block, shared.tile);
+        if (!g.averages || !(g.gather & gather_gradient)) return;
+        average_rates<Shape>(v, g, work, shared.tile, shared.rates, [&](std::uint32_t s, const U& u, auto& n) {
+            Row<Real> stretch;
+            if constexpr (Shape::sized)
+                if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+#pragma unroll
+            for (int a = 0; a < Dim; ++a)
+                n[a] = axis_weights<Shape, false>(
+                    fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0), false);
+        });
     }
 
     /// Whether along an axis C is the velocity gradient.
@@ -113,7 +130,7 @@ struct SplitGather {
             n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
                                                Shape::sized ? half_size(v, body, stretch, a) : Real(0),
                                                levers && plain(v, g, work.block, u, a));
-        const Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+        Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
 
         if (g.gather & gather_velocity) {
             p.row[p.motion] = row(motion);
@@ -122,9 +139,13 @@ struct SplitGather {
             if constexpr (Affine) store_affine(v, sums, s);
         }
         if (g.gather & gather_gradient) {
-            store_gradient(v, g, sums, k);
             if constexpr (Shape::sized)
                 if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
+            if (g.averages && (!g.averaged || g.averaged[v.p.body[s]])) {
+                p.row[p.place] = row(place);
+                shared.rates.put(number_of<4, Real, Dim>(place_of<Real, Dim>(p)), sums);
+            }
+            store_gradient(v, g, sums, k);
         }
         if (g.gather & (gather_motion | gather_second_motion)) {
             Real velocity[Dim];
@@ -156,7 +177,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
         each_entry<Dim>(
             v.list.slot, work,
             [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
-            [&] { load_tile<Shape>(v, work.block, shared.tile); },
+            [&] { S::prepare(v, g, work, shared); },
             [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t body) {
                 S::take(v, g, work, k, s, half, body, shared, tally);
             });

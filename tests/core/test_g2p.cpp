@@ -48,10 +48,10 @@ std::map<std::uint32_t, Mat<Real, Dim>> gather(Sample<Real, Dim>& sample, unsign
     }
     const Recorder<Real, Dim> recorder;
     const LawBatch<Real, Dim>* laws[] = {&recorder};
-    const GatherCall<Real, Dim> call{{laws, 1, nullptr},    sample.method.ends,     what,
-                                     sample.method.tpic,    sample.method.flip,     static_cast<Real>(dt),
-                                     sample.patch.moves(),  sample.patch.leavers(), sample.patch.shuffled(),
-                                     sample.patch.outcome()};
+    const GatherCall<Real, Dim> call{{laws, 1, nullptr},     sample.method.ends,      what,
+                                     sample.method.tpic,     sample.method.flip,      static_cast<Real>(dt),
+                                     sample.patch.moves(),   sample.patch.leavers(),  sample.patch.shuffled(),
+                                     sample.patch.outcome(), sample.method.averaged()};
     sample.method.kernels.g2p(sample.call(), call);
     return recorder.seen;
 }
@@ -249,4 +249,48 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
         CHECK(bad <= (sizeof(typename C::Real) == 8 ? 0 : 1));  // a float may round across a face
         CHECK(worst <= C::tolerance);
     });
+}
+
+TEST_CASE_TEMPLATE(
+    "bodies that want it take the mean volumetric rate of their cell, in crowded cells too, others their own", C,
+    EVERY_CASE) {
+    using Real = typename C::Real;
+    constexpr int dim = C::dim;
+    for (moraine::Shape shape : {moraine::Shape::linear, moraine::Shape::gimp, moraine::Shape::quadratic})
+        for (int particles : {dim == 2 ? 400 : 900, dim == 2 ? 9000 : 40000}) {
+            CAPTURE(int(shape));
+            CAPTURE(particles);
+            Scene scene = test::sample_scene(dim, shape, false);
+            scene.materials.push_back(scene.materials.front());
+            scene.materials.back().volumetric_rate = VolumetricRate::cell;
+            scene.bodies[1].material = 1;
+            Sample<Real, dim> sample(scene, particles, 31);
+            const double dt = 0.125;
+            std::map<std::uint32_t, Mat<double, dim>> expected;
+            std::map<std::pair<int, int>, MeanRate<double>> mean;  // by block and cell
+            std::map<std::uint32_t, std::pair<int, int>> cell;
+            const auto p = sample.patch.particles.view();
+            const ListView<dim> list = sample.patch.list();
+            for (int b = 0; b < sample.patch.own(); ++b)
+                for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k)
+                    cell[list.slot[k]] = {b, sample.patch.cell_of_slot(list.slot[k])};
+            sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& x) {
+                expected[s] = expected_at(sample, s, x).gradient;
+                if (p.body[s] == 1) mean[cell.at(s)].add(double(p.mass[s]), trace(expected[s]));
+            });
+            const auto found = gather(
+                sample, gather_gradient, dt, [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
+                [](const Node<dim>&, int) { return 0.0; });
+            double worst = 0, changed = 0;
+            for (auto& [s, L] : expected) {
+                const double own = trace(L);
+                if (p.body[s] == 1) set_trace(L, mean.at(cell.at(s)).value());
+                test::widen(changed, std::fabs(trace(L) - own));
+                for (int a = 0; a < dim; ++a)
+                    for (int b = 0; b < dim; ++b)
+                        test::widen(worst, std::fabs(double(found.at(s)(a, b)) / dt - L(a, b)));
+            }
+            CHECK(changed > 0.1);
+            CHECK(worst <= 20 * C::tolerance);
+        }
 }

@@ -150,6 +150,23 @@ TEST_CASE("an open wall, a periodic axis, friction, damping and two materials gi
             }
 }
 
+TEST_CASE("volumetric rates of cells, of all materials or of one, give the host's answer") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic})
+        for (Shape shape : {Shape::linear, Shape::quadratic, Shape::gimp_contiguous}) {
+            if (shape == Shape::linear && transfer != Transfer::flip) continue;
+            for (Scene scene : {test::slurry(), test::column()}) {
+                scene.shape = shape;
+                scene.transfer = transfer;
+                scene.cfl = 0.2;
+                scene.materials[0].volumetric_rate = VolumetricRate::cell;
+                compare(scene, 80, 1e-9);
+            }
+        }
+    compare(input("slurry_runout",
+                  {"material.slurry.volumetric_rate=cell", "numerics.stress_update=musl", "numerics.transfer=apic"}),
+            100, 1e-9);
+}
+
 TEST_CASE("scenes with structures, fixed, moved and free, give the host's answer") {
     compare(input("sliding_block", {}), 200, 1e-9);
     compare(input("pipe_penetration", {"domain.cell=0.1"}), 200, 1e-9);

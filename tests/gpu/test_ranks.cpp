@@ -99,6 +99,9 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     affine.transfer = Transfer::apic;
     affine.stress_update = StressUpdate::musl;
     compare<2>(affine, 40);
+    Scene rates = test::slurry();
+    rates.materials[0].volumetric_rate = VolumetricRate::cell;
+    compare<2>(rates, 40);
     Scene boxes = test::column();
     boxes.shape = Shape::gimp_contiguous;
     boxes.precision = Precision::single_;
