@@ -118,8 +118,8 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, bool Averages>
-inline constexpr int fused_blocks = sizeof(Real) == 4 ? (Averages ? 4 : 5) : (Averages ? 2 : 3);
+template <class Real, class Law, bool Averages>
+inline constexpr int fused_blocks = sizeof(Real) == 8 ? 3 : (Averages&& std::is_same_v<Law, Tresca<Real>> ? 4 : 5);
 
 template <class Real, int Dim, class Shape, class Law, bool Averages>
 class FusedKernel final : public GatherKernel<Real, Dim> {
@@ -127,7 +127,7 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(g2p_fused<Real, Dim, Shape, Law, Averages, fused_blocks<Real, Averages>>,
+          kernel_(g2p_fused<Real, Dim, Shape, Law, Averages, fused_blocks<Real, Law, Averages>>,
                   sizeof(typename FusedGather<Real, Dim, Shape, Law, Averages>::Shared),
                   "Launching the gather with stress") {}
 

