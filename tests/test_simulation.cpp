@@ -107,6 +107,18 @@ TEST_CASE("it is the same in single precision and with a mix of FLIP and PIC") {
     same_on_all_ranks<float, 2>(scene, 40);
 }
 
+TEST_CASE("it is the same for the series of FMPM, and balances its momentum") {
+    for (int order : {1, 2, 3}) {
+        CAPTURE(order);
+        Scene flat = slurry(), deep = column();
+        flat.transfer = deep.transfer = Transfer::fmpm;
+        flat.order = deep.order = order;
+        flat.cfl = deep.cfl = 0.3;
+        same_on_all_ranks<double, 2>(flat, 30);
+        same_on_all_ranks<float, 3>(deep, 10);
+    }
+}
+
 TEST_CASE("it is the same where cells have one volumetric rate") {
     Scene scene = slurry();
     scene.materials[0].volumetric_rate = VolumetricRate::cell;

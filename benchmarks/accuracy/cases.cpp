@@ -29,6 +29,11 @@ void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, Stress
     all.push_back({name, shape, transfer, update, cfl});
 }
 
+void add_series(std::vector<Configuration>& all, Shape shape, int order) {
+    all.push_back({fmt::format("{} FMPM({})", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
+                   paper_cfl, order});
+}
+
 std::vector<Configuration> make_configurations() {
     using enum StressUpdate;
     std::vector<Configuration> all;
@@ -44,6 +49,9 @@ std::vector<Configuration> make_configurations() {
     add(all, Shape::quadratic, Transfer::apic, usf, 2 * paper_cfl);
     add(all, Shape::cubic, Transfer::apic, usl, 2 * paper_cfl);
     add(all, Shape::cubic, Transfer::apic, musl, 2 * paper_cfl);
+    add_series(all, Shape::gimp_contiguous, 2);
+    for (int order : {2, 3}) add_series(all, Shape::quadratic, order);
+    add_series(all, Shape::cubic, 3);
     return all;
 }
 

@@ -15,11 +15,12 @@
 namespace moraine {
 
 struct Configuration {
-    std::string name;  ///< shape TRANSFER UPDATE, and @cfl where it is not 0.3
+    std::string name;  ///< shape TRANSFER UPDATE or shape FMPM(k), and @cfl where it is not 0.3
     Shape shape;
     Transfer transfer;
     StressUpdate update;
-    double cfl;  ///< dt c / h
+    double cfl;     ///< dt c / h
+    int order = 1;  ///< of FMPM
 };
 
 /// Norms of one run by name; the first is the error that the tables and plots are of.

@@ -12,7 +12,7 @@ namespace accuracy {
 using namespace verification;
 
 inline Choice choice_of(const Configuration& c) {
-    return {"", c.shape, c.transfer, c.update};
+    return {"", c.shape, c.transfer, c.update, c.order};
 }
 
 template <class Real>

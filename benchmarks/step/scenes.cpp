@@ -25,7 +25,10 @@ const char* text_of(Shape shape) {
 }
 
 const char* text_of(Transfer transfer) {
-    return transfer == Transfer::apic ? "apic" : (transfer == Transfer::tpic ? "tpic" : "flip");
+    return transfer == Transfer::apic   ? "apic"
+           : transfer == Transfer::tpic ? "tpic"
+           : transfer == Transfer::fmpm ? "fmpm"
+                                        : "flip";
 }
 
 const char* text_of(StressUpdate scheme) {
@@ -73,7 +76,9 @@ Scene empty_scene(const ColumnOptions& o, double edge) {
     s.transfer = o.transfer;
     s.stress_update = o.stress_update;
     s.cell = 1;
-    s.cfl = o.shape == Shape::linear ? 0.2 : 0.5;  // sheared clay on hat functions turns inside out at 0.3
+    s.cfl = o.shape == Shape::linear
+                ? 0.2
+                : (o.transfer == Transfer::fmpm ? 0.3 : 0.5);  // sheared clay on hat functions turns inside out at 0.3
     s.end = 1e6;
     s.gravity[static_cast<std::size_t>(o.dimensions - 1)] = -9.81;
     const double side = 4 * std::ceil(edge / 2) + 8;
@@ -119,7 +124,7 @@ std::vector<Case> all_cases(double particles) {
         list.emplace_back();
         list.back().shape = shape;
     }
-    for (Transfer transfer : {Transfer::apic, Transfer::tpic}) {
+    for (Transfer transfer : {Transfer::apic, Transfer::tpic, Transfer::fmpm}) {
         list.emplace_back();
         list.back().transfer = transfer;
     }

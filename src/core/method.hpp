@@ -17,9 +17,19 @@ struct Round {
     unsigned gather;
 };
 
+/// FMPM(k): particles take S v_l in all rounds but the last, and in that the sum of the series (nodes.hpp).
+inline std::vector<Round> series_rounds(int order) {
+    std::vector<Round> rounds(static_cast<std::size_t>(order), {NodeTask::extend, gather_velocity});
+    rounds.front().nodes = NodeTask::begin;
+    rounds.back() = {order > 1 ? NodeTask::conclude : NodeTask::begin,
+                     gather_velocity | gather_motion | gather_gradient};
+    return rounds;
+}
+
 /// USL: Sulsky et al. 1994 with the stress last (the method paper's). USF, MUSL: Bardenhagen 2002.
-inline std::vector<Round> rounds_of(StressUpdate scheme) {
-    switch (scheme) {
+inline std::vector<Round> rounds_of(const Scene& scene) {
+    if (scene.transfer == Transfer::fmpm) return series_rounds(scene.order);
+    switch (scene.stress_update) {
         case StressUpdate::usf:
             return {{NodeTask::velocity, gather_gradient}, {NodeTask::solve, gather_velocity | gather_motion}};
         case StressUpdate::musl:
@@ -27,6 +37,13 @@ inline std::vector<Round> rounds_of(StressUpdate scheme) {
         default:
             return {{NodeTask::solve, gather_velocity | gather_motion | gather_gradient}};
     }
+}
+
+/// Whether a device has gather and stress update of the scene in one kernel (gpu/g2p.hpp).
+inline bool fuses(const Scene& scene) {
+    const bool narrow = scene.shape == moraine::Shape::linear || scene.shape == moraine::Shape::quadratic;
+    const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
+    return narrow && plain && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
 }
 
 template <class Space, class Real, int Dim>
@@ -78,7 +95,7 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     context.walls = make_walls<Real, Dim>(scene);
     context.inverse_cell = static_cast<Real>(1 / scene.cell);
     kernels = choose_kernels<Real, Dim>(scene.shape, needs.affine);
-    rounds = rounds_of(scene.stress_update);
+    rounds = rounds_of(scene);
     flip = scene.transfer == Transfer::flip ? static_cast<Real>(scene.flip) : Real(0);
     tpic = scene.transfer == Transfer::tpic;
     damping = static_cast<Real>(scene.damping);

@@ -9,6 +9,11 @@
 // non-viscous damping follows Cundall (1987): a fraction of |f| against the velocity. A node that a structure touches
 // is not damped: |f| there is a load that the structure bears, and all of it shall be seen in its force.
 //
+// FMPM(k) (Nairn and Hammerquist 2021) puts the full mass matrix M for the lumped one m by k terms of a series:
+//   v(k) = sum_{l=1..k} v_l,    v_1 = v_i',    v_l+1 = v_l - m^-1 M v_l,    M = S^T diag(m_p) S
+// M v_l is what the nodes sum when particles have the velocity S v_l, so that a term is a round of its own. Terms add
+// no momentum; walls and structures act on the sum so far, and what they give it is counted like any impulse.
+//
 // Nodes with less than `mass_cutoff` take no part: their velocity would be a ratio of roundings.
 // Impulses of walls and damping are summed exactly, each node by the owner of the first occupied
 // block c - delta, in offset order, whose tile covers it.
@@ -25,7 +30,23 @@ namespace moraine {
 enum class NodeTask {
     solve,     ///< v' and dv from all sums
     velocity,  ///< v of the momentum; the former v' moves to the second quad (MUSL, USF)
+    begin,     ///< v_1 = v' of a series, and the sum so far
+    extend,    ///< v_l+1 from v_l and the momentum of S v_l, and the sum so far
+    conclude,  ///< the sum, with its last term
 };
+
+/// Whether forces act.
+MORAINE_HD constexpr bool solves(NodeTask task) {
+    return task == NodeTask::solve || task == NodeTask::begin;
+}
+/// Whether the particles keep what walls and structures give the nodes.
+MORAINE_HD constexpr bool counts(NodeTask task) {
+    return task != NodeTask::velocity;
+}
+/// Whether the node's values of the round before are needed.
+MORAINE_HD constexpr bool remembers(NodeTask task) {
+    return !solves(task);
+}
 
 /// What all nodes of a round share.
 template <class Real, int Dim>
@@ -46,6 +67,25 @@ struct NodeMotion {
     MORAINE_HD double impulse(Real mass, int a) const { return double(mass) * (double(end[a]) - double(trial[a])); }
 };
 
+/// A node's quads, as a round leaves them.
+template <class Real, int Dim>
+struct NodeValues {
+    Vec<Real, Dim> first, second;
+};
+
+/// What a round leaves at a node that had the values `former`.
+template <class Real, int Dim>
+MORAINE_HD NodeValues<Real, Dim> values_after(NodeTask task, const NodeMotion<Real, Dim>& motion,
+                                              const NodeValues<Real, Dim>& former) {
+    NodeValues<Real, Dim> now{motion.end, motion.end};
+    for (int a = 0; a < Dim; ++a) {
+        if (task == NodeTask::solve) now.second[a] = motion.end[a] - motion.start[a];
+        if (task == NodeTask::velocity) now.second[a] = former.first[a];
+        if (task == NodeTask::extend) now.first[a] = motion.end[a] - former.second[a];
+    }
+    return now;
+}
+
 /// Takes the damping of one round from v.
 template <class Real, int Dim>
 MORAINE_HD void damp_node(const NodeRound<Real, Dim>& round, const Quad<Real>& force, Real inverse, Vec<Real, Dim>& v) {
@@ -64,11 +104,13 @@ struct Untouched {
     }
 };
 
-/// The formula: from a node's sums (m, q) and (f, 0) to its velocities. `node`: its index; null where no wall is near.
-/// touch(v) applies the structures and says whether one touches.
+/// The formula: from a node's sums (m, q) and (f, 0) to its velocities. former: its values of the round before, where
+/// the task remembers them. `node`: its index; null where no wall is near. touch(v) applies the structures and says
+/// whether one touches.
 template <class Real, int Dim, class Touch = Untouched>
 MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, const Walls<Real, Dim>& walls,
-                                           const Quad<Real>& sums, const Quad<Real>& force, const int* node,
+                                           const Quad<Real>& sums, const Quad<Real>& force,
+                                           const NodeValues<Real, Dim>& former, const int* node,
                                            const Touch& touch = {}) {
     NodeMotion<Real, Dim> motion;
     motion.start = motion.trial = motion.end = zero_vec<Real, Dim>();
@@ -77,11 +119,13 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     const Real inverse = Real(1) / m;
     for (int a = 0; a < Dim; ++a) motion.start[a] = sums[1 + a] * inverse;
     Vec<Real, Dim> v = motion.start;
-    if (round.task == NodeTask::solve)
+    if (solves(round.task))
         for (int a = 0; a < Dim; ++a) v[a] += round.dt * (force[a] * inverse + round.gravity[a]);
+    else if (round.task != NodeTask::velocity)
+        for (int a = 0; a < Dim; ++a) v[a] = former.second[a] + (former.first[a] - motion.start[a]);
     motion.trial = v;
     const bool touched = touch(v);
-    if (round.damping > Real(0) && round.task == NodeTask::solve && !touched) damp_node(round, force, inverse, v);
+    if (round.damping > Real(0) && solves(round.task) && !touched) damp_node(round, force, inverse, v);
     if (node) walls.constrain(node, v);
     motion.end = v;
     return motion;
@@ -160,18 +204,22 @@ struct SolveNodes {
     MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
         Real* out = grid.nodes + (std::size_t(grid.node_of[c]) * Block<Dim>::cells + n) * node_reals;
         const Quad<Real>& sums = scratch.sums[2 * n];
-        const bool solved = round.task == NodeTask::solve;
-        const bool counted = solved && scratch.counted_by[n] < table.own;
+        const bool counted = counts(round.task) && scratch.counted_by[n] < table.own;
         int node[Dim];
-        for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+        NodeValues<Real, Dim> former{};
+        for (int a = 0; a < Dim; ++a) {
+            node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+            if (remembers(round.task)) former.first[a] = out[a], former.second[a] = out[quad + a];
+        }
         NodeMotion<Real, Dim> motion;
         Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
         if constexpr (Contact) {
-            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr, [&](auto& v) {
-                return near && touch_structures(contact, node, sums[0], round.dt, counted, quantum, v, given);
-            });
+            motion =
+                move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
+                    return near && touch_structures(contact, node, sums[0], round.dt, counted, quantum, v, given);
+                });
         } else {
-            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], border ? node : nullptr);
+            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);
         }
         if ((border || round.damping > Real(0)) && counted)
             for (int a = 0; a < Dim; ++a) {
@@ -179,10 +227,8 @@ struct SolveNodes {
                 if constexpr (Contact) impulse_of_node += given[a];
                 impulse[item * Dim + a].add(quantum.of(impulse_of_node));
             }
-        for (int a = 0; a < Dim; ++a) {
-            out[quad + a] = solved ? motion.end[a] - motion.start[a] : out[a];
-            out[a] = motion.end[a];
-        }
+        const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
+        for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);
     }
 };

@@ -14,7 +14,7 @@ namespace moraine {
 using Triple = std::array<double, 3>;
 
 enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
-enum class Transfer { flip, pic, apic, tpic };  ///< pic is flip with blend 0
+enum class Transfer { flip, pic, apic, tpic, fmpm };  ///< pic is flip with blend 0
 enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
@@ -130,6 +130,7 @@ struct Scene {
     Shape shape = Shape::quadratic;
     Transfer transfer = Transfer::flip;
     double flip = 1;  ///< share of FLIP against PIC
+    int order = 2;    ///< terms of FMPM's series
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
     double damping = 0;           ///< local non-viscous damping [-], 0 to 1; 0: dynamic

@@ -72,18 +72,11 @@ class StressKernel {
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine);
 
-/// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names.
+/// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape);
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);
-
-/// Whether a scene's gather and stress update are one kernel.
-inline bool fuses(const Scene& scene) {
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    const bool narrow = scene.shape == moraine::Shape::linear || scene.shape == moraine::Shape::quadratic;
-    return narrow && !affine && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
-}
 
 }  // namespace moraine::gpu

@@ -103,7 +103,14 @@ template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                            const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
-    const bool solved = w.round.task == NodeTask::solve;
+    const bool counting = counts(w.round.task) && counted;
+    auto* out = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + n) * 2;
+    NodeValues<Real, Dim> former{};
+    if (remembers(w.round.task)) {
+        const Quad<Real> first = load_row(out), second = load_row(out + 1);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) former.first[a] = first[a], former.second[a] = second[a];
+    }
     int node[Dim];
 #pragma unroll
     for (int a = 0; a < Dim; ++a) node[a] = 4 * w.view.table.node_position[c][a] - w.origin + ((n >> (2 * a)) & 3);
@@ -111,25 +118,20 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
     if constexpr (Contact) {
         const bool near = structure_near(w, c);
-        motion = move_node(w.round, w.view.context.walls, sums, force, border ? node : nullptr, [&](auto& v) {
-            return near &&
-                   touch_structures(w.contact, node, sums[0], w.round.dt, solved && counted, w.quantum, v, given);
+        motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr, [&](auto& v) {
+            return near && touch_structures(w.contact, node, sums[0], w.round.dt, counting, w.quantum, v, given);
         });
     } else {
-        motion = move_node(w.round, w.view.context.walls, sums, force, border ? node : nullptr);
+        motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
     }
-    if ((border || w.round.damping > Real(0)) && solved && counted)
+    if ((border || w.round.damping > Real(0)) && counting)
         for (int a = 0; a < Dim; ++a)
             impulse[a] = w.quantum.of(motion.impulse(sums[0], a) + (Contact ? given[a] : 0.0));
-    auto* out = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + n) * 2;
-    Quad<Real> velocity = Quad<Real>::zero(), second = Quad<Real>::zero();
-    if (!solved) second = load_row(out);
+    const NodeValues<Real, Dim> now = values_after(w.round.task, motion, former);
+    Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
 #pragma unroll
-    for (int a = 0; a < Dim; ++a) {
-        velocity[a] = motion.end[a];
-        if (solved) second[a] = motion.end[a] - motion.start[a];
-    }
-    store_row(out, velocity);
+    for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
+    store_row(out, first);
     store_row(out + 1, second);
 }
 

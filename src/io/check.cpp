@@ -9,6 +9,7 @@
 #include "comm/topology.hpp"
 #include "core/block.hpp"
 #include "core/material/laws.hpp"
+#include "core/method.hpp"
 #include "core/morton.hpp"
 #include "core/place_step.hpp"
 #include "core/shape.hpp"
@@ -229,12 +230,10 @@ namespace {
 /// Reals of a particle on the device: rows of four and one spare row, the second scalar and its spare.
 int device_reals(const Scene& scene, const Remembered& r) {
     const int d = scene.dimensions;
-    const bool fused = scene.shape == Shape::quadratic && !r.affine && scene.stress_update == StressUpdate::usl &&
-                       scene.materials.size() == 1;
     int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
     if (r.affine) rows += d == 3 ? 3 : 1;
     if (r.stretch) rows += d == 3 ? 2 : 1;
-    return 4 * rows + (r.history > 1 ? 2 : 0) + (fused ? 0 : d * d);
+    return 4 * rows + (r.history > 1 ? 2 : 0) + (fuses(scene) ? 0 : d * d);
 }
 
 /// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.

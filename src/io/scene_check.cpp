@@ -66,6 +66,10 @@ void check_axes(const Scene& scene, const Places& places) {
 /// C = grad v of a hat is (v_1 - v_0) / h however near a node the particle is, where D = f (1 - f) h2 tends to zero: a
 /// rounding of the light node's velocity becomes a C that carries energy once the particle is in mid-cell.
 void check_transfer(const Scene& scene, const Places& places) {
+    if (scene.transfer == Transfer::fmpm && scene.stress_update != StressUpdate::usl)
+        refuse(places.of("numerics.stress_update"), "numerics.stress_update with transfer \"fmpm\"",
+               "its rounds are the terms of a series, and stress follows the last",
+               "Remove it, or take transfer = \"apic\"?");
     const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
     if (!affine || scene.shape != Shape::linear) return;
     const char* transfer = scene.transfer == Transfer::apic ? "apic" : "tpic";

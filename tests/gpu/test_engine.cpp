@@ -140,6 +140,18 @@ TEST_CASE("shapes, transfers and schemes give the host's answer") {
             }
 }
 
+TEST_CASE("the series of FMPM gives the host's answer, of any order") {
+    for (const char* order : {"1", "2", "3"}) {
+        const std::vector<std::string> sets{"numerics.transfer=fmpm", std::string("numerics.order=") + order,
+                                            "time.cfl=0.3"};
+        compare(input("slurry_runout", sets), 60, 1e-8);
+        compare(input("pipe_penetration", {"domain.cell=0.1", sets[0], sets[1], sets[2]}), 100, 1e-8);
+        std::vector<std::string> coarse = sets;
+        coarse.insert(coarse.end(), {"domain.cell=0.5", "numerics.precision=double", "numerics.shape=cubic"});
+        compare(input("slurry_runout_3d", coarse), 30, 1e-8);
+    }
+}
+
 TEST_CASE("an open wall, a periodic axis, friction, damping and two materials give the host's answer and books") {
     for (Transfer transfer : {Transfer::flip, Transfer::apic})
         for (StressUpdate scheme : {StressUpdate::usl, StressUpdate::musl})

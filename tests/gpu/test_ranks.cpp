@@ -99,6 +99,11 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     affine.transfer = Transfer::apic;
     affine.stress_update = StressUpdate::musl;
     compare<2>(affine, 40);
+    Scene series = test::slurry();
+    series.transfer = Transfer::fmpm;
+    series.order = 3;
+    series.cfl = 0.3;
+    compare<2>(series, 40);
     Scene rates = test::slurry();
     rates.materials[0].volumetric_rate = VolumetricRate::cell;
     compare<2>(rates, 40);

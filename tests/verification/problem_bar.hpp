@@ -11,11 +11,14 @@ namespace moraine::verification {
 struct Motion {
     const char* name;
     bool periodic;
-    double drift;  ///< [m/s]
+    double drift;        ///< [m/s]
+    double speed = 0.1;  ///< v0 [m/s]; at a strain of 1 % a wave steepens over 100 periods
 };
 inline constexpr Motion free_end{"fixed-free", false, 0};
 inline constexpr Motion standing{"periodic", true, 0};
 inline constexpr Motion adrift{"periodic, drift at Mach 0.05", true, 0.5};
+inline constexpr Motion faint_free_end{"fixed-free, v0 = c / 10 000", false, 0, 1e-3};
+inline constexpr Motion faint_adrift{"periodic, drift at Mach 0.05, v0 = c / 10 000", true, 0.5, 1e-3};
 
 /// Frequency and energy of the mode over whole periods, against the exact ones.
 struct Ringing {

@@ -43,6 +43,7 @@ struct Choice {
     Shape shape;
     Transfer transfer;
     StressUpdate update;
+    int order = 2;  ///< of FMPM
 };
 
 inline constexpr Choice quadratic_flip_usl{"quadratic FLIP USL", Shape::quadratic, Transfer::flip, StressUpdate::usl};
@@ -61,11 +62,17 @@ inline constexpr Choice contiguous_flip_usl{"gimp-contiguous FLIP USL", Shape::g
                                             StressUpdate::usl};
 inline constexpr Choice contiguous_tpic_usl{"gimp-contiguous TPIC USL", Shape::gimp_contiguous, Transfer::tpic,
                                             StressUpdate::usl};
+inline constexpr Choice quadratic_fmpm2{"quadratic FMPM(2)", Shape::quadratic, Transfer::fmpm, StressUpdate::usl, 2};
+inline constexpr Choice quadratic_fmpm3{"quadratic FMPM(3)", Shape::quadratic, Transfer::fmpm, StressUpdate::usl, 3};
+inline constexpr Choice quadratic_fmpm4{"quadratic FMPM(4)", Shape::quadratic, Transfer::fmpm, StressUpdate::usl, 4};
+inline constexpr Choice contiguous_fmpm2{"gimp-contiguous FMPM(2)", Shape::gimp_contiguous, Transfer::fmpm,
+                                         StressUpdate::usl, 2};
 
 inline void choose(Scene& scene, const Choice& choice) {
     scene.shape = choice.shape;
     scene.transfer = choice.transfer;
     scene.stress_update = choice.update;
+    scene.order = choice.order;
 }
 
 /// Values by key, defaults for the rest, in the order of the law's table.

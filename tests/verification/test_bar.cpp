@@ -7,15 +7,15 @@ using namespace moraine::verification;
 
 namespace {
 
-Ringing ring(const Choice& choice, double periods, const Motion& motion) {
-    const Bar bar;
-    const Scene scene = bar_scene(bar, choice, motion, 64, 0.4);
+Ringing ring(const Choice& choice, double periods, const Motion& motion, double cfl = 0.4) {
+    const Bar bar{.speed = motion.speed};
+    const Scene scene = bar_scene(bar, choice, motion, 64, cfl);
     Run<> run(scene);
     return ring(run, bar, periods, motion);
 }
 
-Ringing report(const Choice& choice, double periods, const Motion& motion) {
-    const Ringing r = ring(choice, periods, motion);
+Ringing report(const Choice& choice, double periods, const Motion& motion, double cfl = 0.4) {
+    const Ringing r = ring(choice, periods, motion, cfl);
     say(fmt::format("E1 {}, {}, {} periods: dfreq {:+.2e}, E/E0 {:.4f}", choice.name, motion.name, periods,
                     r.frequency_error, r.energy));
     return r;
@@ -25,8 +25,8 @@ struct Bounds {
     double dfreq, least, most;
 };
 
-void check(const Choice& choice, double periods, const Bounds& bounds, const Motion& motion) {
-    const Ringing r = report(choice, periods, motion);
+void check(const Choice& choice, double periods, const Bounds& bounds, const Motion& motion, double cfl = 0.4) {
+    const Ringing r = report(choice, periods, motion, cfl);
     CHECK(std::fabs(r.frequency_error) <= bounds.dfreq);
     CHECK(r.energy >= bounds.least);
     CHECK(r.energy <= bounds.most);
@@ -42,6 +42,11 @@ TEST_CASE("E1: APIC keeps frequency and energy over 100 periods, at rest and adr
 TEST_CASE("E1: the paper's FLIP and USL keeps frequency and energy over 100 periods at the GATE") {
     check(gimp_flip_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, free_end);
     check(contiguous_flip_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, adrift);
+}
+
+TEST_CASE("E1: FMPM(3) keeps frequency and energy over 100 periods at the TARGET, at rest and adrift") {
+    for (const Motion& motion : {faint_free_end, faint_adrift})
+        check(quadratic_fmpm3, 100, {.dfreq = 1e-4, .least = 0.99, .most = 1.01}, motion, 0.3);
 }
 
 TEST_CASE("E1: every other method keeps frequency and energy over 10 periods within its own bounds") {
@@ -62,4 +67,7 @@ TEST_CASE("E1: all methods over 100 periods" * doctest::skip(!long_tests())) {
                                  quadratic_apic_musl, quadratic_tpic_usl, cubic_flip_usl, cubic_apic_usl, gimp_flip_usl,
                                  gimp_tpic_usl, contiguous_flip_usl, contiguous_tpic_usl})
         for (const Motion& motion : {free_end, standing, adrift}) report(choice, 100, motion);
+    for (const Choice& choice : {quadratic_apic_usl, contiguous_tpic_usl, gimp_flip_usl, quadratic_fmpm2,
+                                 quadratic_fmpm3, quadratic_fmpm4, contiguous_fmpm2})
+        for (const Motion& motion : {faint_free_end, faint_adrift}) report(choice, 100, motion, 0.3);
 }
