@@ -119,11 +119,11 @@ TEST_CASE("it is the same for the series of FMPM, and balances its momentum") {
     }
 }
 
-TEST_CASE("it is the same where cells have one volumetric rate") {
+TEST_CASE("it is the same where cells have one pressure") {
     Scene scene = slurry();
-    scene.materials[0].volumetric_rate = VolumetricRate::cell;
+    scene.materials[0].volumetric = Volumetric::cell;
     const Result r = same_on_all_ranks<double, 2>(scene, 40);
-    scene.materials[0].volumetric_rate = VolumetricRate::particle;
+    scene.materials[0].volumetric = Volumetric::particle;
     CHECK(!(same_on_all_ranks<double, 2>(scene, 40) == r));
 }
 

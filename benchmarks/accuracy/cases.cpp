@@ -30,7 +30,7 @@ void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, Stress
 }
 
 void add_series(std::vector<Configuration>& all, Shape shape, int order) {
-    all.push_back({fmt::format("{} FMPM({})", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
+    all.push_back({fmt::format("{} FMPM({}) USL", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
                    paper_cfl, order});
 }
 
@@ -93,6 +93,11 @@ const std::vector<AccuracyCase>& accuracy_cases() {
          .cells = {16, 32, 64, 128},
          .amplitude = 0.05,
          .jitter = 0.25},
+        {.name = "E4",
+         .words =
+             "vortex, A = 1/3; rms place over the ring's middle radius; cells per metre; dt by the present wave speed",
+         .problem = Problem::vortex,
+         .cells = {16, 32, 64}},
     };
     return all;
 }

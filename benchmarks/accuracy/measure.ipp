@@ -4,6 +4,7 @@
 #include "verification/problem_bar.hpp"
 #include "verification/problem_column.hpp"
 #include "verification/problem_manufactured.hpp"
+#include "verification/problem_vortex.hpp"
 
 namespace moraine {
 
@@ -60,6 +61,14 @@ Measured measure_manufactured(const Configuration& c, int cells, double amplitud
     return measured(run, {{"displacement", e.displacement}, {"stress", e.stress}});
 }
 
+template <class Real>
+Measured measure_vortex(const Configuration& c, int cells) {
+    const Vortex exact;
+    const Scene scene = vortex_scene(exact, cells, choice_of(c), c.cfl);
+    Run<Real> run(scene, push(exact));
+    return measured(run, {{"place", turn(run, exact)}});
+}
+
 }  // namespace accuracy
 
 template <class Real>
@@ -70,6 +79,8 @@ Measured measure(const AccuracyCase& problem, const Configuration& c, int cells)
                                                problem.drifts ? verification::adrift : verification::free_end);
         case Problem::column:
             return accuracy::measure_column<Real>(c, cells);
+        case Problem::vortex:
+            return accuracy::measure_vortex<Real>(c, cells);
         default:
             return accuracy::measure_manufactured<Real>(c, cells, problem.amplitude, problem.jitter);
     }

@@ -191,7 +191,8 @@ def pyplot():
 def style(name):
     shape, transfer, update = name.split()[:3]
     colors = {"gimp": "black", "gimp-contiguous": "tab:red", "quadratic": "tab:blue", "cubic": "tab:green"}
-    return {"color": colors[shape], "marker": {"FLIP": "o", "APIC": "s", "TPIC": "^"}[transfer], "markersize": 3,
+    marker = {"FLIP": "o", "APIC": "s", "TPIC": "^"}.get(transfer) or f"${transfer[5:-1]}$"  # FMPM: its order
+    return {"color": colors[shape], "marker": marker, "markersize": 5 if "FMPM" in name else 3,
             "linestyle": {"USL": "-", "USF": "--", "MUSL": ":"}[update], "linewidth": 2 if name == B0 else 0.8,
             "markerfacecolor": "none" if "@" in name else colors[shape]}
 

@@ -88,13 +88,13 @@ Scene empty_scene(const ColumnOptions& o, double edge) {
         s.periodic[a] = a == 0;
     }
     s.materials.push_back(material(o.law));
-    s.materials.back().volumetric_rate = o.volumetric_rate;
+    s.materials.back().volumetric = o.volumetric;
     return s;
 }
 
 std::string name_of(const ColumnOptions& o) {
     return std::to_string(o.dimensions) + "d-" + text_of(o.shape) + "-" + text_of(o.transfer) + "-" +
-           text_of(o.stress_update) + "-" + o.law + (o.volumetric_rate == VolumetricRate::cell ? "-cell-rates" : "") +
+           text_of(o.stress_update) + "-" + o.law + (o.volumetric == Volumetric::cell ? "-cell-volumetric" : "") +
            (o.precision == Precision::double_ ? "-double" : "-single");
 }
 
@@ -139,7 +139,7 @@ std::vector<Case> all_cases(double particles) {
     for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
         list.emplace_back();
         list.back().transfer = transfer;
-        list.back().volumetric_rate = VolumetricRate::cell;
+        list.back().volumetric = Volumetric::cell;
     }
     list.emplace_back();
     list.back().dimensions = 2;

@@ -24,7 +24,7 @@ struct ColumnOptions {
     Transfer transfer = Transfer::flip;
     StressUpdate stress_update = StressUpdate::usl;
     std::string law = "von-mises";
-    VolumetricRate volumetric_rate = VolumetricRate::particle;
+    Volumetric volumetric = Volumetric::particle;
     std::array<int, 3> particles_per_cell{2, 2, 2};
 };
 

@@ -8,16 +8,16 @@
 //
 // One team reads the nodes of one block into its scratch and goes through the list cell by cell.
 // Along an axis whose ghost node was folded, APIC takes the gradient: there D tends to zero.
-// Where a material wants the volumetric rate of the cell (mean_rate.hpp), a cell's particles stay in one batch.
+// Where a material takes its volumetric part from the cell (volumetric.hpp), a cell's particles stay in one batch.
 // `Stress` is called with batches of particles and their dL: on the host one call per material in
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
-#include "core/mean_rate.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
 #include "core/stencil.hpp"
 #include "core/stress.hpp"
+#include "core/volumetric.hpp"
 
 namespace moraine {
 
@@ -51,7 +51,7 @@ struct GridToParticles {
     TileView<Real> grid;
     Stress stress;
     const std::int32_t* chosen;    ///< own blocks
-    const std::uint8_t* averaged;  ///< by body: takes the volumetric rate of its cell; null: none does
+    const std::uint8_t* averaged;  ///< by body: takes its volumetric part from the cell; null: none does
     DomainEnds<Real, Dim> ends;
     unsigned gather;         ///< bits of Gather
     bool tpic;               ///< C_p is the velocity gradient
@@ -122,7 +122,8 @@ struct GridToParticles {
         const bool averages = averaged && (gather & gather_gradient), crowded = end - begin > unsigned(batch);
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
-        const Real mean = averages && crowded ? mean_of_crowd(begin, end, nodes, folded) : Real(0);
+        VolumetricMean<Real> mean;
+        if (averages && crowded) mean = mean_of_crowd(begin, end, nodes, folded);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
@@ -132,7 +133,7 @@ struct GridToParticles {
             if (gather & gather_gradient) {
                 scratch.gradient[filled] = increment_of(g);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
-                if (averages && crowded && averaged[p.body[s]]) set_trace(scratch.gradient[filled], mean);
+                if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
                 scratch.slot[filled++] = s;
                 if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
                 if (filled == batch) flush(scratch, filled, out);
@@ -142,25 +143,34 @@ struct GridToParticles {
         }
     }
 
-    /// Gives the particles first, ..., filled - 1 of the batch, which are those of one cell, their common rate.
+    /// Gives the particles first, ..., filled - 1 of the batch, which are those of one cell, their common means.
     MORAINE_HD void average(Scratch& scratch, int first, int filled) const {
-        MeanRate<Real> mean;
-        for (int k = first; k < filled; ++k)
-            if (averaged[p.body[scratch.slot[k]]]) mean.add(p.mass[scratch.slot[k]], trace(scratch.gradient[k]));
-        for (int k = first; k < filled; ++k)
-            if (averaged[p.body[scratch.slot[k]]]) set_trace(scratch.gradient[k], mean.value());
+        VolumetricMean<Real> mean;
+        for (int k = first; k < filled; ++k) add_to_mean(mean, scratch.slot[k], scratch.gradient[k]);
+        mean.finish();
+        for (int k = first; k < filled; ++k) take_mean(mean, scratch.slot[k], scratch.gradient[k]);
     }
 
-    /// The rate of a cell with more particles than a batch holds: they are gathered twice.
-    MORAINE_HD Real mean_of_crowd(std::uint32_t begin, std::uint32_t end, const Q* nodes, const bool* folded) const {
-        MeanRate<Real> mean;
+    /// The means of a cell with more particles than a batch holds: they are gathered twice.
+    MORAINE_HD VolumetricMean<Real> mean_of_crowd(std::uint32_t begin, std::uint32_t end, const Q* nodes,
+                                                  const bool* folded) const {
+        VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
-            const std::uint32_t s = list.slot[k];
-            if (!averaged[p.body[s]]) continue;
-            mean.add(p.mass[s],
-                     trace(increment_of(sum_nodes(stencil<Real, Dim, Shape>(context, p, s), nodes, folded))));
+            const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
+            add_to_mean(mean, list.slot[k], increment_of(sum_nodes(n, nodes, folded)));
         }
-        return mean.value();
+        mean.finish();
+        return mean;
+    }
+
+    MORAINE_HD void add_to_mean(VolumetricMean<Real>& mean, std::uint32_t s, const Mat<Real, Dim>& dL) const {
+        if (averaged[p.body[s]]) mean.add(p.mass[s], trace(dL), p.stress[s].trace());
+    }
+
+    MORAINE_HD void take_mean(const VolumetricMean<Real>& mean, std::uint32_t s, Mat<Real, Dim>& dL) const {
+        if (!averaged[p.body[s]]) return;
+        set_trace(dL, mean.rate);
+        set_trace(p.stress[s], mean.stress);
     }
 
     struct Gathered {

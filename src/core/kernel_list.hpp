@@ -35,7 +35,7 @@ struct GatherCall {
     std::uint32_t* leavers;
     std::uint8_t* shuffled;
     BlockOutcome* outcome;
-    const std::uint8_t* averaged = nullptr;  ///< by body: takes the volumetric rate of its cell; null: none does
+    const std::uint8_t* averaged = nullptr;  ///< by body: takes its volumetric part from the cell; null: none does
 };
 
 template <class Real, int Dim>

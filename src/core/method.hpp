@@ -65,7 +65,7 @@ struct Method {
     HostStress<Real, Dim> stress() const {
         return {law_pointers_.data(), static_cast<int>(laws_.size()), material_of_.data()};
     }
-    /// By body: whether it takes the volumetric rate of its cell (mean_rate.hpp); null where none does.
+    /// By body: whether its volumetric part is that of its cell (volumetric.hpp); null where none does.
     const std::uint8_t* averaged() const { return averaged_.empty() ? nullptr : averaged_.data(); }
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
@@ -122,7 +122,7 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     }
     context.half_size = half_size_.data();
     const auto wants_mean = [&](const BodySpec& b) {
-        return scene.materials[static_cast<std::size_t>(b.material)].volumetric_rate == VolumetricRate::cell;
+        return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
     };
     if (std::any_of(scene.bodies.begin(), scene.bodies.end(), wants_mean))
         for (const BodySpec& b : scene.bodies) averaged_.push_back(wants_mean(b));

@@ -23,7 +23,7 @@ enum class Seeding { lattice, jittered };
 enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon };
 enum class StructureMotion { fixed, velocity, sinusoid, table, free };
 enum class InterfaceLaw { smooth, rough, coulomb, undrained };
-enum class VolumetricRate { particle, cell };
+enum class Volumetric { particle, cell };
 enum class Trigger { never, every, threshold, planned };
 
 struct WallSpec {
@@ -33,10 +33,10 @@ struct WallSpec {
 
 struct MaterialSpec {
     std::string name;
-    std::string law;                                            ///< a name of core/material/laws.hpp
-    double density = 0;                                         ///< at ln J = 0 [kg/m3]
-    std::vector<double> parameters;                             ///< in the order of the law's table, defaults filled in
-    VolumetricRate volumetric_rate = VolumetricRate::particle;  ///< cell: averaged over a cell (core/mean_rate.hpp)
+    std::string law;                               ///< a name of core/material/laws.hpp
+    double density = 0;                            ///< at ln J = 0 [kg/m3]
+    std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
+    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure; cell: its mean (core/volumetric.hpp)
 };
 
 /// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.

@@ -46,7 +46,7 @@ void DeviceEngine<Real, Dim>::choose_kernels() {
         gather_ = make_fused_gather<Real, Dim>(scene_.materials.front(), scene_.shape);
         return;
     }
-    gather_ = make_gather<Real, Dim>(scene_.shape, method_.needs.affine);
+    gather_ = make_gather<Real, Dim>(scene_.shape, method_.needs.affine, method_.averaged() != nullptr);
     for (const MaterialSpec& material : scene_.materials) stress_.push_back(make_stress<Real, Dim>(material));
 }
 

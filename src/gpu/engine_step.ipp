@@ -141,7 +141,6 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     args.dt = static_cast<Real>(step.dt);
     std::copy(step.pull.begin(), step.pull.end(), args.pull);
     args.quantum = step.quantum;
-    args.averages = method_.averaged() != nullptr;
     args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
     args.gradient = gradient_.data();
     args.gradient_stride = stride;

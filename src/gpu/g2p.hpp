@@ -34,8 +34,7 @@ struct GatherArgs {
     Real dt;                        ///< [s]
     double pull[Dim];               ///< integral of gravity up to the end of this step [m/s]
     Quantum quantum;                ///< of the exact sums
-    bool averages;                  ///< some bodies take the volumetric rate of their cell (core/mean_rate.hpp)
-    const std::uint8_t* averaged;   ///< by body, on the device: which; null: all
+    const std::uint8_t* averaged;   ///< by body, on the device: which take it from the cell; null: all
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
     std::uint64_t gradient_stride;  ///< list entries between components
 };
@@ -68,9 +67,9 @@ class StressKernel {
                      const Launch& launch) const = 0;
 };
 
-/// Gather without stress.
+/// Gather without stress; averages: some bodies take their volumetric part from the cell (core/volumetric.hpp).
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine);
+std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages);
 
 /// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
 template <class Real, int Dim>

@@ -2,14 +2,14 @@
 // Gather and stress update in one kernel: hats or quadratic splines, no affine field, one material.
 //
 // One thread per particle; its gradient never leaves the registers, and its rows are read and written once. Kernels
-// that average rates over cells (mean_rate.cuh) are instances of their own: a branch cost the others a register too
+// that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
 // many.
 
 #include "core/material/laws.hpp"
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
-#include "gpu/mean_rate.cuh"
 #include "gpu/stress_particle.cuh"
+#include "gpu/volumetric.cuh"
 
 namespace moraine::gpu {
 
@@ -24,7 +24,7 @@ struct FusedGather {
         Rows rows;
         Tile tile;
         double sums[T::warps];
-        std::conditional_t<Averages, CellRates<Real, Dim>, char> rates;
+        std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
     using V = View<Real, Dim>;
     using Args = GatherArgs<Real, Dim>;
@@ -35,11 +35,11 @@ struct FusedGather {
         for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
     }
 
-    /// The nodes of the block, and where they are wanted the rates of its cells.
+    /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
-            average_rates<Shape>(v, g, work, shared.tile, shared.rates,
+            average_cells<Shape>(v, g, work, shared.tile, shared.means,
                                  [](std::uint32_t, const auto& u, auto& n) { weights(u, n); });
     }
 
@@ -54,7 +54,7 @@ struct FusedGather {
         AxisWeights<Real, Shape, false> n[Dim];
         weights(u, n);
         auto sums = gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
-        if constexpr (Averages) shared.rates.put(number_of<4, Real, Dim>(u), sums);
+        if constexpr (Averages) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
 
         const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
@@ -65,6 +65,11 @@ struct FusedGather {
         p.row[p.motion] = row(p.motion);
         take_velocity(g.flip, sums, p);
         p.row[p.normal] = row(p.normal);
+        if constexpr (Averages) {
+            CoreRows<Real, Dim> before;  // of this particle: the cell is not kept in a register
+            before.row[p.place] = row(p.place);
+            shared.means.put_pressure(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
+        }
         p.row[p.shear] = row(p.shear);
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
@@ -144,7 +149,7 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
 
 template <class Real, int Dim, class Shape, class Law>
 std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const MaterialSpec& material) {
-    if (material.volumetric_rate == VolumetricRate::cell)
+    if (material.volumetric == Volumetric::cell)
         return std::make_unique<FusedKernel<Real, Dim, Shape, Law, true>>(law, material.density);
     return std::make_unique<FusedKernel<Real, Dim, Shape, Law, false>>(law, material.density);
 }

@@ -6,11 +6,11 @@
 
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
-#include "gpu/mean_rate.cuh"
+#include "gpu/volumetric.cuh"
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, bool Affine>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages>
 struct SplitGather {
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
@@ -22,7 +22,7 @@ struct SplitGather {
     struct Shared {
         Rows rows;
         Tile tile;
-        CellRates<Real, Dim> rates;
+        std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
     using V = View<Real, Dim>;
     using Args = GatherArgs<Real, Dim>;
@@ -48,19 +48,21 @@ struct SplitGather {
         return half < Real(0.5) ? half : Real(0.5);
     }
 
-    /// The nodes of the block, and where they are wanted the rates of its cells.
+    /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
         load_tile<Shape>(v, work.block, shared.tile);
-        if (!g.averages || !(g.gather & gather_gradient)) return;
-        average_rates<Shape>(v, g, work, shared.tile, shared.rates, [&](std::uint32_t s, const U& u, auto& n) {
-            Row<Real> stretch;
-            if constexpr (Shape::sized)
-                if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+        if constexpr (Averages)
+            if (g.gather & gather_gradient)
+                average_cells<Shape>(v, g, work, shared.tile, shared.means, [&](std::uint32_t s, const U& u, auto& n) {
+                    Row<Real> stretch;
+                    if constexpr (Shape::sized)
+                        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
 #pragma unroll
-            for (int a = 0; a < Dim; ++a)
-                n[a] = axis_weights<Shape, false>(
-                    fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0), false);
-        });
+                    for (int a = 0; a < Dim; ++a)
+                        n[a] = axis_weights<Shape, false>(
+                            fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
+                            false);
+                });
     }
 
     /// Whether along an axis C is the velocity gradient.
@@ -88,6 +90,18 @@ struct SplitGather {
             if (Dim == 3) row[i].e[3] = Real(0);
             store_row(v.p.affine[i] + s, row[i]);
         }
+    }
+
+    /// Volumetric rate and pressure of the cell; the stress update follows as a launch of its own.
+    static __device__ __forceinline__ void take_means(const V& v, std::uint32_t s, const Row<Real>& at,
+                                                      const Shared& shared, Sums& sums) {
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = at;
+        const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
+        shared.means.put_rate(cell, sums);
+        p.row[p.normal] = load_row(v.p.core[p.normal] + s);
+        shared.means.put_pressure(cell, p);
+        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
     }
 
     static __device__ __forceinline__ void store_gradient(const V& v, const Args& g, const Sums& sums,
@@ -141,10 +155,8 @@ struct SplitGather {
         if (g.gather & gather_gradient) {
             if constexpr (Shape::sized)
                 if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
-            if (g.averages && (!g.averaged || g.averaged[v.p.body[s]])) {
-                p.row[p.place] = row(place);
-                shared.rates.put(number_of<4, Real, Dim>(place_of<Real, Dim>(p)), sums);
-            }
+            if constexpr (Averages)
+                if (!g.averaged || g.averaged[v.p.body[s]]) take_means(v, s, row(place), shared, sums);
             store_gradient(v, g, sums, k);
         }
         if (g.gather & (gather_motion | gather_second_motion)) {
@@ -161,12 +173,12 @@ struct SplitGather {
     }
 };
 
-template <class Real, int Dim, class Shape, bool Affine, int MinBlocks>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g) {
     using T = Team<Dim>;
-    using S = SplitGather<Real, Dim, Shape, Affine>;
+    using S = SplitGather<Real, Dim, Shape, Affine, Averages>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -187,19 +199,19 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
-template <class Real, class Shape, bool Affine>
+template <class Real, class Shape, bool Affine, bool Averages>
 constexpr int split_blocks() {
     constexpr bool large = Shape::sized || Shape::width > 3;
-    if (sizeof(Real) == 8) return Affine ? 2 : 3;
+    if (sizeof(Real) == 8) return Affine || (Averages && large) ? 2 : 3;
     return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
 }
 
-template <class Real, int Dim, class Shape, bool Affine>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
     SplitKernel()
-        : kernel_(g2p_split<Real, Dim, Shape, Affine, split_blocks<Real, Shape, Affine>()>,
-                  sizeof(typename SplitGather<Real, Dim, Shape, Affine>::Shared), "Launching the gather") {}
+        : kernel_(g2p_split<Real, Dim, Shape, Affine, Averages, split_blocks<Real, Shape, Affine, Averages>()>,
+                  sizeof(typename SplitGather<Real, Dim, Shape, Affine, Averages>::Shared), "Launching the gather") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
@@ -210,23 +222,28 @@ class SplitKernel final : public GatherKernel<Real, Dim> {
     TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>> kernel_;
 };
 
+template <class Real, int Dim, class Shape, bool Affine>
+std::unique_ptr<GatherKernel<Real, Dim>> split_kernel(bool averages) {
+    if (averages) return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, true>>();
+    return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, false>>();
+}
+
 template <class Real, int Dim, class Shape>
-std::unique_ptr<GatherKernel<Real, Dim>> split_gather(bool affine) {
-    if (affine) return std::make_unique<SplitKernel<Real, Dim, Shape, true>>();
-    return std::make_unique<SplitKernel<Real, Dim, Shape, false>>();
+std::unique_ptr<GatherKernel<Real, Dim>> split_gather(bool affine, bool averages) {
+    return affine ? split_kernel<Real, Dim, Shape, true>(averages) : split_kernel<Real, Dim, Shape, false>(averages);
 }
 
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine) {
+std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages) {
     switch (shape) {
         case moraine::Shape::linear:
-            return split_gather<Real, Dim, Linear>(affine);
+            return split_gather<Real, Dim, Linear>(affine, averages);
         case moraine::Shape::quadratic:
-            return split_gather<Real, Dim, Quadratic>(affine);
+            return split_gather<Real, Dim, Quadratic>(affine, averages);
         case moraine::Shape::cubic:
-            return split_gather<Real, Dim, Cubic>(affine);
+            return split_gather<Real, Dim, Cubic>(affine, averages);
         default:
-            return split_gather<Real, Dim, Gimp>(affine);
+            return split_gather<Real, Dim, Gimp>(affine, averages);
     }
 }
 

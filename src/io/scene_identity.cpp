@@ -56,7 +56,7 @@ void add_materials(Entries& all, const Scene& s) {
         const std::string key = "material." + m.name;
         add(all, key + ".law", m.law);
         add(all, key + ".density", m.density);
-        add(all, key + ".volumetric_rate", m.volumetric_rate);
+        add(all, key + ".volumetric", m.volumetric);
         const LawInfo& law = *find_law(m.law);
         for (std::size_t p = 0; p < m.parameters.size(); ++p)
             add(all, key + "." + law.parameters[p].key, m.parameters[p]);

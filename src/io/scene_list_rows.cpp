@@ -30,12 +30,13 @@ const std::vector<KeyRow<MaterialSpec>> materials{
       .meaning = "Of the unstrained material."},
      [](M& m, const V& v) { m.density = v.real; }},
     {{.table = "material",
-      .name = "volumetric_rate",
+      .name = "volumetric",
       .type = choice,
       .standard = "\"particle\"",
       .choices = {"particle", "cell"},
-      .meaning = "Each particle's own, or the mean of a cell: against locking where Poisson's ratio is near 0.5."},
-     [](M& m, const V& v) { m.volumetric_rate = static_cast<VolumetricRate>(v.choice); }},
+      .meaning =
+          "Volumetric rate and pressure: each particle's, or the mean of a cell, against locking near nu = 0.5."},
+     [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
 };
 
 const std::vector<KeyRow<BodySpec>> bodies{

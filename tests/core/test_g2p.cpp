@@ -252,8 +252,8 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
 }
 
 TEST_CASE_TEMPLATE(
-    "bodies that want it take the mean volumetric rate of their cell, in crowded cells too, others their own", C,
-    EVERY_CASE) {
+    "bodies that want it take the mean volumetric rate and pressure of their cell, crowded ones too, others their own",
+    C, EVERY_CASE) {
     using Real = typename C::Real;
     constexpr int dim = C::dim;
     for (moraine::Shape shape : {moraine::Shape::linear, moraine::Shape::gimp, moraine::Shape::quadratic})
@@ -262,13 +262,14 @@ TEST_CASE_TEMPLATE(
             CAPTURE(particles);
             Scene scene = test::sample_scene(dim, shape, false);
             scene.materials.push_back(scene.materials.front());
-            scene.materials.back().volumetric_rate = VolumetricRate::cell;
+            scene.materials.back().volumetric = Volumetric::cell;
             scene.bodies[1].material = 1;
             Sample<Real, dim> sample(scene, particles, 31);
             const double dt = 0.125;
             std::map<std::uint32_t, Mat<double, dim>> expected;
-            std::map<std::pair<int, int>, MeanRate<double>> mean;  // by block and cell
+            std::map<std::pair<int, int>, VolumetricMean<double>> mean;  // by block and cell
             std::map<std::uint32_t, std::pair<int, int>> cell;
+            std::map<std::uint32_t, double> pressure;
             const auto p = sample.patch.particles.view();
             const ListView<dim> list = sample.patch.list();
             for (int b = 0; b < sample.patch.own(); ++b)
@@ -276,21 +277,26 @@ TEST_CASE_TEMPLATE(
                     cell[list.slot[k]] = {b, sample.patch.cell_of_slot(list.slot[k])};
             sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& x) {
                 expected[s] = expected_at(sample, s, x).gradient;
-                if (p.body[s] == 1) mean[cell.at(s)].add(double(p.mass[s]), trace(expected[s]));
+                pressure[s] = double(p.stress[s].trace());
+                if (p.body[s] == 1) mean[cell.at(s)].add(double(p.mass[s]), trace(expected[s]), pressure[s]);
             });
+            for (auto& [at, m] : mean) m.finish();
             const auto found = gather(
                 sample, gather_gradient, dt, [](const Node<dim>& n, int a) { return noise<dim>(n, a, 1); },
                 [](const Node<dim>&, int) { return 0.0; });
-            double worst = 0, changed = 0;
+            double worst = 0, changed = 0, off = 0;
             for (auto& [s, L] : expected) {
                 const double own = trace(L);
-                if (p.body[s] == 1) set_trace(L, mean.at(cell.at(s)).value());
+                if (p.body[s] == 1) set_trace(L, mean.at(cell.at(s)).rate);
+                const double wanted = p.body[s] == 1 ? mean.at(cell.at(s)).stress : pressure.at(s);
+                test::widen(off, std::fabs(double(p.stress[s].trace()) - wanted));
                 test::widen(changed, std::fabs(trace(L) - own));
                 for (int a = 0; a < dim; ++a)
                     for (int b = 0; b < dim; ++b)
                         test::widen(worst, std::fabs(double(found.at(s)(a, b)) / dt - L(a, b)));
             }
             CHECK(changed > 0.1);
+            CHECK(off <= 1500 * C::tolerance);
             CHECK(worst <= 20 * C::tolerance);
         }
 }

@@ -162,7 +162,7 @@ TEST_CASE("an open wall, a periodic axis, friction, damping and two materials gi
             }
 }
 
-TEST_CASE("volumetric rates of cells, of all materials or of one, give the host's answer") {
+TEST_CASE("volumetric means of cells, of all materials or of one, give the host's answer") {
     for (Transfer transfer : {Transfer::flip, Transfer::apic})
         for (Shape shape : {Shape::linear, Shape::quadratic, Shape::gimp_contiguous}) {
             if (shape == Shape::linear && transfer != Transfer::flip) continue;
@@ -170,12 +170,12 @@ TEST_CASE("volumetric rates of cells, of all materials or of one, give the host'
                 scene.shape = shape;
                 scene.transfer = transfer;
                 scene.cfl = 0.2;
-                scene.materials[0].volumetric_rate = VolumetricRate::cell;
+                scene.materials[0].volumetric = Volumetric::cell;
                 compare(scene, shape == Shape::linear ? 25 : 80, 1e-9);  // hats turn particles inside out later
             }
         }
     compare(input("slurry_runout",
-                  {"material.slurry.volumetric_rate=cell", "numerics.stress_update=musl", "numerics.transfer=apic"}),
+                  {"material.slurry.volumetric=cell", "numerics.stress_update=musl", "numerics.transfer=apic"}),
             100, 1e-9);
 }
 

@@ -105,7 +105,7 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     series.cfl = 0.3;
     compare<2>(series, 40);
     Scene rates = test::slurry();
-    rates.materials[0].volumetric_rate = VolumetricRate::cell;
+    rates.materials[0].volumetric = Volumetric::cell;
     compare<2>(rates, 40);
     Scene boxes = test::column();
     boxes.shape = Shape::gimp_contiguous;
