@@ -109,7 +109,11 @@ def climb(case, variant, level, args):
     rung = Rung(directory, level, args.program)
     for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "particle_steps_per_s", "state_hash"):
         line[what] = rung.summary[what]
-    figures, curves = case.measure(rung)
+    try:
+        figures, curves = case.measure(rung)
+    except (OSError, KeyError, IndexError, ValueError) as error:  # the other rungs go on
+        print(f"validation: {directory} cannot be measured ({type(error).__name__}: {error}). It is kept", file=sys.stderr)
+        return dict(line, failed=f"not measured: {error}")
     line["figures"] = {k: float(v) for k, v in figures.items()}
     line["curves"] = {k: [shorter(x), shorter(y)] for k, (x, y) in curves.items()}
     print(f"{line['case']} {name} {level}: {line['figures']}", file=sys.stderr)

@@ -12,7 +12,7 @@ import norms
 from sheet import Plot, Row
 
 SCENE = "strip_footing"
-LEVELS = {"cpu": [8, 16], "cuda": [8, 16, 32]}
+LEVELS = {"cpu": [8, 16], "cuda": [8, 16, 32, 64]}
 RUNG = "B/{}"
 VARIANTS = {"alpha = 1": []}
 B, SU, EXACT = 1.0, 1e3, 2 + math.pi
