@@ -5,7 +5,8 @@ A case is a module of cases/ with
   SCENE                  name of a file in inputs/
   LEVELS                 {"cpu": [...], "cuda": [...]}: numbers of cells over the case's length
   RUNG                   what a level is called, "H0/{}"
-  VARIANTS               name: settings
+  VARIANTS               name: settings; each also runs as name+cell, with the mean volumetric rate of a cell (against locking)
+  MATERIAL               name of the material that +cell is set for
   sets(level)            settings of a level
   measure(rung)          (figures, curves): name: number, and name: (list, list)
   rows(ladders)          of {variant: [line, ...] by level}: sheet.Row
@@ -32,6 +33,11 @@ def cases():
     return {name: importlib.import_module(f"cases.{name}") for name in names}
 
 
+def variants(case):
+    cell = [f'material.{case.MATERIAL}.volumetric_rate="cell"']
+    return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items()}}
+
+
 def name_of(case):
     return case.__name__.rpartition(".")[2]
 
@@ -45,9 +51,13 @@ class Log:
 
     def __init__(self, path):
         self.path = path
-        self.lines = [json.loads(text) for text in path.read_text().splitlines()] if path.exists() else []
+        self.read()
+
+    def read(self):
+        self.lines = [json.loads(text) for text in self.path.read_text().splitlines()] if self.path.exists() else []
 
     def put(self, line):
+        self.read()  # another case may be running into the same file
         self.lines = [x for x in self.lines if key(x) != key(line)] + [line]
         self.lines.sort(key=key)
         self.path.write_text("".join(json.dumps(x) + "\n" for x in self.lines))
@@ -79,7 +89,7 @@ class Rung:
 def run(case, variant, level, args, directory):
     """(command, what went wrong or "")"""
     command = [args.program, "run", str(ROOT / "inputs" / f"{case.SCENE}.toml"), "--output", str(directory), "--device", args.device, "--quiet"]
-    for setting in [*case.sets(level), *case.VARIANTS[variant], *args.sets]:
+    for setting in [*case.sets(level), *variants(case)[variant], *args.sets]:
         command += ["--set", setting]
     print(" ".join(command), file=sys.stderr)
     shutil.rmtree(directory, ignore_errors=True)

@@ -14,6 +14,7 @@ import norms
 from sheet import Plot, Row
 
 SCENE = "viscous_current"
+MATERIAL = "syrup"
 LEVELS = {"cpu": [20], "cuda": [20, 40, 80]}
 RUNG = "H0/{}"
 VARIANTS = {"APIC": [], "FLIP": ["numerics.transfer=flip"]}

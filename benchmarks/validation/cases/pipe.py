@@ -11,6 +11,7 @@ import norms
 from sheet import Plot, Row
 
 SCENE = "pipe_penetration"
+MATERIAL = "clay"
 LEVELS = {"cpu": [16, 20], "cuda": [20, 40, 80]}
 RUNG = "D/{}"
 VARIANTS = {"smooth": ['structure.pipe.contact={law="smooth"}'], "rough": ["structure.pipe.contact.alpha=1.0"]}
@@ -23,7 +24,7 @@ def sets(level):
 
 
 def fit(name, w):
-    a, b = FITS[name.split()[0]]
+    a, b = FITS[name.split("+")[0]]
     return a * w**b
 
 

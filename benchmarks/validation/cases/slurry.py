@@ -15,6 +15,7 @@ import norms
 from sheet import Plot, Row
 
 SCENE = "slurry_runout"
+MATERIAL = "slurry"
 LEVELS = {"cpu": [25, 50], "cuda": [25, 50, 100, 200]}
 RUNG = "H0/{}"
 VARIANTS = {"FLIP": ["numerics.transfer=flip"], "APIC": ["numerics.transfer=apic"]}

@@ -12,6 +12,7 @@ import norms
 from sheet import Plot, Row
 
 SCENE = "tbar"
+MATERIAL = "clay"
 LEVELS = {"cpu": [8, 16], "cuda": [8, 16, 32, 64]}
 RUNG = "D/{}"
 VARIANTS = {"smooth": ['structure.bar.contact={law="smooth"}'], "rough": []}
@@ -22,7 +23,7 @@ GOALS = {"smooth": 3, "rough": 2}
 
 
 def exact(variant):
-    delta = math.asin(ALPHA[variant.split()[0]])
+    delta = math.asin(ALPHA[variant.split("+")[0]])
     beta = math.pi / 4 - delta / 2
     return math.pi + 2 * delta + 4 * math.cos(beta) * (math.sqrt(2) + math.sin(beta))
 
@@ -44,7 +45,7 @@ def rows(ladders):
     found = []
     for variant, lines in ladders.items():
         for x in lines:
-            off, goal = 100 * (x["figures"]["Nc"] / exact(variant) - 1), GOALS[variant.split()[0]]
+            off, goal = 100 * (x["figures"]["Nc"] / exact(variant) - 1), GOALS[variant.split("+")[0]]
             value = f"{x['figures']['Nc']:.3f}, {off:+.1f} % (exact {exact(variant):.3f})"
             found.append(Row(f"{variant}, D/{x['level']}: Nc", value, f"{goal} %", abs(off) <= goal))
     return found
