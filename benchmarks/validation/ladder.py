@@ -111,8 +111,8 @@ def climb(case, variant, level, args):
     name = variant + (f" {args.label}" if args.label else "")
     directory = args.runs / f"{name_of(case)}-{name}-{level}".replace(" ", "-").replace(",", "")
     command, failed = run(case, variant, level, args, directory)
-    command = [word.replace(f"{ROOT}/", "") for word in command]
-    line = {"case": name_of(case), "variant": name, "level": level, "command": " ".join(command)}
+    words = ["moraine", "run", f"inputs/{case.SCENE}.toml", *command[command.index("--device"):]]
+    line = {"case": name_of(case), "variant": name, "level": level, "command": " ".join(words)}
     if failed:
         print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)
         return dict(line, failed=failed)
