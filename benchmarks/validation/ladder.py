@@ -99,7 +99,8 @@ def run(case, variant, level, args, directory):
     except subprocess.TimeoutExpired:
         return command, f"ended after {args.limit:g} s"
     sys.stderr.write(done.stderr)
-    return command, f"exit code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}" if done.returncode else ""
+    last = (done.stderr.strip().splitlines() or [""])[-1]
+    return command, f"exit code {done.returncode}: {last}" if done.returncode else ""
 
 
 def shorter(values):
