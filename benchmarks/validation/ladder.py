@@ -38,6 +38,11 @@ def variants(case):
     return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items()}}
 
 
+def plain(variant):
+    """Its name without +cell and --label."""
+    return variant.split()[0].partition("+")[0]
+
+
 def name_of(case):
     return case.__name__.rpartition(".")[2]
 

@@ -15,7 +15,7 @@ from sheet import Plot, Row
 
 SCENE = "viscous_current"
 MATERIAL = "syrup"
-LEVELS = {"cpu": [20], "cuda": [20, 40, 80]}
+LEVELS = {"cpu": [10, 20], "cuda": [20, 40, 80]}
 RUNG = "H0/{}"
 VARIANTS = {"APIC": [], "FLIP": ["numerics.transfer=flip"]}
 G, Q, NU, PREFACTOR = 9.81, 0.01, 0.005, 1.41124

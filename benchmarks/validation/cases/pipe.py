@@ -7,6 +7,7 @@ about that average, over it.
 """
 import numpy
 
+import ladder
 import norms
 from sheet import Plot, Row
 
@@ -24,7 +25,7 @@ def sets(level):
 
 
 def fit(name, w):
-    a, b = FITS[name.split("+")[0]]
+    a, b = FITS[ladder.plain(name)]
     return a * w**b
 
 

@@ -8,6 +8,7 @@ import math
 
 import numpy
 
+import ladder
 import norms
 from sheet import Plot, Row
 
@@ -23,7 +24,7 @@ GOALS = {"smooth": 3, "rough": 2}
 
 
 def exact(variant):
-    delta = math.asin(ALPHA[variant.split("+")[0]])
+    delta = math.asin(ALPHA[ladder.plain(variant)])
     beta = math.pi / 4 - delta / 2
     return math.pi + 2 * delta + 4 * math.cos(beta) * (math.sqrt(2) + math.sin(beta))
 
@@ -45,7 +46,7 @@ def rows(ladders):
     found = []
     for variant, lines in ladders.items():
         for x in lines:
-            off, goal = 100 * (x["figures"]["Nc"] / exact(variant) - 1), GOALS[variant.split("+")[0]]
+            off, goal = 100 * (x["figures"]["Nc"] / exact(variant) - 1), GOALS[ladder.plain(variant)]
             value = f"{x['figures']['Nc']:.3f}, {off:+.1f} % (exact {exact(variant):.3f})"
             found.append(Row(f"{variant}, D/{x['level']}: Nc", value, f"{goal} %", abs(off) <= goal))
     return found
