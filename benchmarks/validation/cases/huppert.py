@@ -1,0 +1,89 @@
+"""R4, Huppert's viscous gravity current
+
+0.1 m x 0.1 m of fluid with nu = 0.005 m2/s over a rough bed (`inputs/viscous_current.toml`), to 30 s. Theory (Huppert 1982, plane, fixed area q):
+x_N = 1.41124 (g q^3 / (3 nu))^(1/5) (t + t0)^(1/5), once thin and slow. Front: x with 0.5 % of the volume ahead of it, divided by that share of the
+similarity profile (0.983 x_N). Over 3 to 30 s, a decade, t0 is fitted once with prefactor and exponent: log x is a least-squares line in log(t + t0), t0 the one
+of the least residual with the exponent free; the prefactor is fitted with the exponent 1/5 held. E_h: L1 of the depth at 30 s against the similarity profile
+of that front.
+"""
+import math
+
+import numpy
+
+import norms
+from sheet import Plot, Row
+
+SCENE = "viscous_current"
+MATERIAL = "syrup"
+LEVELS = {"cpu": [10, 20], "cuda": [20, 40, 80]}
+RUNG = "H0/{}"
+VARIANTS = {"APIC": [], "FLIP": ["numerics.transfer=flip"]}
+G, Q, NU, PREFACTOR = 9.81, 0.01, 0.005, 1.41124
+SCALE = (G * Q**3 / (3 * NU))**0.2
+AHEAD = 0.005
+
+
+def sets(level):
+    return [f"domain.cell={0.1 / level!r}", 'output.fields=["pressure"]']
+
+
+def quantile_of_profile():
+    """xi / xi_N with a share AHEAD of the area of (1 - s^2)^(1/3) beyond it."""
+    s = numpy.linspace(0, 1, 200001)
+    area = numpy.cumsum((1 - s * s)**(1 / 3))
+    return float(numpy.interp(1 - AHEAD, area / area[-1], s))
+
+
+SHARE = quantile_of_profile()
+
+
+def similar(x, front):
+    """Depth of the similarity profile of area q that ends at `front`."""
+    s = numpy.linspace(0, 1, 20001)
+    shape = ((1 - s * s)**(1 / 3)).mean()
+    return Q / (front * shape) * numpy.maximum(0, 1 - (x / front)**2)**(1 / 3)
+
+
+def fit(t, x):
+    """(t0, exponent with that t0, prefactor with 1/5, rms of ln x about it) over 3..30 s."""
+    use = (t >= 3) & (t <= 30)
+    best = None
+    for t0 in numpy.linspace(-2, 2, 401):
+        p, c = numpy.polyfit(numpy.log(t[use] + t0), numpy.log(x[use]), 1)
+        off = norms.rms(numpy.log(x[use]) - p * numpy.log(t[use] + t0) - c)
+        if best is None or off < best[1]:
+            best = t0, off, p
+    t0, off, p = best
+    return t0, p, math.exp(numpy.mean(numpy.log(x[use]) - 0.2 * numpy.log(t[use] + t0))) / SCALE, off
+
+
+def measure(rung):
+    series = rung.particles()
+    fronts = numpy.array([numpy.quantile(series.at(t)[:, 0], 1 - AHEAD) for t in series.times]) / SHARE
+    end = series.at(None)
+    x, h = norms.depth(end[:, 0], Q / len(end), 0.0, 0.8, 0.01)
+    t0, exponent, prefactor, off = fit(series.times, fronts)
+    figures = {"front at 30 s [m]": fronts[-1], "exponent": exponent, "t0 [s]": t0, "prefactor": prefactor, "rms of ln x": off,
+               "E_h [%]": 100 * norms.l1(h, similar(x, fronts[-1])), "cells at x = 0": h[0] / (0.1 / rung.level)}
+    return figures, {"front": (series.times, fronts), "depth": (x, h)}
+
+
+def rows(ladders):
+    found = []
+    for variant, lines in ladders.items():
+        for x in lines:
+            f, name = x["figures"], f"{variant}, H0/{x['level']}"
+            found.append(Row(f"{name}: exponent (t0 = {f['t0 [s]']:.2f} s)", f"{f['exponent']:.4f}", "0.2 +- 0.005", abs(f["exponent"] - 0.2) <= 0.005))
+            off = 100 * (f["prefactor"] / PREFACTOR - 1)
+            found.append(Row(f"{name}: prefactor", f"{f['prefactor']:.4f}, {off:+.1f} %", "2 %", abs(off) <= 2))
+            found.append(Row(f"{name}: depth at 30 s", f"{f['E_h [%]']:.1f} %, {f['cells at x = 0']:.1f} cells deep", "3 %", f["E_h [%]"] <= 3))
+    return found
+
+
+def plots(ladders):
+    t, x = numpy.geomspace(0.3, 30, 50), numpy.linspace(0, 0.8, 161)
+    fronts = [(f"{v} H0/{z['level']}", *[numpy.array(c)[1:] for c in z["curves"]["front"]], "-") for v, zs in ladders.items() for z in zs]
+    fronts.append(("1.411 (g q^3 / 3 nu)^(1/5) t^(1/5)", t, PREFACTOR * SCALE * t**0.2, "k--"))
+    depth = [(f"{v} H0/{z['level']}", *z["curves"]["depth"], "-") for v, zs in ladders.items() for z in zs]
+    depth.append(("similarity profile at 30 s", x, similar(x, PREFACTOR * SCALE * 30**0.2), "k--"))
+    return [Plot("front", "Front of the current", "time [s]", "x_N [m]", fronts, True), Plot("depth", "Depth at 30 s", "x [m]", "depth [m]", depth, False)]

@@ -1,0 +1,71 @@
+"""SEED-2, penetration of a pipe into the sea bed
+
+Half model of 5 D x 5 D, weightless Tresca clay, E = 500 su, nu = 0.49, pushed at 0.05 m/s (`inputs/pipe_penetration.toml`), APIC. rough: at most
+alpha su = su on its surface. References: V / (D su) = 5.3 (w/D)^0.25 smooth, 7.1 (w/D)^0.33 rough (pushed in place, Merifield et al. 2009; the
+coefficients are cited from memory). Error: mean over 0.1 <= w/D <= 0.5 of (moving average over 0.02 D) / fit - 1. Noise: rms of the rows of 0.02 s
+about that average, over it.
+"""
+import numpy
+
+import ladder
+import norms
+from sheet import Plot, Row
+
+SCENE = "pipe_penetration"
+MATERIAL = "clay"
+LEVELS = {"cpu": [16, 20], "cuda": [20, 40, 80]}
+RUNG = "D/{}"
+VARIANTS = {"smooth": ['structure.pipe.contact={law="smooth"}'], "rough": ["structure.pipe.contact.alpha=1.0"]}
+D, SU = 0.8, 5e3
+FITS = {"smooth": (5.3, 0.25), "rough": (7.1, 0.33)}
+
+
+def sets(level):
+    return [f"domain.cell={D / level!r}", "output.interval=0", 'output.fields=["pressure"]']
+
+
+def fit(name, w):
+    a, b = FITS[ladder.plain(name)]
+    return a * w**b
+
+
+def measure(rung):
+    pipe = rung.structure("pipe")
+    w, load = -pipe["displacement_y_m"] / D, 2 * pipe["force_y_N"] / (D * SU)
+    mean = norms.moving_average(w, load, 0.02)
+    use = (w >= 0.1) & (w <= 0.5)
+    figures = {f"V/(D su) at {at}": numpy.interp(at, w, mean) for at in (0.1, 0.2, 0.3, 0.4, 0.49)}
+    figures["noise [%]"] = 100 * norms.rms((load[use] - mean[use]) / mean[use])
+    return figures, {"load": (w, load), "mean": (w, mean)}
+
+
+def error(line):
+    """Mean and largest of mean / fit - 1 over 0.1 <= w/D <= 0.5 in per cent."""
+    w, load = map(numpy.array, line["curves"]["mean"])
+    use = (w >= 0.1) & (w <= 0.5)
+    off = 100 * (load[use] / fit(line["variant"], w[use]) - 1)
+    return off.mean(), off[numpy.abs(off).argmax()]
+
+
+def rows(ladders):
+    found = []
+    for variant, lines in ladders.items():
+        for x in lines:
+            mean, worst = error(x)
+            found.append(Row(f"{variant}, D/{x['level']}: mean error of V", f"{mean:+.1f} % (largest {worst:+.1f} %)", "5 % at D/40", abs(mean) <= 5))
+            noise = x["figures"]["noise [%]"]
+            found.append(Row(f"{variant}, D/{x['level']}: noise", f"{noise:.2f} %", "2 % at D/40", noise <= 2))
+        r = norms.richardson(lines, "V/(D su) at 0.4")
+        if r:
+            value = f"p {r.p:.2f}, {r.value:.3f} (fit {fit(variant, 0.4):.3f})" if r.p else "not monotone"
+            found.append(Row(f"{variant}: order and Richardson value at w/D = 0.4, D/{r.levels[0]} to D/{r.levels[2]}", value, "-", None))
+    return found
+
+
+def plots(ladders):
+    w = numpy.linspace(0.01, 0.5, 100)
+    lines = [(f"{v} D/{z['level']}", *z["curves"]["mean"], "-") for v, zs in ladders.items() for z in zs]
+    lines += [(f"{name}, Merifield et al. 2009", w, fit(name, w), style) for name, style in (("smooth", "k--"), ("rough", "k:"))]
+    found = [Plot("load", "Load of the pipe", "w / D", "V / (D su)", lines, False)]
+    errors = [(v, [D / z["level"] for z in zs], [abs(error(z)[0]) / 100 for z in zs], "o-") for v, zs in ladders.items()]
+    return found + [Plot("error", "Mean error against the fits", "h [m]", "|mean error of V|", errors, True)]

@@ -1,0 +1,138 @@
+"""One rung of a ladder: the program run on a scene, and what is measured of what it wrote; the log of all rungs.
+
+A case is a module of cases/ with
+  __doc__                the first line is its title; the rest says scene, references and norms
+  SCENE                  name of a file in inputs/
+  LEVELS                 {"cpu": [...], "cuda": [...]}: numbers of cells over the case's length
+  RUNG                   what a level is called, "H0/{}"
+  VARIANTS               name: settings; each also runs as name+cell, with the mean volumetric rate of a cell (against locking)
+  MATERIAL               name of the material that +cell is set for
+  sets(level)            settings of a level
+  measure(rung)          (figures, curves): name: number, and name: (list, list)
+  rows(ladders)          of {variant: [line, ...] by level}: sheet.Row
+  plots(ladders)         of the same: sheet.Plot
+"""
+import importlib
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+from runs import table
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+DIGITS = 6  # of what is kept of curves
+
+
+def cases():
+    names = sorted(file.stem for file in (HERE / "cases").glob("*.py"))
+    return {name: importlib.import_module(f"cases.{name}") for name in names}
+
+
+def variants(case):
+    cell = [f'material.{case.MATERIAL}.volumetric_rate="cell"']
+    return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items()}}
+
+
+def plain(variant):
+    """Its name without +cell and --label."""
+    return variant.split()[0].partition("+")[0]
+
+
+def name_of(case):
+    return case.__name__.rpartition(".")[2]
+
+
+def key(line):
+    return line["case"], line["variant"], line["level"]
+
+
+class Log:
+    """results.jsonl: what is measured again replaces its line."""
+
+    def __init__(self, path):
+        self.path = path
+        self.read()
+
+    def read(self):
+        self.lines = [json.loads(text) for text in self.path.read_text().splitlines()] if self.path.exists() else []
+
+    def put(self, line):
+        self.read()  # another case may be running into the same file
+        self.lines = [x for x in self.lines if key(x) != key(line)] + [line]
+        self.lines.sort(key=key)
+        self.path.write_text("".join(json.dumps(x) + "\n" for x in self.lines))
+
+    def add(self, file):
+        for text in file.read_text().splitlines():
+            self.put(json.loads(text))
+
+
+class Rung:
+    """A finished run, as a case measures it."""
+
+    def __init__(self, directory, level, program):
+        self.directory, self.level, self.program = directory, level, program
+        self.summary = json.loads((directory / "summary.json").read_text())
+        self.history = table(directory / "history.csv")
+
+    def structure(self, name):
+        """Columns of structures.csv of one structure."""
+        columns = table(self.directory / "structures.csv")
+        mine = [k for k, other in enumerate(columns["structure"]) if other == name]
+        return {c: v[mine] for c, v in columns.items() if c != "structure"}
+
+    def particles(self):
+        from particles import Particles
+        return Particles(self.directory / "particles.vtkhdf", self.program)
+
+
+def run(case, variant, level, args, directory):
+    """(command, what went wrong or "")"""
+    command = [args.program, "run", str(ROOT / "inputs" / f"{case.SCENE}.toml"), "--output", str(directory), "--device", args.device, "--quiet"]
+    for setting in [*case.sets(level), *variants(case)[variant], *args.sets]:
+        command += ["--set", setting]
+    print(" ".join(command), file=sys.stderr)
+    shutil.rmtree(directory, ignore_errors=True)
+    directory.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        done = subprocess.run(command, env=dict(os.environ, **ENVIRONMENT), check=False, timeout=args.limit, stderr=subprocess.PIPE, text=True)
+    except subprocess.TimeoutExpired:
+        return command, f"ended after {args.limit:g} s"
+    sys.stderr.write(done.stderr)
+    last = (done.stderr.strip().splitlines() or [""])[-1]
+    return command, f"exit code {done.returncode}: {last}" if done.returncode else ""
+
+
+def shorter(values):
+    return [float(f"{float(v):.{DIGITS}g}") for v in values]
+
+
+def climb(case, variant, level, args):
+    """Runs one rung and returns its line."""
+    name = variant + (f" {args.label}" if args.label else "")
+    directory = args.runs / f"{name_of(case)}-{name}-{level}".replace(" ", "-").replace(",", "")
+    command, failed = run(case, variant, level, args, directory)
+    words = ["moraine", "run", f"inputs/{case.SCENE}.toml", *command[command.index("--device"):]]
+    line = {"case": name_of(case), "variant": name, "level": level, "command": " ".join(words)}
+    if failed:
+        print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)
+        return dict(line, failed=failed)
+    rung = Rung(directory, level, args.program)
+    for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "particle_steps_per_s", "state_hash"):
+        line[what] = rung.summary[what]
+    try:
+        figures, curves = case.measure(rung)
+    except (OSError, KeyError, IndexError, ValueError) as error:  # the other rungs go on
+        print(f"validation: {directory} cannot be measured ({type(error).__name__}: {error}). It is kept", file=sys.stderr)
+        return dict(line, failed=f"not measured: {error}")
+    line["figures"] = {k: float(v) for k, v in figures.items()}
+    line["curves"] = {k: [shorter(x), shorter(y)] for k, (x, y) in curves.items()}
+    print(f"{line['case']} {name} {level}: {line['figures']}", file=sys.stderr)
+    if not args.keep:
+        shutil.rmtree(directory)
+    return line

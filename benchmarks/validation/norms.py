@@ -1,0 +1,68 @@
+"""Norms that cases share: order, Richardson value and grid convergence index; profiles of depth; noise about a moving average.
+
+Order p = log((f3 - f2) / (f2 - f1)) / log r of the three finest rungs with one ratio r; GCI = 1.25 |f1 - f2| / (r^p - 1) (Roache 1994).
+"""
+import math
+
+import numpy
+
+
+def three_finest(lines, figure):
+    """[(level, value)] of the finest three rungs of one ratio, coarse to fine; None: there are none."""
+    values = {x["level"]: x["figures"][figure] for x in lines if figure in x.get("figures", {})}
+    for fine in sorted(values, reverse=True):
+        for middle in sorted((n for n in values if n < fine), reverse=True):
+            coarse = middle * middle / fine
+            if coarse in values:
+                return [(int(coarse), values[int(coarse)]), (middle, values[middle]), (fine, values[fine])]
+    return None
+
+
+class Richardson:
+    """What three rungs say. p and value are None where they are not monotone."""
+
+    def __init__(self, three):
+        (n3, f3), (n2, f2), (n1, f1) = three
+        self.levels, self.finest, self.p, self.value = (n3, n2, n1), f1, None, None
+        ratio, change = n1 / n2, (f3 - f2) / (f2 - f1) if f2 != f1 else 0
+        if change > 1:
+            self.p = math.log(change) / math.log(ratio)
+            self.value = f1 + (f1 - f2) / (ratio**self.p - 1)
+            self.gci = 1.25 * abs(f1 - f2) / (ratio**self.p - 1)
+
+    @property
+    def reference(self):
+        return self.finest if self.value is None else self.value
+
+
+def richardson(lines, figure):
+    three = three_finest(lines, figure)
+    return Richardson(three) if three else None
+
+
+def depth(x, volume, low, high, width):
+    """(middles of bins, depth h(x)) of particles of these volumes [m2 per metre]."""
+    edges = low + width * numpy.arange(round((high - low) / width) + 1)
+    sums = numpy.histogram(x, edges, weights=numpy.broadcast_to(volume, x.shape))[0]
+    return 0.5 * (edges[1:] + edges[:-1]), sums / width
+
+
+def cell_means(x, values, cell):
+    """Mean over the particles of each cell that holds some."""
+    key = numpy.unique((x[:, :2] / cell).astype(int), axis=0, return_inverse=True)[1].ravel()
+    return numpy.bincount(key, values) / numpy.bincount(key)
+
+
+def rms(values):
+    return math.sqrt(numpy.mean(numpy.square(values)))
+
+
+def l1(h, exact):
+    return float(numpy.abs(h - exact).sum() / numpy.abs(exact).sum())
+
+
+def moving_average(x, y, width):
+    """Mean of y over x - width/2 .. x + width/2, for rows in rising x."""
+    sums = numpy.concatenate(([0.0], numpy.cumsum(y)))
+    low, high = numpy.searchsorted(x, x - width / 2), numpy.searchsorted(x, x + width / 2, side="right")
+    return (sums[high] - sums[low]) / (high - low)
