@@ -34,7 +34,7 @@ def cases():
 
 
 def variants(case):
-    cell = [f'material.{case.MATERIAL}.volumetric_rate="cell"']
+    cell = [f'material.{case.MATERIAL}.volumetric="cell"']
     return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items()}}
 
 
