@@ -30,7 +30,7 @@ void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, Stress
 }
 
 void add_series(std::vector<Configuration>& all, Shape shape, int order) {
-    all.push_back({fmt::format("{} FMPM({}) USL", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
+    all.push_back({fmt::format("{} FMPM({})", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
                    paper_cfl, order});
 }
 

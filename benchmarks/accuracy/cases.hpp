@@ -15,7 +15,7 @@
 namespace moraine {
 
 struct Configuration {
-    std::string name;  ///< shape TRANSFER UPDATE, and @cfl where it is not 0.3
+    std::string name;  ///< shape TRANSFER UPDATE or shape FMPM(k), and @cfl where it is not 0.3
     Shape shape;
     Transfer transfer;
     StressUpdate update;

@@ -189,7 +189,7 @@ def pyplot():
 
 
 def style(name):
-    shape, transfer, update = name.split()[:3]
+    shape, transfer, update = (name.split() + ["USL"])[:3]  # FMPM(k) has one update
     colors = {"gimp": "black", "gimp-contiguous": "tab:red", "quadratic": "tab:blue", "cubic": "tab:green"}
     marker = {"FLIP": "o", "APIC": "s", "TPIC": "^"}.get(transfer) or f"${transfer[5:-1]}$"  # FMPM: its order
     return {"color": colors[shape], "marker": marker, "markersize": 5 if "FMPM" in name else 3,

@@ -74,9 +74,23 @@ TEST_CASE("E3: with cell crossing contiguous GIMP converges at second order in s
     CHECK(converge(large, 2, false, contiguous_tpic_usl, {32, 64}).stress >= 1.8);
 }
 
+TEST_CASE(
+    "E3: FMPM is at the TARGET of 5e-4 at 64 cells in 1-D, with quadratic splines and, across cells, contiguous GIMP"
+    "GIMP") {
+    for (int axes : {1, 2}) {
+        const Orders still = converge(small, axes, true, quadratic_fmpm3, {32, 64});
+        CHECK(still.displacement >= 1.9);
+        CHECK(still.finest.displacement <= (axes == 1 ? 5e-4 : 6.5e-4));
+        const Orders crossing = converge(large, axes, true, contiguous_fmpm2, {32, 64});
+        CHECK(crossing.displacement >= 1.9);
+        CHECK(crossing.finest.displacement <= 5e-4);
+    }
+}
+
 TEST_CASE("E3: long ladders" * doctest::skip(!long_tests())) {
     for (double amplitude : {small, large})
-        for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, contiguous_flip_usl,
-                                     contiguous_tpic_usl, cubic_flip_usl, cubic_apic_usl})
+        for (const Choice& choice :
+             {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, contiguous_flip_usl, contiguous_tpic_usl,
+              cubic_flip_usl, cubic_apic_usl, quadratic_fmpm2, contiguous_fmpm2})
             converge(amplitude, 1, true, choice, {16, 32, 64, 128, 256, 512});
 }
