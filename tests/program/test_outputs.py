@@ -73,8 +73,8 @@ class Outputs(moraine.ProgramTest):
         data = (recorded / "block_loads.bin").read_bytes()
         rows, at, seen = table(recorded, "balance.csv"), 160, []
         while at < len(data):
-            mark, step, _, ranks, blocks, _ = struct.unpack_from("<8sqdqqQ", data, at)
-            at += 48 + 32 * ranks
+            mark, step, _, _, ranks, blocks, _ = struct.unpack_from("<8sqddqqQ", data, at)
+            at += 56 + 32 * ranks
             loads = [struct.unpack_from("<QIi", data, at + 16 * b) for b in range(blocks)]
             at += 16 * blocks
             self.assertEqual((mark, ranks, sum(load[1] for load in loads)), (b"interval", 3, 20000))

@@ -72,7 +72,7 @@ class Replay(moraine.ProgramTest):
         self.assertRegex(words, r"is truncated or damaged \(the interval of step \d+ is cut off\)")
         self.replay("--ranks", "4", *words.split(", ")[-1].rstrip("?").split())
         frame = (len(whole) - 160) // (len(table(self.run, "balance.csv")) + 1)
-        (self.run / "block_loads.bin").write_bytes(whole[:160 + 48 + 64])
+        (self.run / "block_loads.bin").write_bytes(whole[:160 + 56 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
         self.assertGreater(frame, 1000)
 
