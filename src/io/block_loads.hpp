@@ -2,7 +2,8 @@
 // block_loads.bin: what every occupied block weighed and who held it, at the start and at each balance interval.
 //
 //   header   what a replay must know of the run: layout, message sizes, rules of balance
-//   frame    step, time, seconds lost to imbalance; of each rank its seconds per phase since the frame before (32 bytes); of each block its
+//   frame    step, time, seconds lost to imbalance; of each rank its seconds per phase since the frame before (32
+//   bytes); of each block its
 //            key, particles and owner (16 bytes), in key order; a hash over all of it
 //
 // Rank 0 writes, a frame by one write, so a killed run leaves whole frames and at most one torn frame at the end. A

@@ -19,7 +19,8 @@ LoadHeader header() {
 
 LoadFrame frame(std::int64_t step) {
     const auto n = static_cast<std::uint32_t>(step);
-    return {step, 0.5 * static_cast<double>(step), 0.25 * n, {{0.25f}, {0.5f}}, {{7, 10 + n, 0}, {9, 20, 1}, {12, n, 1}}};
+    return {
+        step, 0.5 * static_cast<double>(step), 0.25 * n, {{0.25f}, {0.5f}}, {{7, 10 + n, 0}, {9, 20, 1}, {12, n, 1}}};
 }
 
 void write_frames(const Comm& comm, const std::string& path, const std::vector<std::int64_t>& steps,
