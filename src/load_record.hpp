@@ -54,6 +54,8 @@ class LoadRecord {
         for (std::size_t k = 0; k < Phases::count; ++k)
             mine[k] = static_cast<float>(sim_.phases().all()[k] - reported_[k]);
         reported_ = sim_.phases().all();
+        frame.lost = sim_.counts().seconds_lost - lost_;
+        lost_ = sim_.counts().seconds_lost;
         frame.seconds = comm_.all_gather(std::vector<RankSeconds>{mine});
         writer_.write(frame);
     }
@@ -63,6 +65,7 @@ class LoadRecord {
     const Comm& comm_;
     BlockLoadWriter writer_;
     std::array<double, Phases::count> reported_{};  ///< seconds, as of the last frame
+    double lost_ = 0;                               ///< the same
 };
 
 }  // namespace moraine

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -45,8 +46,8 @@ double seconds_of(const RankSeconds& s, std::initializer_list<Phase> phases) {
 }
 
 /// What a step is made of.
-constexpr std::initializer_list<Phase> stepping_phases{Phase::p2g,  Phase::nodes, Phase::g2p,
-                                                       Phase::halo, Phase::agree, Phase::migrate};
+constexpr std::initializer_list<Phase> computing_phases{Phase::p2g, Phase::nodes, Phase::g2p};
+constexpr std::initializer_list<Phase> exchange_phases{Phase::halo, Phase::agree, Phase::migrate};
 
 /// The step of the last whole row of a table; -1 where there is none.
 std::int64_t last_row_step(const std::string& path) {
@@ -80,10 +81,28 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     weights_ = {header_.model[0], 0, header_.model[1]};
     read_through();
     check_end();
+    for (const std::string& directory : options.calibrate) calibrate(directory);
     model_ = fit_.model(weights_);
+    if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
     model_.rounds = header_.halo_rounds;
     model_.wire = {options.latency, options.bandwidth};
     model_.moves = {header_.moves[0], header_.moves[1]};
+}
+
+/// Takes the times of another run of the same machine and method into the model.
+void ReplayRecord::calibrate(const std::string& directory) {
+    ReplayOptions options;
+    options.directory = directory;
+    options.latency = options_.latency, options.bandwidth = options_.bandwidth;
+    const ReplayRecord other(options);
+    const LoadHeader& h = other.header_;
+    if (h.dimensions != header_.dimensions || h.width != header_.width || h.real_bytes != header_.real_bytes ||
+        h.halo_rounds != header_.halo_rounds || h.model != header_.model)
+        throw InputError(
+            fmt::format("--calibrate {} (its dimensions, precision, method or device are others than those "
+                        "of {}). Leave it out?",
+                        directory, options_.directory));
+    fit_.add(other.fit_);
 }
 
 bool ReplayRecord::next(BlockLoadReader& reader, LoadFrame& frame) const {
@@ -150,22 +169,26 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     std::vector<double> blocks(frame.seconds.size(), 0);
     for (std::int32_t owner : begin) blocks[owner] += 0.5;
     for (std::int32_t owner : end) blocks[owner] += 0.5;
-    std::vector<ModelFit::Sample> samples;
-    double look = std::numeric_limits<double>::infinity(), stepping = 0;
+    ModelFit::Interval interval;
+    interval.steps = steps;
+    interval.lost = frame.lost / steps;
+    interval.look = std::numeric_limits<double>::infinity();
+    double stepping = 0;
     for (std::size_t r = 0; r < frame.seconds.size(); ++r) {
         const RankSeconds& s = frame.seconds[r];
-        samples.push_back({static_cast<double>(first[r] + last[r]) / 2, blocks[r],
-                           seconds_of(s, {Phase::p2g, Phase::nodes, Phase::g2p}) / steps,
-                           seconds_of(s, stepping_phases) / steps});
-        look = std::min(look, seconds_of(s, {Phase::balance}));
-        stepping += seconds_of(s, stepping_phases) + seconds_of(s, {Phase::balance});
+        const double computing = seconds_of(s, computing_phases), exchange = seconds_of(s, exchange_phases);
+        interval.ranks.push_back(
+            {static_cast<double>(first[r] + last[r]) / 2, blocks[r], computing / steps, exchange / steps});
+        interval.look = std::min(interval.look, seconds_of(s, {Phase::balance}));
+        stepping += computing + exchange + seconds_of(s, {Phase::balance});
     }
     TimeModel wire;
     wire.rounds = header_.halo_rounds;
     wire.wire = {options_.latency, options_.bandwidth};
     HaloForecast halo;
     if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
-    fit_.add(samples, steps, wire.sending(halo, ranks), look);
+    interval.sending = wire.sending(halo, ranks);
+    fit_.add(std::move(interval));
 
     const double at_begin = summary_of(first).imbalance(), at_end = summary_of(last).imbalance();
     measured_.ranks = ranks;

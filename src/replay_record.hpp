@@ -47,6 +47,7 @@ class ReplayRecord {
     Interval refined(Interval look) const;
     void read_through();
     void check_end() const;
+    void calibrate(const std::string& directory);
     void measure(const LoadFrame& frame, const Interval& before, const Interval& now, const Partitioner& partitioner);
     void feed(const Interval& now);
 

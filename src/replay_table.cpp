@@ -30,10 +30,11 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
         "{}: {} looks up to step {}, {} to {} blocks; run on {} rank{} with {}.\n"
         "All lines but `measured` are predictions by a model: {:.0f} ns a particle, {:.0f} ns a block, {:.0f} ns a "
         "particle in exchanges, "
-        "{:.2g} ms a look;\n  wire {:.2g} us and {:.2g} GB/s (--latency, --bandwidth).\n",
+        "{:.2g} ms a look,\n  {:.2g} ms a step, unrest {:.1f} %; wire {:.2g} us and {:.2g} GB/s (--latency, "
+        "--bandwidth).\n",
         options.directory, record.looks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.look,
-        1e6 * m.wire.latency, m.wire.bandwidth / 1e9);
+        1e3 * m.constant, 100 * m.unrest, 1e6 * m.wire.latency, m.wire.bandwidth / 1e9);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "
@@ -78,19 +79,20 @@ std::string csv_text(const ReplayRecord& record, const std::vector<ForecastResul
         "cut,"
         "neighbours_mean,neighbours_max,repartitions,migrated_particles,migrated_blocks,plan_mean_s,plan_max_s,"
         "computing_s,"
-        "ideal_s,sending_s,migration_s,looks_s,time_s,efficiency,regret_percent\n";
+        "unrest_s,ideal_s,sending_s,migration_s,looks_s,time_s,efficiency,regret_percent\n";
     const ForecastResult& run = record.measured();
-    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,{},,\n", run.ranks, run.partitioner,
+    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,\n", run.ranks, run.partitioner,
                         run.imbalance_mean(), run.imbalance_max, run.bytes, record.measured_seconds());
     for (const ForecastResult& r : results)
-        text += fmt::format(
-            "predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\n", r.ranks, r.partitioner,
-            r.trigger, r.imbalance_mean(), r.imbalance_max, per(r.imbalance_time_sum, r.steps),
-            per(r.tiles, r.intervals), r.bytes, per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals),
-            r.neighbours_max, r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
-            r.plan_seconds_max, r.computing, r.ideal, r.sending, r.migration, r.looking, r.seconds(), r.efficiency());
+        text += fmt::format("predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\n",
+                            r.ranks, r.partitioner, r.trigger, r.imbalance_mean(), r.imbalance_max,
+                            per(r.imbalance_time_sum, r.steps), per(r.tiles, r.intervals), r.bytes,
+                            per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals), r.neighbours_max,
+                            r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
+                            r.plan_seconds_max, r.computing, r.unrest, r.ideal, r.sending, r.migration, r.looking,
+                            r.seconds(), r.efficiency());
     for (const RegretRow& r : rows)
-        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,{},,{}\n", r.ranks, r.partitioner, r.trigger,
+        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{}\n", r.ranks, r.partitioner, r.trigger,
                             r.repartitions, r.seconds, r.percent());
     return text;
 }

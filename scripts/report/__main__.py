@@ -115,7 +115,7 @@ def make(options):
     columns, rows = run_rows(runs)
     title = "Moraine: " + ", ".join(sorted({run.summary["title"] or run.summary["scene"] for run in runs}))
     parts = [page.table(columns, rows), words_on_answers(runs), *map(page.section, plots),
-             "<section>\n<h2>Machine and commit</h2>\n" + page.table(*machine_rows(runs)) + "\n</section>"]
+             "<section>\n<h2>Machine and commit</h2>\n" + page.table(*machine_rows(runs), words=True) + "\n</section>"]
     left_out = missing_words(plots, runs)
     if left_out:
         parts.append(f"<section>\n<h2>Not on this page</h2>\n{left_out}\n</section>")

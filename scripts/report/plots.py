@@ -6,6 +6,7 @@ import numpy
 
 matplotlib.use("svg")
 import matplotlib.pyplot as pyplot  # noqa: E402  (the backend comes first)
+from matplotlib import ticker  # noqa: E402
 
 matplotlib.rcParams.update({
     "svg.fonttype": "none", "svg.hashsalt": "moraine", "font.family": "DejaVu Sans", "font.size": 9,
@@ -31,6 +32,18 @@ def colours(count):
     return [pyplot.get_cmap("tab10")(k % 10) for k in range(count)]
 
 
+def log_axis(axis, values):
+    """Numbers that a reader expects on a log axis, as many as there is room for."""
+    wide = max(values) > 12 * min(values)
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if wide else (1, 1.5, 2, 3, 4, 5, 6, 8)))
+    axis.set_minor_locator(ticker.NullLocator())
+    axis.set_major_formatter("{x:.3g}")
+
+
+def legend_beside(axes, **what):
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, fontsize=8, **what)
+
+
 def over_time(runs, name, title, label, caption, value, log=False):
     """One line per run against simulated time. value(run) is an array along the rows of balance.csv."""
     figure, axes = pyplot.subplots(figsize=(8, 3))
@@ -42,9 +55,8 @@ def over_time(runs, name, title, label, caption, value, log=False):
     axes.set(xlabel="simulated time [s]", ylabel=label)
     if log:
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:.3g}")
-        axes.yaxis.set_minor_formatter("{x:.3g}")
-    axes.legend(fontsize=8)
+        log_axis(axes.yaxis, [row[-1] for row in rows])
+    legend_beside(axes)
     return Plot(name, title, caption, figure, ("run", "time_s", name), rows)
 
 
@@ -104,7 +116,7 @@ def decisions(runs):
     figure, panels = pyplot.subplots(len(runs), 1, figsize=(8, 0.6 + 1.25 * len(runs)), sharex=True, squeeze=False)
     rows = []
     for run, axes in zip(runs, panels[:, 0]):
-        reasons = list(run.balance["reason"])
+        reasons = [reason or "one rank" for reason in run.balance["reason"]]
         names = sorted(set(reasons))
         done = run.balance["repartitioned"] > 0
         places = numpy.array([names.index(reason) for reason in reasons])
@@ -150,11 +162,11 @@ def scaling(runs, name, title, caption, key):
         axes.set_xscale("log", base=2)
         axes.set(xlabel="ranks", xticks=sorted({row[-4] for row in rows}))
         axes.xaxis.set_major_formatter("{x:.0f}")
-    left.set_yscale("log", base=2)
-    left.yaxis.set_major_formatter("{x:.3g}")
+    left.set_yscale("log")
+    log_axis(left.yaxis, [row[-2] / 1e6 for row in rows])
     left.set(ylabel="million particle-steps / s", title="speed (dotted: ideal)")
-    right.set(ylabel="efficiency [%]", ylim=(0, None), title="against the fewest ranks")
-    left.legend(fontsize=8)
+    right.set(ylabel="efficiency [%]", ylim=(0, 105 * max(row[-1] for row in rows)), title="against the fewest ranks")
+    legend_beside(right)
     return Plot(name, title, caption, figure,
                 ("run", "scene", "load", "device", "precision", "threads", "partitioner", "ranks", "particles",
                  "particle_steps_per_s", "efficiency"), rows)
@@ -185,18 +197,19 @@ def predictions(runs):
         for line, colour in zip(lines, colours(len(lines))):
             at = [k for k in keep if (table["partitioner"][k], table["trigger"][k]) == line]
             column = {n: [float(table[n][k]) for k in at] for n in ("ranks", "imbalance_mean", "efficiency", "time_s")}
-            left.plot(column["ranks"], column["imbalance_mean"], "o--", markersize=4, color=colour, label=" ".join(line))
-            right.plot(column["ranks"], [100 * e for e in column["efficiency"]], "o--", markersize=4, color=colour)
+            left.plot(column["ranks"], column["imbalance_mean"], "o--", markersize=4, color=colour)
+            right.plot(column["ranks"], [100 * e for e in column["efficiency"]], "o--", markersize=4, color=colour,
+                       label=" ".join(line))
             rows += [(run.name, *line, *values) for values in zip(*column.values())]
         left.set(ylabel="imbalance, mean", yscale="log", title=f"predicted from {run.name}")
-        left.yaxis.set_major_formatter("{x:.3g}")
-        left.yaxis.set_minor_formatter("{x:.3g}")
+        log_axis(left.yaxis, [row[4] for row in rows if row[0] == run.name])
         right.set(ylabel="efficiency [%]", ylim=(0, None), title="predicted by the time model")
-        left.legend(fontsize=7)
+        legend_beside(right)
         for axes in (left, right):
             axes.set_xscale("log", base=2)
             axes.set(xlabel="ranks")
             axes.xaxis.set_major_formatter("{x:.0f}")
+            axes.xaxis.set_minor_locator(ticker.NullLocator())
     return Plot("predictions", "Predictions (moraine replay)", "Nothing in this plot was measured: recorded block "
                 "loads, replayed on other numbers of ranks and under other partitioners. Imbalance is counted; efficiency "
                 "follows a model whose network is an assumption.", figure,

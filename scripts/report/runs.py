@@ -9,7 +9,7 @@ import numpy
 
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
 HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2d")  # io/block_loads.hpp
-FRAME = struct.Struct("<8sqdqqQ")
+FRAME = struct.Struct("<8sqddqqQ")
 ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
 
 
@@ -76,14 +76,14 @@ class Loads:
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
-        if len(data) < HEADER.size or data[:8] != b"MORLOAD1":
+        if len(data) < HEADER.size or data[:8] != b"MORLOAD2":
             raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
         head = HEADER.unpack_from(data)
         self.dimensions = head[1]
         self.corner, self.side = head[18:21], head[21]
         self.looks, at = [], HEADER.size
         while at + FRAME.size <= len(data):
-            _, step, time, ranks, blocks, _ = FRAME.unpack_from(data, at)
+            _, step, time, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
             at += FRAME.size + 32 * ranks
             if at + ROW.itemsize * blocks > len(data):
                 break

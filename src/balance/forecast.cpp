@@ -42,14 +42,16 @@ void Forecast::take_mark(const Loads& loads) {
     };
     imbalance_ = summary_of(loads.particles).imbalance();
     slowest_ = model_.slowest(loads.particles, loads.blocks);
+    waiting_ = model_.waiting(loads.particles, loads.blocks);
     const double n = total(loads.particles);
-    mean_ = (model_.computing(n, total(loads.blocks)) + model_.exchange * n) / ranks_;
-    imbalance_time_ = mean_ > 0 ? slowest_ / mean_ : 1;
+    mean_ = model_.busy(n, total(loads.blocks)) / ranks_;
+    imbalance_time_ = mean_ > 0 ? (slowest_ + waiting_) / mean_ : 1;
 }
 
 /// `loads` are those that the owners of the interval have come to.
 void Forecast::book_end_of_interval(const Loads& loads, std::int64_t steps) {
-    const double imbalance = imbalance_, imbalance_time = imbalance_time_, slowest = slowest_, mean = mean_;
+    const double imbalance = imbalance_, imbalance_time = imbalance_time_, slowest = slowest_, waiting = waiting_,
+                 mean = mean_;
     const auto n = static_cast<double>(steps);
     take_mark(loads);
     result_.steps += steps;
@@ -58,8 +60,9 @@ void Forecast::book_end_of_interval(const Loads& loads, std::int64_t steps) {
     result_.imbalance_time_sum += n * (imbalance_time + imbalance_time_) / 2;
     result_.imbalance_max = std::max({result_.imbalance_max, imbalance, imbalance_});
     result_.computing += n * (slowest + slowest_) / 2;
+    result_.unrest += n * (waiting + waiting_) / 2;
     result_.ideal += n * (mean + mean_) / 2;
-    result_.sending += n * model_.sending(halo_, ranks_);
+    result_.sending += n * (model_.constant + model_.sending(halo_, ranks_));
     result_.tiles += static_cast<double>(halo_.tiles);
     result_.bytes += n * model_.rounds * static_cast<double>(halo_.bytes);
     result_.face_cut += static_cast<double>(halo_.face_cut);

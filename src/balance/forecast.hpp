@@ -28,12 +28,12 @@ struct ForecastResult {
     std::int64_t repartitions = 0, migrated_particles = 0, migrated_blocks = 0;
     double plan_seconds = 0, plan_seconds_max = 0;  ///< measured here: of a plan, on one core
     std::int64_t plans = 0;
-    double computing = 0, ideal = 0, sending = 0, migration = 0,
-           looking = 0;  ///< [s]; ideal: perfectly balanced;
-                         ///< looking: with plans, as measured here
+    /// [s]; computing: of the slowest rank by its load; unrest: beyond that; ideal: perfectly balanced; looking: with
+    /// plans, as measured here.
+    double computing = 0, unrest = 0, ideal = 0, sending = 0, migration = 0, looking = 0;
 
     double imbalance_mean() const { return steps > 0 ? imbalance_sum / static_cast<double>(steps) : 1; }
-    double seconds() const { return computing + sending + migration + looking; }
+    double seconds() const { return computing + unrest + sending + migration + looking; }
     double efficiency() const { return seconds() > 0 ? ideal / seconds() : 1; }
 };
 
@@ -74,7 +74,7 @@ class Forecast {
     std::vector<std::int32_t> owners_;
     ForecastResult result_;
     // As of the begin of the interval under way: imbalance of particles and time; seconds per step.
-    double imbalance_ = 1, imbalance_time_ = 1, slowest_ = 0, mean_ = 0;
+    double imbalance_ = 1, imbalance_time_ = 1, slowest_ = 0, waiting_ = 0, mean_ = 0;
     HaloForecast halo_;
     std::int64_t step_ = -1, last_repartition_ = 0, round_ = 0;
     double lost_ = 0;  // to imbalance since the last repartition [s]

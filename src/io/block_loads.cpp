@@ -16,11 +16,12 @@ struct FrameHead {
     std::array<char, 8> magic{'i', 'n', 't', 'e', 'r', 'v', 'a', 'l'};
     std::int64_t step;
     double time;
+    double lost;
     std::int64_t ranks;
     std::int64_t blocks;
     std::uint64_t hash;  ///< of all before it and of what follows
 };
-static_assert(sizeof(FrameHead) == 48);
+static_assert(sizeof(FrameHead) == 56);
 
 std::uint64_t hash_of(const FrameHead& head, const LoadFrame& frame) {
     std::uint64_t h = mix_bytes(0, reinterpret_cast<const std::byte*>(&head), offsetof(FrameHead, hash));
@@ -34,6 +35,7 @@ std::vector<std::byte> bytes_of(const LoadFrame& frame) {
     FrameHead head{{'i', 'n', 't', 'e', 'r', 'v', 'a', 'l'},
                    frame.step,
                    frame.time,
+                   frame.lost,
                    static_cast<std::int64_t>(frame.seconds.size()),
                    static_cast<std::int64_t>(frame.rows.size()),
                    0};
@@ -125,6 +127,7 @@ bool BlockLoadReader::next(LoadFrame& frame) {
         refuse(fmt::format("the interval of step {} is cut off", head.step));
     frame.step = head.step;
     frame.time = head.time;
+    frame.lost = head.lost;
     frame.seconds.resize(static_cast<std::size_t>(head.ranks));
     frame.rows.resize(static_cast<std::size_t>(head.blocks));
     const bool whole =

@@ -2,7 +2,8 @@
 // block_loads.bin: what every occupied block weighed and who held it, at the start and at each balance interval.
 //
 //   header   what a replay must know of the run: layout, message sizes, rules of balance
-//   frame    step, time; of each rank its seconds per phase since the frame before (32 bytes); of each block its
+//   frame    step, time, seconds lost to imbalance; of each rank its seconds per phase since the frame before (32
+//   bytes); of each block its
 //            key, particles and owner (16 bytes), in key order; a hash over all of it
 //
 // Rank 0 writes, a frame by one write, so a killed run leaves whole frames and at most one torn frame at the end. A
@@ -25,7 +26,7 @@ namespace moraine {
 
 /// In the byte order of the machine that wrote it. Axes that the scene does not have: 1 block.
 struct LoadHeader {
-    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '1'};
+    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '2'};
     std::int32_t dimensions = 3;
     std::int32_t width = 3;                  ///< of the stencil [nodes]
     std::array<std::int32_t, 3> blocks{};    ///< of the domain
@@ -58,6 +59,7 @@ using RankSeconds = std::array<float, 8>;
 struct LoadFrame {
     std::int64_t step = 0;
     double time = 0;                   ///< simulated [s]
+    double lost = 0;                   ///< computing of the slowest rank less mean, summed over steps since then [s]
     std::vector<RankSeconds> seconds;  ///< of each rank, since the frame before
     std::vector<LoadRow> rows;         ///< in key order
 };

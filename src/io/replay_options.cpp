@@ -19,7 +19,7 @@ namespace po = boost::program_options;
 
 /// The options as words: lists are taken apart afterwards.
 struct Words {
-    std::string ranks, partitioners, triggers;
+    std::string ranks, partitioners, triggers, calibrate;
 };
 
 [[noreturn]] void refuse_argument(const std::string& problem, const std::string& why, const std::string& suggestion) {
@@ -36,6 +36,7 @@ po::options_description visible(ReplayOptions& o, Words& w) {
     add("trigger", "A,B,...", &w.triggers, "never, every, threshold, planned (default: that of the run)");
     options.add_options()("regret", po::bool_switch(&o.regret),
                           "compare all triggers with the best times to repartition, known afterwards");
+    add("calibrate", "DIR,DIR,...", &w.calibrate, "other runs on the same machine, whose times count as well");
     add("latency", "SECONDS", &o.latency, "of a message (default: 2e-6)");
     add("bandwidth", "BYTES/S", &o.bandwidth, "of a rank, out (default: 5e9)");
     add("every", "N", &o.every, "take every N-th look only (default: 1)");
@@ -130,6 +131,7 @@ ReplayOptions parse_replay(const std::vector<std::string>& words) {
     for (const std::string& name : choices_of("--trigger", w.triggers, triggers))
         o.triggers.push_back(
             static_cast<Trigger>(std::find(triggers.begin(), triggers.end(), name) - triggers.begin()));
+    o.calibrate = split(w.calibrate);
     check_numbers(o);
     return o;
 }

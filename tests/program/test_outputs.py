@@ -71,17 +71,20 @@ class Outputs(moraine.ProgramTest):
         recorded = self.run_slurry(balance__interval=10, output__block_loads="on")
         self.assertEqual(summary(recorded)["state_hash"], summary(without)["state_hash"])
         data = (recorded / "block_loads.bin").read_bytes()
-        rows, at, seen = table(recorded, "balance.csv"), 160, []
+        rows, at, seen, lost = table(recorded, "balance.csv"), 160, [], 0
         while at < len(data):
-            mark, step, _, ranks, blocks, _ = struct.unpack_from("<8sqdqqQ", data, at)
-            at += 48 + 32 * ranks
+            mark, step, _, loses, ranks, blocks, _ = struct.unpack_from("<8sqddqqQ", data, at)
+            at += 56 + 32 * ranks
             loads = [struct.unpack_from("<QIi", data, at + 16 * b) for b in range(blocks)]
             at += 16 * blocks
             self.assertEqual((mark, ranks, sum(load[1] for load in loads)), (b"interval", 3, 20000))
             self.assertEqual(sorted({load[2] for load in loads}), [0, 1, 2])
             seen.append((step, blocks))
+            lost += loses
         self.assertEqual(seen[1:], [(row["step"], row["blocks"]) for row in rows])
         self.assertEqual(seen[0][0], 0)
+        in_all = summary(recorded)["times_s"]["lost_to_imbalance"]  # steps behind the last look included
+        self.assertTrue(0.5 * in_all < lost <= 1.001 * in_all, (lost, in_all))
 
     def test_intervals_far_below_a_step_are_one_a_step(self):
         directory = self.run_scene(self.write(SMALL_SCENE), "each", *sets(output__interval=1e-300, time__end=0.01))

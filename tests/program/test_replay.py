@@ -50,6 +50,16 @@ class Replay(moraine.ProgramTest):
             exact = float(by_name[p, "morton", "every"]["imbalance_mean"])
             self.assertTrue(1 <= exact < float(by_name[p, "slabs", "static"]["imbalance_mean"]))
 
+    def test_the_times_of_other_runs_can_count(self):
+        other = self.run_scene(SCENE, "other", *sets(time__end=END, balance__interval=10, output__block_loads="on"))
+        own = self.replay("--ranks", "4", "--partitioner", "morton").out
+        both = self.replay("--ranks", "4", "--partitioner", "morton", "--calibrate", other).out
+        self.assertNotEqual(own.split("\n")[1:3], both.split("\n")[1:3])
+        single = self.run_scene(SCENE, "single", *sets(time__end=END, balance__interval=10, output__block_loads="on",
+                                                       numerics__precision="single"))
+        self.assertIn("Leave it out?", self.refused(self.run, "--calibrate", single))
+        self.assertIn("no such directory", self.refused(self.run, "--calibrate", self.folder / "nowhere"))
+
     def test_no_trigger_beats_the_offline_optimum(self):
         self.replay("--ranks", "16", "--partitioner", "morton", "--regret", "--latency", "1e-6", "--bandwidth", "1e9")
         regrets = {row["trigger"]: float(row["regret_percent"]) for row in self.rows() if row["kind"] == "regret"}
@@ -72,7 +82,7 @@ class Replay(moraine.ProgramTest):
         self.assertRegex(words, r"is truncated or damaged \(the interval of step \d+ is cut off\)")
         self.replay("--ranks", "4", *words.split(", ")[-1].rstrip("?").split())
         frame = (len(whole) - 160) // (len(table(self.run, "balance.csv")) + 1)
-        (self.run / "block_loads.bin").write_bytes(whole[:160 + 48 + 64])
+        (self.run / "block_loads.bin").write_bytes(whole[:160 + 56 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
         self.assertGreater(frame, 1000)
 
