@@ -65,12 +65,12 @@ struct FusedGather {
         p.row[p.motion] = row(p.motion);
         take_velocity(g.flip, sums, p);
         p.row[p.normal] = row(p.normal);
+        p.row[p.shear] = row(p.shear);
         if constexpr (Averages) {
-            CoreRows<Real, Dim> before;  // of this particle: the cell is not kept in a register
+            CoreRows<Real, Dim> before;  // the cell is not kept in a register; in 2-D the shear row is the normal one
             before.row[p.place] = row(p.place);
             shared.means.put_pressure(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
         }
-        p.row[p.shear] = row(p.shear);
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
             for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
