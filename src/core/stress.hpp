@@ -1,7 +1,7 @@
 #pragma once
 // One particle's stress update: strain increment, law, volume, and what the step control must know.
 //
-//   V = (m / rho0) exp(ln J),    c^2 = M J / rho0   (M = K + 4G/3 now),    signal = c + |v|
+//   V = (m / rho0) exp(ln J), ln J as the law leaves it,    c^2 = M J / rho0   (M = K + 4G/3 now),    signal = c + |v|
 //   work of the step: V (sigma_n + sigma_n+1)/2 : de
 
 #include <cmath>

@@ -4,6 +4,9 @@
 //   sqrt(J2) + eta mean <= k cohesion   (tension positive);   flow  de_pl = dg (s / (2 sqrt(J2)) + etab I / 3)
 //   dg = f / (G + K eta etab), engineering plastic shear strain; past the apex: s = 0, mean = k cohesion / eta
 //
+// Pulled past the apex grains fly apart: the volume so gained closes before there is pressure again (gap.hpp),
+// and grains that are apart do not dilate.
+//
 // matching 0, plane strain: at collapse (de_zz elastic = 0) the same strength and dilation as Mohr-Coulomb,
 //   etab = sin psi / sqrt(1 + sin^2 psi / 3),  eta = sin phi / D,  k = cos phi / D,
 //   D = sqrt(1 - etab^2 / 3) + etab sin phi / 3
@@ -13,6 +16,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/material/gap.hpp"
 #include "core/material/hypoelastic.hpp"
 
 namespace moraine {
@@ -20,8 +24,8 @@ namespace moraine {
 template <class Real>
 struct DruckerPrager {
     static constexpr const char* name = "drucker-prager";
-    static constexpr int history = 1;
-    static constexpr const char* history_names[] = {"plastic_shear_strain"};
+    static constexpr int history = 2;
+    static constexpr const char* history_names[] = {"plastic_shear_strain", "gap"};
     static constexpr bool uses_left_stretch = false;
     static constexpr Parameter parameters[] = {
         young_parameter,
@@ -70,21 +74,17 @@ struct DruckerPrager {
         using std::sqrt;
         state.stress = elastic.trial(step, state.stress);
         const Invariants<Real> trial = invariants(state.stress);
-        const Real room = strength - friction * trial.mean;  // largest sqrt(J2) at this mean stress
-        if (room >= Real(0) && trial.j2 <= room * room) return;
-
-        const Real tau = sqrt(trial.j2);
-        const Real shear_strain = (tau - room) / (elastic.shear + elastic.bulk * friction * dilation);
-        const Real remains = tau - elastic.shear * shear_strain;
-        Real& xi = state.history[0];
-        if (remains > Real(0)) {
-            xi += shear_strain;
-            const Real mean = trial.mean - elastic.bulk * dilation * shear_strain;
-            scale_deviator(state.stress, trial.mean, mean, remains / tau);
+        const Real before = state.history[1];
+        Real gap = before;
+        const Real mean = close_gap(gap, trial.mean, elastic.bulk);
+        const Real room = strength - friction * mean;  // largest sqrt(J2) at this mean stress
+        if (room >= Real(0) && trial.j2 <= room * room) {
+            if (gap != before) scale_deviator(state.stress, trial.mean, mean, Real(1));
         } else {
-            xi += tau / elastic.shear;
-            scale_deviator(state.stress, trial.mean, apex, Real(0));
+            flow(state, trial, mean, room, gap);
         }
+        if (gap != before) keep_grains(state, before, gap);
+        state.history[1] = gap;
     }
 
     template <int Dim>
@@ -95,6 +95,27 @@ struct DruckerPrager {
     template <int Dim>
     MORAINE_HD Real strain_energy(const PointState<Real, Dim>& state) const {
         return elastic.energy(state.stress);
+    }
+
+  private:
+    /// Back to the cone, or to its apex, from the trial deviator and the mean stress `mean`.
+    template <int Dim>
+    MORAINE_HD void flow(PointState<Real, Dim>& state, const Invariants<Real>& trial, Real mean, Real room,
+                         Real& gap) const {
+        using std::sqrt;
+        const Real swell = gap > Real(0) ? Real(0) : elastic.bulk * dilation;
+        const Real tau = sqrt(trial.j2);
+        const Real shear_strain = (tau - room) / (elastic.shear + swell * friction);
+        const Real remains = tau - elastic.shear * shear_strain;
+        Real& xi = state.history[0];
+        if (remains > Real(0) && !(gap > Real(0) && mean >= apex)) {
+            xi += shear_strain;
+            scale_deviator(state.stress, trial.mean, mean - swell * shear_strain, remains / tau);
+        } else {
+            xi += tau / elastic.shear;
+            if (mean > apex) gap += (mean - apex) / elastic.bulk;
+            scale_deviator(state.stress, trial.mean, apex, Real(0));
+        }
     }
 };
 

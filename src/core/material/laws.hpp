@@ -15,6 +15,7 @@
 #include "core/material/drucker_prager.hpp"
 #include "core/material/herschel_bulkley.hpp"
 #include "core/material/linear_elastic.hpp"
+#include "core/material/mu_i.hpp"
 #include "core/material/neo_hookean.hpp"
 #include "core/material/tresca.hpp"
 #include "core/material/von_mises.hpp"
@@ -24,7 +25,7 @@ namespace moraine {
 template <template <class> class... Law>
 struct LawList {};
 
-using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager>;
+using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI>;
 
 inline constexpr int max_parameters = 16;
 

@@ -13,7 +13,8 @@
 //   Real strain_energy(state) const;                    stored elastic energy per current volume [J/m3]
 //   static const char* problem(const double* values);   nullptr, or what is wrong between parameters
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
-// its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller.
+// its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller. A law may take
+// volume out of ln_J that its material does not fill (gap.hpp); what it leaves there is the particle's volume.
 
 #include <limits>
 

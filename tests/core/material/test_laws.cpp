@@ -17,6 +17,8 @@ std::vector<double> typical(const LawInfo& info) {
         double v = std::isnan(p.standard) ? 30 : p.standard;
         if (key == "young") v = 1e6;
         if (key == "poisson") v = 0.3;
+        if (key == "static_friction") v = 0.38;
+        if (key == "limit_friction") v = 0.64;
         if (key == "sensitivity") v = 2;
         if (key == "rate_reference") v = 0.1;
         values.push_back(v);
@@ -41,8 +43,9 @@ double fingerprint(const LawInfo& info, const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("the list holds every law by its name, and no other") {
-    const std::vector<std::string> expected = {"linear-elastic",   "neo-hookean",    "von-mises", "tresca",
-                                               "herschel-bulkley", "drucker-prager", "bingham",   "newtonian"};
+    const std::vector<std::string> expected = {"linear-elastic", "neo-hookean",      "von-mises",
+                                               "tresca",         "herschel-bulkley", "drucker-prager",
+                                               "mu-i",           "bingham",          "newtonian"};
     CHECK(law_names() == expected);
     for (const std::string& name : law_names()) CHECK(find_law(name)->name == name);
     for (const char* name : {"", "von_mises", "Tresca", "tresca ", "mohr-coulomb"}) CHECK(find_law(name) == nullptr);
