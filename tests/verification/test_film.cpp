@@ -78,11 +78,11 @@ Profile flow(const Film& film, int cells, const Choice& choice, double end, bool
 }
 
 /// Grains under the stress of the steady flow, begun at `start` of its velocity. What is wrong with that decays in
-/// about 3 s: H^2 over the diffusivity of momentum, so that from rest it would take a million steps.
+/// H^2 over the diffusivity of momentum, which goes with the grains' diameter: 3 s at H = 50 d.
 Profile flow(const BagnoldFilm& film, int cells, const Choice& choice, double start, double end) {
     Scene scene = layer(film, cells, choice, true);
     scene.materials.push_back(material("mu-i", film.density,
-                                       {{"young", 2.5e5},  // wave speed 15 m/s: Mach number 0.1
+                                       {{"young", 1e6},  // wave speed 30 m/s, pressure 7e-4 of K at the base
                                         {"poisson", poisson},
                                         {"static_friction", film.static_friction},
                                         {"limit_friction", film.limit_friction},
@@ -106,6 +106,13 @@ Profile report(const char* name, const Film& film, int cells, const Choice& choi
     const Profile r = flow(film, cells, choice, 3, spline);
     say(fmt::format("R9 {}, {}{}, {} cells: u {:.2e} (largest {:.1e}), shear stress {:.1e}", name, choice.name,
                     spline ? "" : ", plain ghost nodes", cells, r.velocity, r.largest, r.stress));
+    return r;
+}
+
+Profile report(const BagnoldFilm& film, int cells, const Choice& choice, double start, double end) {
+    const Profile r = flow(film, cells, choice, start, end);
+    say(fmt::format("R9 mu(I), {} grains deep, {}, {} cells, {} s: u {:.2e} (largest {:.1e}), shear stress {:.1e}",
+                    std::round(film.depth / film.diameter), choice.name, cells, end, r.velocity, r.largest, r.stress));
     return r;
 }
 
@@ -154,16 +161,20 @@ TEST_CASE("R9: FLIP finds the films from rest within the GATE of 5 % at 20 cells
         }
 }
 
-TEST_CASE("R9: grains of mu(I) at 24 degrees find Bagnold's profile") {
-    const BagnoldFilm film;
+TEST_CASE("R9: grains of mu(I) at 24 degrees find Bagnold's profile from rest within the TARGET of 1 %") {
+    BagnoldFilm film;
     CHECK(film.surface_velocity() == doctest::Approx(1.541).epsilon(5e-4));
+    film.diameter = 5e-3;  // the same profile at a fifth of the speed, found in a fifth of the time
     for (const Choice& choice : {quadratic_apic_usl, quadratic_flip_usl}) {
-        const Profile r = flow(film, 20, choice, 0.9, 15);
-        say(fmt::format("R9 mu(I), {}, 20 cells: u {:.2e} (largest {:.1e}), shear stress {:.1e}", choice.name,
-                        r.velocity, r.largest, r.stress));
-        CHECK(r.velocity <= 0.05);
+        const Profile r = report(film, 20, choice, 0, 3);
+        CHECK(r.velocity <= 0.01);
         CHECK(r.stress <= 0.015);
     }
+}
+
+TEST_CASE("R9: the film of 50 grains keeps Bagnold's profile" * doctest::skip(!long_tests())) {
+    for (const Choice& choice : {quadratic_apic_usl, quadratic_flip_usl})
+        for (double end : {4.0, 8.0}) report(BagnoldFilm{}, 20, choice, 1, end);
 }
 
 TEST_CASE("R9: with FLIP the error of the Newtonian film falls at order 1.5") {

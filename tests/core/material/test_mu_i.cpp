@@ -1,4 +1,5 @@
 #include "core/material/drive.hpp"
+#include "core/material/drucker_prager.hpp"
 #include "core/material/mu_i.hpp"
 
 using namespace moraine;
@@ -107,6 +108,23 @@ TEST_CASE_TEMPLATE("pulled apart it bears nothing", C, EVERY_CASE) {
     for (int k = 0; k < 4; ++k) CHECK(double(state.stress[k]) == 0);
     CHECK(double(law.strain_energy(state)) == 0);
     CHECK(double(state.history[1]) == near(5 * 5.5e-3 - 100 / K, C::tolerance));
+}
+
+TEST_CASE("without rate effect it is Drucker-Prager's, with the sine of the friction angle") {
+    using C = Case<double, 3>;
+    const auto law = beads<double>(0);
+    const auto other = make_law<DruckerPrager<double>>(
+        {{"young", young}, {"poisson", poisson}, {"friction_angle", std::asin(mu_s) * 180 / std::acos(-1.0)}});
+    auto state = confined<C>(500), same = state;
+    for (int n = 0; n < 400; ++n) {  // in and out of compression, with shear that turns
+        const double e = 4e-4 * std::sin(0.05 * n), g = 1e-3 * std::cos(0.031 * n);
+        strain_path<C>(law, state, plane_strain<C>(-e, -0.5 * e, g), 1e-4, 1);
+        strain_path<C>(other, same, plane_strain<C>(-e, -0.5 * e, g), 1e-4, 1);
+        for (int k = 0; k < 6; ++k) CHECK(state.stress[k] == near(same.stress[k], 1e-10, 500));
+        for (int k = 0; k < 2; ++k) CHECK(state.history[k] == near(same.history[k], 1e-10));
+        CHECK(state.ln_J == near(same.ln_J, 1e-12));
+    }
+    CHECK(state.history[0] > 0.1);
 }
 
 TEST_CASE("friction that falls with the rate is refused") {

@@ -1,0 +1,104 @@
+"""R8, collapse of a column of sand, aspect ratio a = H / L0 from 0.5 to 10
+
+L0 = 0.1 m, plane strain, to 6 (H/g)^(1/2), APIC (`inputs/granular_column.toml`); grains of 1 mm whose friction in simple shear is 0.6 (repose at
+31 degrees): `mu-i` rises to 0.86 with the rate of shear, `drucker-prager` does not. Runout: (front - L0) / L0, front: where the deposit is one grain
+(1 mm) deep, between bins of L0/20. Experiments: 1.2 a for a < 2.3, 1.9 a^(2/3) above (Lube et al. 2005, sand, rice, sugar, salt between two side
+walls, whose friction plane strain lacks; Lajeunesse et al. 2005 found the same powers with glass beads). H_f: depth at the plane of symmetry.
+Creep: what the front does in the last tenth of the time. Seeds: particles moved at random by up to a quarter of their distance.
+"""
+import math
+
+import numpy
+
+import norms
+from sheet import Plot, Row
+
+SCENE, MATERIAL = "granular_column", "sand"
+LEVELS = {"cpu": [20], "cuda": [20, 40, 80]}
+RUNG = "L0/{}"
+ASPECTS = (0.5, 1.0, 2.0, 2.7, 5.0, 10.0)
+LAWS = {"mu-i": "sand", "drucker-prager": "sand-without-rate"}
+SEEDS = range(1, 6)
+WIDTH, GRAIN, GRAVITY = 0.1, 1e-3, 9.81
+BIN = WIDTH / 20
+
+
+def column(law, aspect, *more):
+    height = round(WIDTH * aspect, 6)
+    end = 6 * math.sqrt(height / GRAVITY)
+    return [f"body.column.material={LAWS[law]}", f"body.column.max=[{WIDTH},{height}]", f"body.column.geostatic.surface={height}",
+            f"time.end={end:.3f}", f"output.interval={end / 60:.4f}", *more]
+
+
+VARIANTS = {f"{law} a={aspect:g}": column(law, aspect) for law in LAWS for aspect in ASPECTS}
+VARIANTS |= {f"mu-i a=2 seed {k}": column("mu-i", 2.0, "body.column.seeding=jittered", f"seed={k}") for k in SEEDS}
+
+
+def sets(level):
+    return [f"domain.cell={WIDTH / level!r}", 'output.fields=["velocity"]']
+
+
+def published(aspect):
+    return 1.2 * aspect if aspect < 2.3 else 1.9 * aspect**(2 / 3)
+
+
+def front(x, volume):
+    """Last place [m] where the deposit is one grain deep."""
+    middles, h = norms.depth(x, volume, 0.0, 2.0, BIN)
+    k = int(numpy.flatnonzero(h >= GRAIN)[-1])
+    return middles[k] + BIN * (h[k] - GRAIN) / (h[k] - h[k + 1])
+
+
+def measure(rung):
+    series, history = rung.particles(), rung.history
+    start, end = series.at(0.0), series.at(None)
+    height = round(start[:, 1].max() / WIDTH, 1) * WIDTH
+    volume = WIDTH * height / len(start)
+    fronts = numpy.array([front(series.at(t)[:, 0], volume) for t in series.times])
+    runout, aspect = fronts[-1] / WIDTH - 1, height / WIDTH
+    x, h = norms.depth(end[:, 0], volume, 0.0, fronts[-1] + 2 * BIN, BIN)
+    late = numpy.abs(series.times - 0.9 * series.times[-1]).argmin()
+    reached = series.times[numpy.flatnonzero(fronts < WIDTH + 0.98 * (fronts[-1] - WIDTH))[-1]]
+    figures = {"a": aspect, "runout": runout, "against experiments [%]": 100 * (runout / published(aspect) - 1), "H_f / L0": h[:2].mean() / WIDTH,
+               "98 % after [(H/g)^(1/2)]": reached * math.sqrt(GRAVITY / height), "creep [% of the runout]": 100 * (fronts[-1] - fronts[late]) / (runout * WIDTH),
+               "unaccounted / potential [%]": 100 * history["unaccounted_J"][-1] / history["potential_J"][0]}
+    return figures, {"front": (series.times, fronts), "depth": (x, h)}
+
+
+def law_of(variant):
+    return variant.split()[0]
+
+
+def rows(ladders):
+    found, spread = [], []
+    for variant, lines in ladders.items():
+        f = lines[-1]["figures"]
+        if "seed" in variant:
+            spread.append(f["runout"])
+            continue
+        error, goal = f["against experiments [%]"], 8 if f["a"] <= 2.7 else 15
+        found.append((law_of(variant), f["a"], Row(f"{variant}: runout at L0/{lines[-1]['level']}, experiments {published(f['a']):.2f}",
+                                                   f"{f['runout']:.2f} ({error:+.1f} %)", f"{goal} %", abs(error) <= goal)))
+        r = norms.richardson(lines, "runout")
+        if r and r.p:
+            found.append((law_of(variant), f["a"], Row(f"{variant}: GCI of the runout", f"{100 * r.gci / r.finest:.1f} %", "<= 3 %", r.gci <= 0.03 * r.finest)))
+    found = [row for *_, row in sorted(found, key=lambda x: x[:2])]
+    if len(spread) > 1:
+        value = 100 * (max(spread) - min(spread)) / numpy.mean(spread)
+        found.append(Row(f"mu-i a=2: largest less smallest runout of {len(spread)} seeds over their mean", f"{value:.2f} %", "<= 2 %", value <= 2))
+    return found
+
+
+def plots(ladders):
+    a = numpy.geomspace(0.5, 10, 61)
+    runout = [("experiments: 1.2 a, 1.9 a^(2/3)", a, [published(float(x)) for x in a], "k-")]
+    for law, style in zip(LAWS, ("o", "s")):
+        points = sorted((z[-1]["figures"]["a"], z[-1]["figures"]["runout"]) for v, z in ladders.items() if law_of(v) == law and "seed" not in v)
+        if points:
+            runout.append((law, *zip(*points), style))
+    plain = [(v, z[-1]["curves"]) for v, z in ladders.items() if v.startswith("mu-i") and "seed" not in v]
+    scaled = [(v, numpy.array(c["front"][0]) / c["front"][0][-1] * 6, numpy.array(c["front"][1]) / c["front"][1][-1], "-") for v, c in plain]
+    depth = [(v, c["depth"][0], c["depth"][1], "-") for v, c in plain]
+    return [Plot("runout", "Runout of columns of sand", "a = H / L0", "(front - L0) / L0", runout, True),
+            Plot("front", "Front over its last place", "time over (H/g)^(1/2)", "front / final front", scaled, False),
+            Plot("depth", "Deposits", "x [m]", "depth [m]", depth, False)]
