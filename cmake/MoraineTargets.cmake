@@ -17,6 +17,12 @@ function(moraine_module name)
     set_target_properties(moraine_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ${MORAINE_CHECK_HEADERS})
 endfunction()
 
+# Longest time of a test [s]: sanitizers and assertions make it some 5 to 10 times slower.
+set(MORAINE_TEST_TIMEOUT 600)
+if(MORAINE_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
+    set(MORAINE_TEST_TIMEOUT 3600)
+endif()
+
 # moraine_test(path/test_name [RANKS n...] [USES target...] [SOURCES file...] [ENVIRONMENT VAR=value...] [GPU] [LANGUAGE cu])
 #
 # tests/path/test_name.cpp becomes one program; with RANKS it runs once per count under mpirun; with GPU it needs a
@@ -31,7 +37,7 @@ function(moraine_test path)
     target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
     target_link_libraries(${name} PRIVATE ${ARG_USES} moraine_flags doctest_header)
     if(NOT ARG_TIMEOUT)
-        set(ARG_TIMEOUT 600)
+        set(ARG_TIMEOUT ${MORAINE_TEST_TIMEOUT})
     endif()
     set(environment "OMP_NUM_THREADS=1" "OMPI_ALLOW_RUN_AS_ROOT=1" "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
         "OMPI_MCA_rmaps_base_oversubscribe=1" "OMPI_MCA_hwloc_base_binding_policy=none"
