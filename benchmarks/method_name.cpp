@@ -1,0 +1,15 @@
+#include "method_name.hpp"
+
+#include <fmt/format.h>
+
+namespace moraine {
+
+std::string method_name(Shape shape, Transfer transfer, StressUpdate update) {
+    constexpr const char* shapes[] = {"linear", "gimp", "gimp-contiguous", "quadratic", "cubic"};
+    constexpr const char* transfers[] = {"FLIP", "PIC", "APIC", "TPIC"};
+    constexpr const char* updates[] = {"USL", "USF", "MUSL"};
+    return fmt::format("{} {} {}", shapes[static_cast<int>(shape)], transfers[static_cast<int>(transfer)],
+                       updates[static_cast<int>(update)]);
+}
+
+}  // namespace moraine
