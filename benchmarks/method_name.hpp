@@ -1,5 +1,5 @@
 #pragma once
-// How benchmarks name a method: shape TRANSFER UPDATE.
+// How benchmarks name a method: shape TRANSFER UPDATE, or shape FMPM(k), which has one update.
 
 #include <string>
 
@@ -7,6 +7,6 @@
 
 namespace moraine {
 
-std::string method_name(Shape shape, Transfer transfer, StressUpdate update);
+std::string method_name(Shape shape, Transfer transfer, StressUpdate update, int order = 2);
 
 }  // namespace moraine

@@ -17,8 +17,8 @@ void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, Stress
 }
 
 void add_series(std::vector<Configuration>& all, Shape shape, int order) {
-    all.push_back({fmt::format("{} FMPM({})", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
-                   paper_cfl, order});
+    all.push_back({method_name(shape, Transfer::fmpm, StressUpdate::usl, order), shape, Transfer::fmpm,
+                   StressUpdate::usl, paper_cfl, order});
 }
 
 std::vector<Configuration> make_configurations() {

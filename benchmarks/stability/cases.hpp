@@ -27,6 +27,7 @@ using Report = std::function<void(const Finding&)>;
 /// Which part of a case to run.
 struct Wanted {
     std::string configurations;   ///< part of the name; empty: all
+    bool few = false;             ///< S1: only the clouds whose limits are the least
     int first = 1, count = 1000;  ///< random scenes
 };
 

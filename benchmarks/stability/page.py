@@ -27,7 +27,8 @@ def table(lines):
     names = list(dict.fromkeys(n for x in lines for n in x["numbers"]))
     rows = ["| configuration | " + " | ".join(names) + " | |", "|---" * (len(names) + 2) + "|"]
     for x in lines:
-        words = " ".join(w for w in (verdict(x), x["why"]) if w)
+        why = x["why"] or ("" if x["pass"] is not False else "; ".join(f"{n} is not a number" for n, v in x["numbers"].items() if v is None))
+        words = " ".join(w for w in (verdict(x), why) if w)
         rows.append(f"| {x['configuration']} | " + " | ".join(number(x["numbers"].get(n)) for n in names) + f" | {words} |")
     return rows
 
