@@ -2,36 +2,23 @@
 
 #include <fmt/format.h>
 
+#include "method_name.hpp"
+
 namespace moraine {
 
 namespace {
 
 constexpr double paper_cfl = 0.3;
 
-std::string name_of(Shape shape) {
-    switch (shape) {
-        case Shape::gimp:
-            return "gimp";
-        case Shape::gimp_contiguous:
-            return "gimp-contiguous";
-        case Shape::quadratic:
-            return "quadratic";
-        default:
-            return "cubic";
-    }
-}
-
 void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, StressUpdate update, double cfl) {
-    const char* transfer_name = transfer == Transfer::flip ? "FLIP" : transfer == Transfer::apic ? "APIC" : "TPIC";
-    const char* update_name = update == StressUpdate::usl ? "USL" : update == StressUpdate::usf ? "USF" : "MUSL";
-    std::string name = fmt::format("{} {} {}", name_of(shape), transfer_name, update_name);
+    std::string name = method_name(shape, transfer, update);
     if (cfl != paper_cfl) name += fmt::format(" @{}", cfl);
     all.push_back({name, shape, transfer, update, cfl});
 }
 
 void add_series(std::vector<Configuration>& all, Shape shape, int order) {
-    all.push_back({fmt::format("{} FMPM({})", name_of(shape), order), shape, Transfer::fmpm, StressUpdate::usl,
-                   paper_cfl, order});
+    all.push_back({method_name(shape, Transfer::fmpm, StressUpdate::usl, order), shape, Transfer::fmpm,
+                   StressUpdate::usl, paper_cfl, order});
 }
 
 std::vector<Configuration> make_configurations() {

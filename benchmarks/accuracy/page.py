@@ -4,7 +4,8 @@ A rung is one line: a configuration at one number of cells. A rung fails where t
 not a number or at least 1 (100 %). Times to an error are interpolated on log-log axes between two neighbouring rungs, never extrapolated.
 """
 import math
-import sys
+
+import figure
 
 B0 = "gimp FLIP USL"
 GOALS = (0.01, 0.001)
@@ -175,19 +176,6 @@ def results(lines, words):
     return "\n".join(text).rstrip() + "\n"
 
 
-def pyplot():
-    """matplotlib, also where only the system's Python has it; None: nowhere."""
-    sys.path.append("/usr/lib/python3/dist-packages")  # Debian's python3-matplotlib
-    try:
-        import matplotlib
-        matplotlib.use("svg")
-        matplotlib.rcParams.update({"svg.hashsalt": "accuracy", "svg.fonttype": "none", "font.size": 8})
-        import matplotlib.pyplot
-        return matplotlib.pyplot
-    except ImportError:
-        return None
-
-
 def style(name):
     shape, transfer, update = (name.split() + ["USL"])[:3]  # FMPM(k) has one update
     colors = {"gimp": "black", "gimp-contiguous": "tab:red", "quadratic": "tab:blue", "cubic": "tab:green"}
@@ -198,14 +186,11 @@ def style(name):
 
 
 def plot(lines, words, path):
-    plt = pyplot()
     lines = [x for x in lines if x["precision"] == "double" and not fails(x)]
-    if not lines:
-        return
+    plt = figure.pyplot("accuracy") if lines else None
     if not plt:
-        print("accuracy: no plots (matplotlib is missing). Install python3-matplotlib?", file=sys.stderr)
         return
-    figure, axes = plt.subplots(figsize=(9, 5))
+    drawing, axes = plt.subplots(figsize=(9, 5))
     for name in dict.fromkeys(x["configuration"] for x in lines):
         rungs = ladder(lines, name, "double")
         axes.loglog([x["processor_s"] for x in rungs], [x["error"] for x in rungs], label=name, **style(name))
@@ -217,8 +202,4 @@ def plot(lines, words, path):
     axes.set_ylabel("error")
     axes.set_title(words, fontsize=8)
     axes.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.01, 0.5))
-    figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)
-    text = path.read_text()
-    path.write_text("\n".join(line.rstrip() for line in text.splitlines()) + "\n")
+    figure.save(plt, drawing, path)

@@ -1,0 +1,46 @@
+#pragma once
+// What benchmark_stability measures: cases S1 to S22 of the verification plan, each a function that reports one line
+// per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "verification/run.hpp"
+
+namespace moraine {
+
+using verification::Choice;
+
+/// One row of the table.
+struct Finding {
+    std::string configuration;
+    std::vector<std::pair<std::string, double>> numbers;
+    std::optional<bool> pass;  ///< none: a number without a goal
+    std::string why;           ///< where it fails, or what else must be said
+};
+
+using Report = std::function<void(const Finding&)>;
+
+/// Which part of a case to run.
+struct Wanted {
+    std::string configurations;   ///< part of the name; empty: all
+    bool few = false;             ///< S1: only the clouds whose limits are the least
+    int first = 1, count = 1000;  ///< random scenes
+};
+
+struct StabilityCase {
+    const char* name;
+    const char* words;
+    void (*run)(const Wanted&, const Report&);
+};
+
+/// All methods that a scene may choose (APIC and TPIC with linear shapes are refused), their names in full.
+const std::vector<Choice>& all_methods();
+
+void find_limits(const Wanted& wanted, const Report& report);
+void run_random(const Wanted& wanted, const Report& report);
+
+}  // namespace moraine

@@ -1,0 +1,110 @@
+// benchmark_stability: stress tests of the method, on one core of the host.
+//
+//   benchmark_stability CASE... [--configurations WORDS] [--few] [--first N] [--count N] [--list]
+//
+// One JSON line per case and configuration: numbers, whether its goal is met, and why not. `run` makes tables of it.
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "machine.hpp"
+#include "stability/cases.hpp"
+
+namespace moraine {
+
+namespace {
+
+constexpr StabilityCase cases[] = {
+    {"S1",
+     "largest stable dt c / h: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps (frozen) or 4000",
+     find_limits},
+    {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
+     run_random},
+};
+
+struct Options {
+    std::vector<std::string> names;
+    Wanted wanted;
+    bool list = false;
+};
+
+Options parse(int argc, char** argv) {
+    Options o;
+    for (int i = 1; i < argc; ++i) {
+        const std::string key = argv[i];
+        const auto value = [&]() -> std::string {
+            if (++i == argc) throw std::runtime_error(key + " needs a value");
+            return argv[i];
+        };
+        if (key == "--list")
+            o.list = true;
+        else if (key == "--configurations")
+            o.wanted.configurations = value();
+        else if (key == "--few")
+            o.wanted.few = true;
+        else if (key == "--first")
+            o.wanted.first = std::stoi(value());
+        else if (key == "--count")
+            o.wanted.count = std::stoi(value());
+        else
+            o.names.push_back(key);
+    }
+    return o;
+}
+
+std::string escaped(std::string words) {
+    std::replace(words.begin(), words.end(), '"', '\'');
+    std::replace(words.begin(), words.end(), '\n', ' ');
+    return words;
+}
+
+void print(const StabilityCase& of, const Finding& finding, double seconds) {
+    std::string numbers;
+    for (const auto& [name, value] : finding.numbers)
+        numbers += fmt::format("{}\"{}\": {}", numbers.empty() ? "" : ", ", name,
+                               std::isfinite(value) ? fmt::format("{:.6g}", value) : "null");
+    fmt::print(
+        R"({{"case": "{}", "configuration": "{}", "numbers": {{{}}}, "pass": {}, "why": "{}", "seconds": {:.1f}, {}}})"
+        "\n",
+        of.name, finding.configuration, numbers, finding.pass ? (*finding.pass ? "true" : "false") : "null",
+        escaped(finding.why), seconds, machine_json(this_machine()));
+    std::fflush(stdout);
+}
+
+void benchmark(const Options& o) {
+    if (o.list)
+        for (const StabilityCase& c : cases) fmt::print("{}: {}\n", c.name, c.words);
+    for (const std::string& name : o.names) {
+        const auto* found =
+            std::find_if(std::begin(cases), std::end(cases), [&](const auto& c) { return c.name == name; });
+        if (found == std::end(cases)) throw std::runtime_error("no case " + name + " (see --list)");
+        double began = processor_seconds();
+        found->run(o.wanted, [&](const Finding& finding) {
+            print(*found, finding, processor_seconds() - began);
+            began = processor_seconds();
+        });
+    }
+}
+
+}  // namespace
+
+}  // namespace moraine
+
+int main(int argc, char** argv) {
+    MPI_Init(&argc, &argv);
+    int code = 0;
+    try {
+        moraine::benchmark(moraine::parse(argc, argv));
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "benchmark_stability: {}\n", e.what());
+        code = 1;
+    }
+    MPI_Finalize();
+    return code;
+}

@@ -1,0 +1,79 @@
+"""What the lines of benchmark_stability say together, as Markdown and as a map of the stable steps."""
+import figure
+
+LIMIT = "least adrift"
+CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrift", "2-D free", "2-D jittered", "3-D adrift", "3-D free")
+
+
+def key(line):
+    return line["case"], line["configuration"]
+
+
+def merged(lines, fresh):
+    again = {key(x) for x in fresh}
+    return [x for x in lines if key(x) not in again] + fresh
+
+
+def number(value):
+    return "-" if value is None else f"{value:.3g}"
+
+
+def verdict(line):
+    return "" if line["pass"] is None else ("pass" if line["pass"] else "**fails**")
+
+
+def table(lines):
+    """One row per configuration."""
+    names = list(dict.fromkeys(n for x in lines for n in x["numbers"]))
+    rows = ["| configuration | " + " | ".join(names) + " | |", "|---" * (len(names) + 2) + "|"]
+    for x in lines:
+        why = x["why"] or ("" if x["pass"] is not False else "; ".join(f"{n} is not a number" for n, v in x["numbers"].items() if v is None))
+        words = " ".join(w for w in (verdict(x), why) if w)
+        rows.append(f"| {x['configuration']} | " + " | ".join(number(x["numbers"].get(n)) for n in names) + f" | {words} |")
+    return rows
+
+
+def random_scenes(lines):
+    """How many stand, and those that do not."""
+    failing = [x for x in lines if not x["pass"]]
+    particles = [x["numbers"]["particles"] for x in lines]
+    momentum = max(x["numbers"]["momentum"] or 0 for x in lines)
+    text = [f"{len(lines) - len(failing)} of {len(lines)} scenes stand ({min(particles):.0f} to {max(particles):.0f} particles); largest momentum error "
+            f"{momentum:.1e} of M c; processor time {sum(x['seconds'] for x in lines):.0f} s."]
+    return text + (["", "Those that do not:", ""] + table(failing) if failing else [])
+
+
+def results(lines, words):
+    commits = ", ".join(sorted({x["commit"] for x in lines}))
+    some = lines[0]
+    text = ["# Where the method is stable", "",
+            "Made by `benchmarks/stability/run`; every line is in [results.jsonl](results.jsonl). `-`: not measured.", "",
+            f"{some['machine']}, one core; {some['compiler']}, -march={some['march']}; commit {commits}.", ""]
+    for case, about in words.items():
+        mine = [x for x in lines if x["case"] == case]
+        if not mine:
+            continue
+        text += [f"## {case}: {about}", ""]
+        if case == "S1":
+            text += ["![S1](S1.svg)", ""]
+        text += (random_scenes(mine) if case == "S22" else table(mine)) + [""]
+    return "\n".join(text).rstrip() + "\n"
+
+
+def plot(lines, path):
+    """The limits over method and cloud."""
+    plt = figure.pyplot("stability") if lines else None
+    if not plt:
+        return
+    values = [[x["numbers"].get(c) or float("nan") for c in CLOUDS] for x in lines]
+    drawing, axes = plt.subplots(figsize=(7, 1.2 + 0.2 * len(lines)))
+    image = axes.imshow(values, aspect="auto", cmap="viridis", vmin=0, vmax=2.5)
+    for i, row in enumerate(values):
+        for j, value in enumerate(row):
+            if value == value:
+                axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=6, color="white" if value < 1.5 else "black")
+    axes.set_xticks(range(len(CLOUDS)), CLOUDS, rotation=30, ha="right")
+    axes.set_yticks(range(len(lines)), [x["configuration"] for x in lines])
+    axes.set_title("largest stable dt c / h")
+    drawing.colorbar(image)
+    figure.save(plt, drawing, path)

@@ -1,0 +1,51 @@
+// S22: random scenes at a random share of the program's own step, and at the whole of it.
+
+#include <fmt/format.h>
+
+#include "method_name.hpp"
+#include "stability/cases.hpp"
+#include "verification/random_run.hpp"
+
+namespace moraine {
+
+namespace {
+
+using namespace verification;
+
+constexpr int steps = 240;
+
+std::string words_of(const Scene& scene) {
+    std::string laws, ends;
+    for (const MaterialSpec& m : scene.materials) laws += (laws.empty() ? "" : " + ") + m.law;
+    return fmt::format("{}-D {}, {}, cfl {:.3g}{}", scene.dimensions,
+                       method_name(scene.shape, scene.transfer, scene.stress_update), laws, scene.cfl,
+                       scene.structures.empty() ? "" : ", structure");
+}
+
+Verdict judge(const Scene& scene) {
+    return scene.dimensions == 2 ? verification::judge<double, 2>(scene, steps)
+                                 : verification::judge<double, 3>(scene, steps);
+}
+
+std::string why(const Verdict& v) {
+    if (!v.fault.empty()) return v.fault;
+    if (v.lost > 0) return fmt::format("{} particles lost", v.lost);
+    if (v.momentum > 1e-10) return fmt::format("momentum error {:.2g}", v.momentum);
+    return v.created > 1e-6 ? fmt::format("energy grows by {:.2g} per step", v.created) : "";
+}
+
+}  // namespace
+
+void run_random(const Wanted& wanted, const Report& report) {
+    for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
+        Scene scene = random_scene(static_cast<std::uint64_t>(n));
+        scene.cfl *= random_share(static_cast<std::uint64_t>(n));
+        const Verdict v = judge(scene);
+        report({fmt::format("scene {}: {}", n, words_of(scene)),
+                {{"particles", v.particles}, {"momentum", v.momentum}, {"created", v.created}},
+                v.stands(),
+                why(v)});
+    }
+}
+
+}  // namespace moraine
