@@ -56,7 +56,12 @@ void Simulation<Real, Dim>::agree_on_dt() {
     counts_.seconds_lost += agreed_.seconds - mean_seconds;
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
-    clock_.dt = scene_.dt > 0 ? scene_.dt : scene_.cfl * scene_.cell / clock_.signal;
+    if (scene_.dt > 0)
+        clock_.dt = scene_.dt;
+    else if (clock_.signal > 0)
+        clock_.dt = scene_.cfl * scene_.cell / clock_.signal;
+    else if (clock_.dt == 0)  // nothing is there, nor was; once all have left, time goes on as before
+        clock_.dt = scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
     engine_->expect_leavers(agreed_.crowd);

@@ -1,0 +1,38 @@
+// S1 and S22 in small: the default method is stable while it drifts, and random scenes keep their books.
+#include "verification/drive.hpp"
+#include "verification/problem_cloud.hpp"
+#include "verification/random_run.hpp"
+
+using namespace moraine;
+using namespace moraine::verification;
+
+namespace {
+
+/// USF and MUSL gain some energy with FLIP, and where a friction wall lets go of what it presses.
+bool may_gain(const Scene& scene) {
+    bool friction = false;
+    for (const auto& axis : scene.walls)
+        for (const WallSpec& wall : axis) friction = friction || wall.kind == WallKind::friction;
+    return scene.stress_update != StressUpdate::usl && (friction || scene.transfer == Transfer::flip);
+}
+
+}  // namespace
+
+TEST_CASE("S1: the default method is stable adrift at the step of its scenes, and not at h / c") {
+    const Cloud strip{"strip adrift", 2, true, false, 0.05};
+    CHECK(cloud_is_stable(strip, quadratic_flip_usl, Scene{}.cfl));
+    CHECK(!cloud_is_stable(strip, quadratic_flip_usl, 1));
+}
+
+TEST_CASE("S22: forty random scenes run to their end, lose nothing, keep momentum and gain no energy") {
+    for (std::uint64_t number = 1; number <= 40; ++number) {
+        CAPTURE(number);
+        Scene scene = random_scene(number);
+        scene.cfl *= random_share(number);
+        const Verdict v = scene.dimensions == 2 ? judge<double, 2>(scene, 120) : judge<double, 3>(scene, 120);
+        CHECK(v.fault == "");
+        CHECK(v.lost == 0);
+        CHECK(v.momentum <= 1e-10);
+        CHECK(v.created <= (may_gain(scene) ? 2e-4 : 1e-6));
+    }
+}
