@@ -152,3 +152,19 @@ TEST_CASE("a step that has become absurdly small ends the run") {
     sim.refresh_signal();
     CHECK_THROWS_WITH_AS(sim.step(), doctest::Contains("step 0: dt fell to 5e-16 s at t = 0 s"), PhysicsError);
 }
+
+TEST_CASE("when the last particle has left, time goes on by the step that it had") {
+    const Comm comm(MPI_COMM_WORLD);
+    Scene scene = sliding();
+    scene.walls[1][1].kind = WallKind::open;
+    scene.end = 100;
+    for (BodySpec& body : scene.bodies) body.velocity = {0, 5, 0};
+    Simulation<double, 2> sim(scene, comm);
+    sim.seed();
+    for (int n = 0; n < 400; ++n) sim.step(), sim.balance();
+    sim.conclude();
+    CHECK(comm.sum(sim.patch().count()) == 0);
+    CHECK(comm.sum(sim.ledger().lost_count) == 64);
+    CHECK(std::isfinite(sim.clock().time));
+    CHECK(sim.clock().time < 10);
+}
