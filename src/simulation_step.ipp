@@ -59,7 +59,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     if (scene_.dt > 0)
         clock_.dt = scene_.dt;
     else if (clock_.signal > 0)
-        clock_.dt = scene_.cfl * scene_.cell / clock_.signal;
+        clock_.dt = courant_number(scene_) * scene_.cell / clock_.signal;
     else if (clock_.dt == 0)  // nothing is there, nor was; once all have left, time goes on as before
         clock_.dt = scene_.end - clock_.time;
     check_step();

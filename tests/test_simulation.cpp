@@ -119,6 +119,20 @@ TEST_CASE("it is the same for the series of FMPM, and balances its momentum") {
     }
 }
 
+TEST_CASE("a step of k terms of FMPM is 1 / sqrt(k) of that of one") {
+    Scene scene = slurry();
+    scene.transfer = Transfer::fmpm;
+    const Comm self(MPI_COMM_SELF);
+    const auto first_step = [&](int order) {
+        scene.order = order;
+        Simulation<double, 2> sim(scene, self);
+        sim.seed();
+        sim.step();
+        return sim.clock().dt;
+    };
+    CHECK(first_step(4) == doctest::Approx(first_step(1) / 2));
+}
+
 TEST_CASE("it is the same where cells have one pressure") {
     Scene scene = slurry();
     scene.materials[0].volumetric = Volumetric::cell;

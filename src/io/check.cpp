@@ -162,7 +162,7 @@ Prediction predict(const Scene& scene) {
         const double speed = add_body(scene, static_cast<int>(b), p, keys);
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(scene.bodies[b].material)];
         const double wave = wave_speed(material);
-        p.dt = std::min(p.dt, scene.cfl * scene.cell / (wave + speed));
+        p.dt = std::min(p.dt, courant_number(scene) * scene.cell / (wave + speed));
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/method.hpp"
 #include "io/check.hpp"
 #include "io/scene_check.hpp"
 
@@ -30,7 +31,7 @@ void check_time(const Scene& scene, const Places& places) {
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
         const double wave = wave_speed(material);
-        const double by_cfl = scene.cfl * scene.cell / (wave + norm(body.velocity));
+        const double by_cfl = courant_number(scene) * scene.cell / (wave + norm(body.velocity));
         if (scene.dt > 0) check_fixed(scene, places, wave, by_cfl);
         const double steps = scene.end / by_cfl;
         if (scene.dt > 0 || steps <= most_steps) continue;

@@ -26,8 +26,10 @@ struct MuI {
     static constexpr Parameter parameters[] = {
         young_parameter,
         poisson_parameter,
-        {"static_friction", "-", required, 0, 10, true, "mu_s: sqrt(J2) over pressure at which it begins to flow"},
-        {"limit_friction", "-", required, 0, 10, true, "mu_2: the same in very fast flow, at least static_friction"},
+        {"static_friction", "-", required, 0, 10, true,
+         "Friction mu_s: sqrt(J2) over pressure at which it begins to flow"},
+        {"limit_friction", "-", required, 0, 10, true,
+         "Friction mu_2: the same in very fast flow, at least static_friction"},
         {"inertial_number", "-", 0.279, 0, unbounded, true, "I0, at which friction is half way from mu_s to mu_2"},
         {"grain_diameter", "m", required, 0, unbounded, false, "d of I = rate d / sqrt(pressure / grain_density)"},
         {"grain_density", "kg/m3", required, 0, unbounded, true, "of the solid of the grains"}};
