@@ -17,6 +17,7 @@
 #include <stdexcept>
 
 #include "accuracy/cases.hpp"
+#include "benchmark_main.hpp"
 #include "core/error.hpp"
 #include "machine.hpp"
 
@@ -134,14 +135,6 @@ void benchmark(const Options& o) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
-    MPI_Init(&argc, &argv);
-    int code = 0;
-    try {
-        moraine::benchmark(moraine::parse(argc, argv));
-    } catch (const std::exception& e) {
-        fmt::print(stderr, "benchmark_accuracy: {}\n", e.what());
-        code = 1;
-    }
-    MPI_Finalize();
-    return code;
+    return moraine::benchmark_main("benchmark_accuracy", argc, argv,
+                                   [](int c, char** v) { moraine::benchmark(moraine::parse(c, v)); });
 }

@@ -14,6 +14,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "benchmark_main.hpp"
 #include "device.hpp"
 #include "device/cases.hpp"
 #include "machine.hpp"
@@ -158,14 +159,5 @@ void benchmark(int argc, char** argv) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
-    MPI_Init(&argc, &argv);
-    int code = 0;
-    try {
-        moraine::benchmark(argc, argv);
-    } catch (const std::exception& e) {
-        fmt::print(stderr, "benchmark_device: {}\n", e.what());
-        code = 1;
-    }
-    MPI_Finalize();
-    return code;
+    return moraine::benchmark_main("benchmark_device", argc, argv, [](int c, char** v) { moraine::benchmark(c, v); });
 }

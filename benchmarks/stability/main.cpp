@@ -13,6 +13,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "benchmark_main.hpp"
 #include "machine.hpp"
 #include "stability/cases.hpp"
 
@@ -97,14 +98,6 @@ void benchmark(const Options& o) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
-    MPI_Init(&argc, &argv);
-    int code = 0;
-    try {
-        moraine::benchmark(moraine::parse(argc, argv));
-    } catch (const std::exception& e) {
-        fmt::print(stderr, "benchmark_stability: {}\n", e.what());
-        code = 1;
-    }
-    MPI_Finalize();
-    return code;
+    return moraine::benchmark_main("benchmark_stability", argc, argv,
+                                   [](int c, char** v) { moraine::benchmark(moraine::parse(c, v)); });
 }
