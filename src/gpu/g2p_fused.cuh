@@ -69,7 +69,7 @@ struct FusedGather {
         if constexpr (Averages) {
             CoreRows<Real, Dim> before;  // the cell is not kept in a register; in 2-D the shear row is the normal one
             before.row[p.place] = row(p.place);
-            shared.means.put_pressure(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
+            shared.means.put_stress(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
         }
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)

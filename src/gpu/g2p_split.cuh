@@ -100,7 +100,7 @@ struct SplitGather {
         const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
         shared.means.put_rate(cell, sums);
         p.row[p.normal] = load_row(v.p.core[p.normal] + s);
-        shared.means.put_pressure(cell, p);
+        shared.means.put_stress(cell, p);
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);
     }
 

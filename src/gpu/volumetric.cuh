@@ -19,7 +19,7 @@ __device__ __forceinline__ Real divergence_of(const Gathered<Real, Dim, Affine>&
 }
 
 template <class Real, int Dim>
-__device__ __forceinline__ Real pressure_of(const CoreRows<Real, Dim>& p) {
+__device__ __forceinline__ Real stress_trace(const CoreRows<Real, Dim>& p) {
     return p.stress(0) + p.stress(1) + p.stress(2);
 }
 
@@ -36,9 +36,9 @@ struct CellMeans {
         for (int a = 0; a < Dim; ++a) sums.gradient[a][a] += step;
     }
 
-    /// Gives the normal row of a particle in the cell its pressure.
-    __device__ __forceinline__ void put_pressure(int cell, CoreRows<Real, Dim>& p) const {
-        const Real step = (stress[cell] - pressure_of(p)) * Real(1.0 / 3);
+    /// Gives the normal row of a particle in the cell the mean of its trace.
+    __device__ __forceinline__ void put_stress(int cell, CoreRows<Real, Dim>& p) const {
+        const Real step = (stress[cell] - stress_trace(p)) * Real(1.0 / 3);
 #pragma unroll
         for (int a = 0; a < 3; ++a) p.stress(a) += step;
     }
@@ -66,7 +66,7 @@ __device__ __forceinline__ void average_cells(const View<Real, Dim>& v, const Ga
         AxisWeights<Real, Shape, false> n[Dim];
         weights(s, u, n);
         const auto sums = gather<Shape, false, Real, Dim>(tile, number_of<tile_side(Shape::width), Real, Dim>(u), n);
-        mean.add(p.mass(), divergence_of(sums), pressure_of(p));
+        mean.add(p.mass(), divergence_of(sums), stress_trace(p));
     }
     mean.rate += __shfl_xor_sync(0xffffffffu, mean.rate, 1);
     mean.stress += __shfl_xor_sync(0xffffffffu, mean.stress, 1);
