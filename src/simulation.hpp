@@ -19,6 +19,7 @@
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
 #include "comm/host_engine.hpp"
+#include "comm/next_epoch.hpp"
 #include "core/error.hpp"
 #include "core/hash.hpp"
 #include "core/method.hpp"
@@ -40,6 +41,7 @@ inline constexpr CostModel device_costs{81, 296, 0};
 /// Counts over the whole run. Those of a rank are summed when they are reported.
 struct RunCounts {
     std::int64_t repartitions = 0;        ///< same on all ranks
+    std::int64_t epochs = 0;              ///< that were renewed in place; same on all ranks
     std::int64_t migrated_particles = 0;  ///< sent by this rank in repartitions
     std::int64_t migrated_blocks = 0;
     std::int64_t crossed_particles = 0;  ///< walked from this rank to others
@@ -69,6 +71,10 @@ struct RunClock {
     double start_energy = 0;  ///< kinetic, stored and potential [J]
     std::int64_t round = 0;   ///< partitions made
 };
+
+/// An epoch is used up when particles may have moved this far by the step before [cells]. With less than one more in
+/// the last step and in the next it is below 4: they are still in blocks of the topology.
+inline constexpr double epoch_reach = 2;
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
 inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
@@ -118,6 +124,10 @@ class Simulation {
 
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
+
+    /// The next epoch is made beside the steps from when particles may have moved this far [cells]; epoch_reach: only
+    /// when it is needed. By itself early where the engine leaves the host free. The same on all ranks.
+    void foresee_epochs_at(double cells) { foresight_ = cells; }
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
     void refresh_signal();
@@ -177,8 +187,10 @@ class Simulation {
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
-    void renew_epoch(const std::vector<BlockLoad>& loads);
+    void foresee_epoch();
+    void renew_epoch();
     bool is_balanced();
+    bool repartition_if_worth_it();
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
     std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
     void repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);
@@ -209,8 +221,11 @@ class Simulation {
     Phases phases_;
     BalanceLook look_;
     Acceleration body_force_;
-    std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the epoch began
-    double wandered_ = 0;  ///< largest sum of displacements in this epoch, up to the step before [cells]
+    NextEpoch<Dim> next_epoch_;
+    double foresight_ = epoch_reach;
+    double wandered_ =
+        0;  ///< largest sum of displacements since this epoch was foreseen, up to the step before [cells]
+    double foreseen_ = 0;  ///< the same at the moment when the next one was
     double computed_ = 0;  ///< computing time up to the last step [s]
     double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
     std::int64_t looked_step_ = 0;

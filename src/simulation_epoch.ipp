@@ -62,15 +62,10 @@ inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::v
 /// This rank's part of a topology made from what is occupied now; owners are the ranks that hold the blocks.
 template <class Real, int Dim>
 EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>& loads) {
-    occupied_.clear();
-    for (const BlockLoad& load : loads) occupied_.push_back({load.key, load.owner});
-    const Topology<Dim> topology = make_topology<Dim>(domain_, occupied_, [this](const BlockPosition<Dim>& at) {
-        Position position{};
-        std::copy(at.begin(), at.end(), position.begin());
-        return partitioner_->owner_at(position);
-    });
+    std::vector<OccupiedBlock> occupied;
+    for (const BlockLoad& load : loads) occupied.push_back({load.key, load.owner});
     wandered_ = 0;
-    return make_epoch<Dim>(topology, domain_, method_.stencil, comm_.rank());
+    return next_epoch_.make(std::move(occupied));
 }
 
 /// With particles that were put into the host's share.
@@ -80,16 +75,23 @@ void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
     engine_->refresh_memory(false);
 }
 
-/// With the particles of now. Where no block became occupied or empty, the old tables serve on.
+/// Begins to make the next epoch from what is occupied now.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::renew_epoch(const std::vector<BlockLoad>& loads) {
-    const auto same = [](const BlockLoad& load, const OccupiedBlock& block) {
-        return load.key == block.key && load.owner == block.owner;
-    };
-    if (std::equal(loads.begin(), loads.end(), occupied_.begin(), occupied_.end(), same))
-        wandered_ = 0;
-    else
-        engine_->renew(next_epoch(loads));
+void Simulation<Real, Dim>::foresee_epoch() {
+    std::vector<std::int64_t> counts;
+    std::vector<Key> keys = comm_.all_gather(engine_->block_counts(false).key, &counts);
+    next_epoch_.start(std::move(keys), std::move(counts), foresight_ < epoch_reach);
+    foreseen_ = wandered_;
+}
+
+/// Takes the epoch that was foreseen.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::renew_epoch() {
+    if (std::optional<EpochTables<Dim>> tables = next_epoch_.take()) {
+        engine_->renew(std::move(*tables));
+        ++counts_.epochs;
+    }
+    wandered_ -= foreseen_;
     engine_->refresh_memory(false);
 }
 
@@ -102,26 +104,30 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
     return counts;
 }
 
-/// A block's particles may have moved `wandered_` cells by the step before and less than one more in
-/// the last: below 4 in all they are still in blocks of the topology.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    const bool look = trigger_.is_due(clock_.step) && !alone;
-    const bool used_up = wandered_ > 2;
     look_.repartitioned = false;
-    if ((!look || is_balanced()) && !used_up) return;
+    const bool look = trigger_.is_due(clock_.step) && !alone && !is_balanced();
+    const bool used_up = wandered_ > epoch_reach;
+    const bool foresee = wandered_ > foresight_ && !next_epoch_.under_way();
+    if (!look && !used_up && !foresee) return;
     file();
     phases_.time(Phase::balance, [&] {
-        const BlockCounts mine = engine_->block_counts(look && weighs_cells());
-        if (look && weighs_cells()) calibrate(mine);
-        std::vector<BlockLoad> loads = gather_loads(mine);
-        if (look) {
-            const std::vector<std::int32_t> owners = plan(loads);
-            if (look_.repartitioned) return repartition(loads, owners);
-        }
-        if (used_up) renew_epoch(loads);
+        if (look && repartition_if_worth_it()) return;
+        if (foresee) foresee_epoch();
+        if (used_up) renew_epoch();
     });
+}
+
+template <class Real, int Dim>
+bool Simulation<Real, Dim>::repartition_if_worth_it() {
+    const BlockCounts mine = engine_->block_counts(weighs_cells());
+    if (weighs_cells()) calibrate(mine);
+    std::vector<BlockLoad> loads = gather_loads(mine);
+    const std::vector<std::int32_t> owners = plan(loads);
+    if (look_.repartitioned) repartition(std::move(loads), owners);
+    return look_.repartitioned;
 }
 
 /// By what the last agreement says of the ranks, before anything is filed or sent: no plan is worth making. Costs may

@@ -23,11 +23,17 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       weight_(scene.balance, make_engine ? device_costs : host_costs),
       calibration_(make_engine ? device_costs : host_costs),
       reduction_(comm),
-      structures_(scene) {
+      structures_(scene),
+      next_epoch_(domain_, method_.stencil, comm.rank(), [this](const BlockPosition<Dim>& at) {
+          Position position{};
+          std::copy(at.begin(), at.end(), position.begin());
+          return partitioner_->owner_at(position);
+      }) {
     if (make_engine)
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
+    if (engine_->leaves_host_free()) foresight_ = 0.75 * epoch_reach;
 }
 
 template <class Real, int Dim>

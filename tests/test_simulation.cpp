@@ -71,6 +71,19 @@ Result same_on_all_ranks(Scene scene, int steps) {
     return alone;
 }
 
+/// The hash of lists after some steps, and the epochs that were made on the way.
+std::pair<std::uint64_t, std::int64_t> run_epochs(const Scene& scene, const Comm& comm, int steps, double foresight) {
+    Simulation<double, 2> sim(scene, comm);
+    sim.foresee_epochs_at(foresight);
+    sim.seed();
+    for (int n = 0; n < steps; ++n) {
+        sim.step();
+        sim.balance();
+    }
+    sim.conclude();
+    return {sim.state_hash(true), sim.counts().epochs};
+}
+
 const moraine::Shape every_shape[] = {moraine::Shape::linear, moraine::Shape::gimp, moraine::Shape::gimp_contiguous,
                                       moraine::Shape::quadratic, moraine::Shape::cubic};
 
@@ -83,6 +96,31 @@ TEST_CASE("a slurry that leaves through an open wall is the same on any number o
         scene.shape = shape;
         const Result r = same_on_all_ranks<double, 2>(scene, 40);
         CHECK(r.lost > 0);
+    }
+}
+
+TEST_CASE("it is the same whether epochs are made when they are needed or beside the steps before") {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = slurry();
+    scene.max[0] = 12;
+    scene.walls[1][0].kind = WallKind::free_slip;
+    scene.bodies.push_back(scene.bodies.front());  // two that drift apart, into blocks that were empty
+    scene.bodies[0].velocity = {10, 0, 0};
+    scene.bodies[1].min = {0.2, 0, 0};
+    scene.bodies[1].max = {1.2, 1, 0};
+    scene.balance.trigger = Trigger::every;
+    scene.balance.interval = 61;
+    const auto [hash, epochs] = run_epochs(scene, self, 250, epoch_reach);
+    CHECK(epochs >= 3);
+    for (const char* partitioner : {"morton", "shuffle", "slabs"}) {
+        CAPTURE(partitioner);
+        scene.balance.partitioner = partitioner;
+        for (double foresight : {0.1, 0.75 * epoch_reach, epoch_reach}) {
+            CAPTURE(foresight);
+            const auto [all, made] = run_epochs(scene, comm, 250, foresight);
+            CHECK(all == hash);
+            CHECK(made >= 3);
+        }
     }
 }
 

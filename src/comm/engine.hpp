@@ -75,6 +75,8 @@ class Engine {
     virtual ~Engine() = default;
 
     virtual std::string device() const = 0;  ///< for the records: "cpu", or a device's name
+    /// Whether the host's threads are free while it steps. Not collective.
+    virtual bool leaves_host_free() const { return false; }
 
     /// The share in the memory of the host; in the filed state it is that of now. What is changed in it counts after
     /// adopt(). Not collective.

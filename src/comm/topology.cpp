@@ -30,21 +30,26 @@ bool DomainBlocks<Dim>::wrap(BlockPosition<Dim>& at) const {
 
 namespace {
 
-/// Owners of a family's blocks: those of occupied blocks are known; an empty one's is said by its position, or it has
-/// that of its first occupied neighbour.
+Family family_in(const auto& index, Key parent) {
+    const std::int32_t f = index.family(parent);
+    return f < 0 ? Family{parent, 0, 0} : index.families()[static_cast<std::size_t>(f)];
+}
+
+/// Owners of a family's blocks: those of occupied blocks are known; an empty one's is that of before, or said by its
+/// position, or it has that of its first occupied neighbour.
 template <int Dim>
 void set_owners(Topology<Dim>& t, const Family& family, const DomainBlocks<Dim>& domain,
                 const std::vector<OccupiedBlock>& occupied, const BlockIndex<Dim>& filled,
-                const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at) {
-    const std::int32_t f = filled.family(family.parent);
-    const Family known = f < 0 ? Family{family.parent, 0, 0} : filled.families()[static_cast<std::size_t>(f)];
+                const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at, const Topology<Dim>* before) {
+    const Family known = family_in(filled, family.parent);
+    const Family old = before ? family_in(before->index, family.parent) : Family{family.parent, 0, 0};
     const auto owner_of = [&](std::int32_t block) { return occupied[static_cast<std::size_t>(block)].owner; };
     std::array<std::int32_t, Surroundings<Dim>::places> near;
     Places there = 0;
-    if (known.mask != family.mask) {
+    if (((known.mask | old.mask) & family.mask) != family.mask) {
         const PlaceTables<Dim>& table = place_tables<Dim>;
         near = blocks_at(filled, Surroundings<Dim>(domain, family.parent, Ends::closed),
-                         table.of(family.mask & ~known.mask, table.around));
+                         table.of(family.mask & ~known.mask & ~old.mask, table.around));
         for (std::size_t p = 0; p < near.size(); ++p) there |= Places(near[p] >= 0) << p;
     }
     for (unsigned child = 0; child < Block<Dim>::corners; ++child) {
@@ -52,6 +57,10 @@ void set_owners(Topology<Dim>& t, const Family& family, const DomainBlocks<Dim>&
         std::int32_t& owner = t.owner[static_cast<std::size_t>(family.index_of(child))];
         if (known.has(child)) {
             owner = owner_of(known.index_of(child));
+            continue;
+        }
+        if (old.has(child)) {
+            owner = before->owner[static_cast<std::size_t>(old.index_of(child))];
             continue;
         }
         owner = owner_at(Morton<Dim>::decode((family.parent << Dim) + child));
@@ -65,7 +74,8 @@ void set_owners(Topology<Dim>& t, const Family& family, const DomainBlocks<Dim>&
 
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
-                            const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at) {
+                            const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at,
+                            const Topology<Dim>* before) {
     std::vector<Key> keys(occupied.size());
 #pragma omp parallel for schedule(static)
     for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = occupied[i].key;
@@ -78,7 +88,7 @@ Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<O
     const std::vector<Family>& families = t.index.families();
 #pragma omp parallel for schedule(static)
     for (std::size_t f = 0; f < families.size(); ++f)
-        set_owners<Dim>(t, families[f], domain, occupied, filled, owner_at);
+        set_owners<Dim>(t, families[f], domain, occupied, filled, owner_at, before);
     return t;
 }
 
@@ -87,8 +97,8 @@ template struct DomainBlocks<3>;
 template struct Topology<2>;
 template struct Topology<3>;
 template Topology<2> make_topology<2>(const DomainBlocks<2>&, const std::vector<OccupiedBlock>&,
-                                      const std::function<std::int32_t(const BlockPosition<2>&)>&);
+                                      const std::function<std::int32_t(const BlockPosition<2>&)>&, const Topology<2>*);
 template Topology<3> make_topology<3>(const DomainBlocks<3>&, const std::vector<OccupiedBlock>&,
-                                      const std::function<std::int32_t(const BlockPosition<3>&)>&);
+                                      const std::function<std::int32_t(const BlockPosition<3>&)>&, const Topology<3>*);
 
 }  // namespace moraine

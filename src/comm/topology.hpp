@@ -46,10 +46,12 @@ struct Topology {
     std::int64_t find(Key key) const { return index.find(key); }
 };
 
-/// `occupied` in key order, all in the domain, the same on all ranks. `owner_at` gives the owner of an empty
-/// block by position, or -1 for the neighbour rule; several threads call it at a time. Not collective.
+/// `occupied` in key order, all in the domain, the same on all ranks. An empty block keeps the owner that it has in
+/// `before`, if it is there; else `owner_at` gives it by position, or -1 for the neighbour rule; several threads call
+/// it at a time. Not collective.
 template <int Dim>
 Topology<Dim> make_topology(const DomainBlocks<Dim>& domain, const std::vector<OccupiedBlock>& occupied,
-                            const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at);
+                            const std::function<std::int32_t(const BlockPosition<Dim>&)>& owner_at,
+                            const Topology<Dim>* before = nullptr);
 
 }  // namespace moraine

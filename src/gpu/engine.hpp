@@ -33,6 +33,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method, const WireMaker* wires);
 
     std::string device() const override { return name_; }
+    bool leaves_host_free() const override { return true; }
     Share& share() override;
     Census census() const override { return census_; }
     std::int64_t capacity() const override;

@@ -49,6 +49,30 @@ TEST_CASE("a static partitioner says who owns an empty block, but not who owns a
     for (std::size_t i = 0; i < t.keys.size(); ++i) CHECK((t.owner[i] == 9) == !world.is_occupied(t.keys[i]));
 }
 
+TEST_CASE("an empty block keeps its owner from one topology to the next") {
+    const auto nobody = [](const BlockPosition<2>&) { return -1; };
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        World<2> world(seed, 4);
+        const Topology<2> old = world.topology();
+        std::vector<OccupiedBlock> now;  // half of them become empty, and some of the apron is entered
+        for (std::size_t i = 0; i < old.keys.size(); ++i)
+            if (mix(seed ^ mix(old.keys[i] + 1)) % 2)
+                now.push_back({old.keys[i], world.is_occupied(old.keys[i]) ? old.owner[i] : 7});
+        const Topology<2> fresh = make_topology<2>(world.domain, now, nobody);
+        const Topology<2> next = make_topology<2>(world.domain, now, nobody, &old);
+        REQUIRE(next.keys == fresh.keys);
+        for (std::size_t i = 0; i < next.keys.size(); ++i) {
+            const auto at = std::find_if(now.begin(), now.end(), [&](const auto& b) { return b.key == next.keys[i]; });
+            const std::int64_t was = old.find(next.keys[i]);
+            if (at != now.end())
+                CHECK(next.owner[i] == at->owner);
+            else
+                CHECK(next.owner[i] == (was < 0 ? fresh.owner[i] : old.owner[static_cast<std::size_t>(was)]));
+        }
+    }
+}
+
 TEST_CASE("blocks wrap along periodic axes only") {
     Scene scene;
     scene.dimensions = 2;

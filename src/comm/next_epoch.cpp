@@ -1,0 +1,69 @@
+#include "comm/next_epoch.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+
+namespace moraine {
+
+namespace {
+
+/// More threads beside the steps would not be done sooner: parts are short.
+constexpr int threads_beside = 8;
+
+bool before(const OccupiedBlock& a, const OccupiedBlock& b) {
+    return a.key < b.key;
+}
+
+std::vector<OccupiedBlock> in_key_order(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts) {
+    std::vector<OccupiedBlock> blocks;
+    blocks.reserve(keys.size());
+    std::size_t at = 0;
+    for (std::size_t rank = 0; rank < counts.size(); ++rank)
+        for (std::int64_t i = 0; i < counts[rank]; ++i) blocks.push_back({keys[at++], static_cast<std::int32_t>(rank)});
+    if (!std::is_sorted(blocks.begin(), blocks.end(), before)) std::sort(blocks.begin(), blocks.end(), before);
+    return blocks;
+}
+
+}  // namespace
+
+template <int Dim>
+EpochTables<Dim> NextEpoch<Dim>::make(std::vector<OccupiedBlock> occupied) {
+    if (made_.valid()) made_.get();
+    topology_ = make_topology<Dim>(domain_, occupied, owner_at_);
+    occupied_ = std::move(occupied);
+    return make_epoch<Dim>(topology_, domain_, stencil_, rank_);
+}
+
+template <int Dim>
+typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock> occupied) const {
+    if (std::includes(occupied_.begin(), occupied_.end(), occupied.begin(), occupied.end(), before)) return {};
+    Made made;
+    made.topology = make_topology<Dim>(domain_, occupied, owner_at_, &topology_);
+    made.tables = make_epoch<Dim>(made.topology, domain_, stencil_, rank_);
+    made.occupied = std::move(occupied);
+    return made;
+}
+
+template <int Dim>
+void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
+    made_ = std::async(beside ? std::launch::async : std::launch::deferred,
+                       [this, beside, keys = std::move(keys), counts = std::move(counts)] {
+                           if (beside) omp_set_num_threads(std::min(omp_get_max_threads(), threads_beside));
+                           return made_of(in_key_order(keys, counts));
+                       });
+}
+
+template <int Dim>
+std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
+    Made made = made_.get();
+    if (!made.tables) return {};
+    occupied_ = std::move(made.occupied);
+    topology_ = std::move(made.topology);
+    return std::move(made.tables);
+}
+
+template class NextEpoch<2>;
+template class NextEpoch<3>;
+
+}  // namespace moraine

@@ -1,0 +1,92 @@
+#include <map>
+#include <memory>
+
+#include "comm/next_epoch.hpp"
+#include "comm/random_world.hpp"
+
+using namespace moraine;
+using moraine::test::World;
+
+namespace {
+
+constexpr int ranks = 4;
+
+std::int32_t nobody(const BlockPosition<2>&) {
+    return -1;
+}
+
+/// Tables of all ranks.
+struct Everybody {
+    std::vector<std::unique_ptr<NextEpoch<2>>> next;
+    std::map<Key, std::int32_t> owner;  ///< by the tables
+
+    explicit Everybody(const World<2>& world) {
+        for (int r = 0; r < ranks; ++r) {
+            next.push_back(std::make_unique<NextEpoch<2>>(world.domain, world.stencil, r, nobody));
+            note(next.back()->make(world.occupied), r);
+        }
+    }
+
+    void note(const EpochTables<2>& tables, int rank) {
+        for (Key key : tables.own) owner[key] = rank;
+    }
+
+    /// Blocks that are chosen of those that there are, by rank.
+    template <class Chosen>
+    void start(const Chosen& chosen, bool beside) {
+        std::vector<Key> keys;
+        std::vector<std::int64_t> counts;
+        for (int r = 0; r < ranks; ++r) {
+            counts.push_back(0);
+            for (const auto& [key, of] : owner)
+                if (of == r && chosen(key)) keys.push_back(key), ++counts.back();
+        }
+        for (auto& one : next) one->start(keys, counts, beside);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("a block has one owner in an epoch and in the next, so that who walks in meanwhile is at home in both") {
+    for (std::uint64_t seed = 0; seed < 40; ++seed)
+        for (bool beside : {true, false}) {
+            CAPTURE(seed);
+            CAPTURE(beside);
+            const World<2> world(seed, ranks);
+            Everybody all(world);
+            const std::map<Key, std::int32_t> before = all.owner;
+            const auto chosen = [&](Key key) { return mix(seed ^ mix(key + 1)) % 2 == 0; };
+            all.start(chosen, beside);
+            all.owner.clear();
+            bool any = false;
+            for (int r = 0; r < ranks; ++r) {
+                CHECK(all.next[static_cast<std::size_t>(r)]->under_way());
+                const auto tables = all.next[static_cast<std::size_t>(r)]->take();
+                CHECK(!all.next[static_cast<std::size_t>(r)]->under_way());
+                if (tables) all.note(*tables, r), any = true;
+            }
+            if (!any) continue;  // nothing became occupied
+            for (const auto& [key, owner] : before) {
+                if (chosen(key)) REQUIRE(all.owner.contains(key));
+                if (all.owner.contains(key)) CHECK(all.owner[key] == owner);
+            }
+        }
+}
+
+TEST_CASE("tables serve on where no block became occupied") {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const World<2> world(seed, ranks);
+        Everybody all(world);
+        all.start([&](Key key) { return world.is_occupied(key) && key % 2 == 0; }, false);
+        for (auto& one : all.next) CHECK(!one->take());
+    }
+}
+
+TEST_CASE("an epoch made at once forgets what was under way") {
+    const World<2> world(3, ranks);
+    NextEpoch<2> next(world.domain, world.stencil, 0, nobody);
+    const EpochTables<2> first = next.make(world.occupied);
+    next.start(first.own, {static_cast<std::int64_t>(first.own.size()), 0, 0, 0}, true);
+    CHECK(next.make(world.occupied).own == first.own);
+    CHECK(!next.under_way());
+}
