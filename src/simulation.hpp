@@ -72,9 +72,12 @@ struct RunClock {
     std::int64_t round = 0;   ///< partitions made
 };
 
-/// An epoch is used up when particles may have moved this far by the step before [cells]. With less than one more in
-/// the last step and in the next it is below 4: they are still in blocks of the topology.
-inline constexpr double epoch_reach = 2;
+/// An epoch is used up when particles may have moved this far in the rim by the step before [cells]. With less than one
+/// more in the last step and in the next it is below 3: they are still in blocks of the topology (comm/rim.hpp).
+inline constexpr double epoch_reach = 1;
+/// The next epoch was begun to be made too early when particles may have moved this far since [cells]: they would be in
+/// its rim at once, and beyond 4 it would not be theirs.
+inline constexpr double epoch_stale = 1.25;
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
 inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
@@ -125,9 +128,9 @@ class Simulation {
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
-    /// The next epoch is made beside the steps from when particles may have moved this far [cells]; epoch_reach: only
-    /// when it is needed. By itself early where the engine leaves the host free. The same on all ranks.
-    void foresee_epochs_at(double cells) { foresight_ = cells; }
+    /// Whether the next epoch is made beside the steps, from when the rim is reached. By itself it is where the engine
+    /// leaves the host free. The same on all ranks.
+    void foresee_epochs(bool beside) { beside_ = beside; }
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
     void refresh_signal();
@@ -222,10 +225,11 @@ class Simulation {
     BalanceLook look_;
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
-    double foresight_ = epoch_reach;
-    double wandered_ =
-        0;  ///< largest sum of displacements since this epoch was foreseen, up to the step before [cells]
-    double foreseen_ = 0;  ///< the same at the moment when the next one was
+    bool beside_ = false;  ///< epochs are made beside the steps
+    bool unfiled_ = true;  ///< nothing was filed yet by the tables of this epoch
+    bool at_rim_ = false;  ///< somebody was in the rim one step ago
+    double wandered_ = 0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
+    double foreseen_ = 0;  ///< the same, since the next epoch was begun to be made
     double computed_ = 0;  ///< computing time up to the last step [s]
     double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
     std::int64_t looked_step_ = 0;

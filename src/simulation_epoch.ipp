@@ -65,6 +65,7 @@ EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>&
     std::vector<OccupiedBlock> occupied;
     for (const BlockLoad& load : loads) occupied.push_back({load.key, load.owner});
     wandered_ = 0;
+    unfiled_ = true;
     return next_epoch_.make(std::move(occupied));
 }
 
@@ -80,8 +81,8 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::foresee_epoch() {
     std::vector<std::int64_t> counts;
     std::vector<Key> keys = comm_.all_gather(engine_->block_counts(false).key, &counts);
-    next_epoch_.start(std::move(keys), std::move(counts), foresight_ < epoch_reach);
-    foreseen_ = wandered_;
+    next_epoch_.start(std::move(keys), std::move(counts), beside_);
+    foreseen_ = 0;
 }
 
 /// Takes the epoch that was foreseen.
@@ -91,7 +92,8 @@ void Simulation<Real, Dim>::renew_epoch() {
         engine_->renew(std::move(*tables));
         ++counts_.epochs;
     }
-    wandered_ -= foreseen_;
+    wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
+    unfiled_ = true;
     engine_->refresh_memory(false);
 }
 
@@ -110,9 +112,11 @@ void Simulation<Real, Dim>::balance() {
     look_.repartitioned = false;
     const bool look = trigger_.is_due(clock_.step) && !alone && !is_balanced();
     const bool used_up = wandered_ > epoch_reach;
-    const bool foresee = wandered_ > foresight_ && !next_epoch_.under_way();
+    const bool wanted = used_up || (beside_ && at_rim_);
+    const bool foresee = wanted && !(next_epoch_.under_way() && foreseen_ < epoch_stale);
     if (!look && !used_up && !foresee) return;
     file();
+    phases_.time(Phase::agree, [&] { engine_->settle(); });
     phases_.time(Phase::balance, [&] {
         if (look && repartition_if_worth_it()) return;
         if (foresee) foresee_epoch();

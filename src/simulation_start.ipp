@@ -33,7 +33,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
-    if (engine_->leaves_host_free()) foresight_ = 0.75 * epoch_reach;
+    beside_ = engine_->leaves_host_free();
 }
 
 template <class Real, int Dim>

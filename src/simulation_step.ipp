@@ -19,6 +19,7 @@ void Simulation<Real, Dim>::book() {
     own_.signal = report.signal;
     own_.moved = report.moved;
     own_.faults = report.faults;
+    own_.at_rim = report.at_rim;
     own_.seconds = phases_.computing() - computed_;
     computed_ = phases_.computing();
     counts_.clamped_boxes += report.clamped;
@@ -45,7 +46,10 @@ void Simulation<Real, Dim>::agree_on_dt() {
         report_faults();
     }
     clock_.signal = agreed_.signal;
-    wandered_ += agreed_.moved;
+    at_rim_ = agreed_.at_rim && !unfiled_;  // else by the tables before
+    wandered_ = at_rim_ || unfiled_ ? wandered_ + agreed_.moved : 0;
+    foreseen_ += agreed_.moved;
+    unfiled_ = false;
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();
     const double imbalance = mean > 0 ? static_cast<double>(agreed_.count) / mean : 1;
     counts_.imbalance_sum += imbalance;

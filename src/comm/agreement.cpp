@@ -17,6 +17,7 @@ void combine(void* in, void* in_out, int* n, MPI_Datatype*) {
         b[k].count_sum += a[k].count_sum;
         b[k].crowd = std::max(a[k].crowd, b[k].crowd);
         b[k].faults |= a[k].faults;
+        b[k].at_rim |= a[k].at_rim;
         b[k].stop |= a[k].stop;
     }
 }

@@ -19,6 +19,7 @@ struct Agreement {
     std::int64_t count_sum = 0;  ///< sum
     std::int64_t crowd = 0;      ///< max: particles of a block that some peer needs (devices)
     std::uint32_t faults = 0;    ///< or: bits of Fault
+    std::uint32_t at_rim = 0;    ///< or: 1 some particle could leave the topology soon (comm/rim.hpp)
     std::uint32_t stop = 0;      ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
 };
 

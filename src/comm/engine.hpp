@@ -23,6 +23,7 @@ struct StepReport {
     double signal = 0;  ///< largest c + |v| [m/s]
     double moved = 0;   ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
+    bool at_rim = false;                   ///< when they were filed, by the tables of then (comm/rim.hpp)
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
     Ledger<Dim> ledger;                    ///< to be added
     std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
@@ -84,6 +85,8 @@ class Engine {
     virtual Census census() const = 0;
     /// Particles that the memory of this rank can hold, by what those of now take. Not collective.
     virtual std::int64_t capacity() const { return unlimited; }
+    /// Waits for what is under way. Not collective.
+    virtual void settle() {}
     /// Filed state only. Not collective.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 

@@ -7,6 +7,7 @@
 #include "comm/growth.hpp"
 #include "comm/halo_lists.hpp"
 #include "comm/in_order.hpp"
+#include "comm/rim.hpp"
 
 namespace moraine {
 
@@ -84,11 +85,18 @@ class Builder {
     }
 
     /// local_ of the blocks that a family's reach, -1 where there is none.
-    auto local_around(const Family& family, Ends ends, const std::array<Places, children>& reach) const {
-        auto blocks = blocks_at(topology_.index, Surroundings<Dim>(domain_, family.parent, ends),
-                                PlaceTables<Dim>::of(family.mask, reach));
+    auto local_around(const Family& family, const Surroundings<Dim>& near,
+                      const std::array<Places, children>& reach) const {
+        auto blocks = blocks_at(topology_.index, near, PlaceTables<Dim>::of(family.mask, reach));
         for (std::int32_t& block : blocks) block = block < 0 ? -1 : local_[static_cast<std::size_t>(block)];
         return blocks;
+    }
+
+    static std::uint64_t rim_of(unsigned child, Places absent) {
+        std::uint64_t rim = 0;
+        for (std::size_t code = 0; (absent & place_tables<Dim>.around[child]) != 0 && code < offsets; ++code)
+            if (absent >> place_tables<Dim>.at[child][code] & 1u) rim |= rims<Dim>[code];
+        return rim;
     }
 
     bool at_face(const BlockPosition<Dim>& at, int last) const {
@@ -103,20 +111,27 @@ class Builder {
     void link_blocks() {
         e_.position.resize(e_.own.size());
         e_.border.resize(e_.own.size());
+        e_.rim.resize(e_.own.size());
         e_.neighbour.resize(e_.own.size() * offsets);
         beside_foreign_.resize(e_.own.size());
         is_ghost_.resize(topology_.keys.size());
 #pragma omp parallel for schedule(static)
         for (const Family& family : own_.families()) {
-            const auto near = local_around(family, Ends::closed, place_tables<Dim>.around);
-            Places foreign_near = 0, ghosts = 0;
-            for (std::size_t p = 0; p < near.size(); ++p) foreign_near |= Places(near[p] < -1) << p;
+            const Surroundings<Dim> places(domain_, family.parent, Ends::closed);
+            const auto near = local_around(family, places, place_tables<Dim>.around);
+            Places foreign_near = 0, absent = 0, ghosts = 0;
+            for (std::size_t p = 0; p < near.size(); ++p) {
+                foreign_near |= Places(near[p] < -1) << p;
+                absent |= Places(near[p] == -1) << p;
+            }
+            absent &= places.inside();
             for (unsigned child = 0; child < children; ++child) {
                 if (!family.has(child)) continue;
                 const auto i = static_cast<std::size_t>(family.index_of(child));
                 const BlockPosition<Dim> at = Morton<Dim>::decode(e_.own[i]);
                 e_.position[i] = as_vec<Dim>(at);
                 e_.border[i] = at_face(at, 4 + stencil_.width);
+                e_.rim[i] = rim_of(child, absent);
                 for (std::size_t code = 0; code < offsets; ++code)
                     e_.neighbour[i * offsets + code] = near[place_tables<Dim>.at[child][code]];
                 beside_foreign_[i] = (foreign_near & place_tables<Dim>.around[child]) != 0;
@@ -182,7 +197,8 @@ class Builder {
         e_.source.resize(e_.node_key.size() * corners);
 #pragma omp parallel for schedule(static)
         for (const Family& family : nodes_.families()) {
-            const auto near = local_around(family, Ends::open, place_tables<Dim>.downwards);
+            const Surroundings<Dim> places(domain_, family.parent, Ends::open);
+            const auto near = local_around(family, places, place_tables<Dim>.downwards);
             for (unsigned child = 0; child < children; ++child) {
                 if (!family.has(child)) continue;
                 const auto i = static_cast<std::size_t>(family.index_of(child));

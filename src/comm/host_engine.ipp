@@ -44,7 +44,9 @@ Traffic HostEngine<Real, Dim>::traffic() const {
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::file() {
-    if (moving_) migration_->finish();
+    if (!moving_) return;
+    migration_->finish();
+    report_.at_rim = patch_.is_at_rim();
     moving_ = false;
 }
 

@@ -72,6 +72,9 @@ class Patch {
     /// `ghost_leaver` in ghost order, `ghost_first` with ghosts + 1 entries.
     void make_lists(const std::vector<Leaver>& ghost_leaver, const std::vector<std::uint32_t>& ghost_first);
 
+    /// Whether some particle is in a cell of the rim. Filed state only.
+    bool is_at_rim() const;
+
     /// Puts the memory into list order if more than `share` of it is out of order or unused.
     void refresh_memory(double share);
 

@@ -161,6 +161,21 @@ void Patch<Space, Real, Dim>::make_lists(const std::vector<Leaver>& ghost_leaver
     assign_storage();
 }
 
+template <class Space, class Real, int Dim>
+bool Patch<Space, Real, Dim>::is_at_rim() const {
+    const ListView<Dim> lists = list();
+    for (int b = 0; b < own(); ++b) {
+        std::uint64_t rim = tables_.rim[static_cast<std::size_t>(b)];
+        if (lists.count(b) == 0) continue;
+        const std::uint32_t* bounds = lists.cell_first + std::int64_t(b) * (Block<Dim>::cells + 1);
+        for (; rim != 0; rim &= rim - 1) {
+            const int cell = std::countr_zero(rim);
+            if (bounds[cell + 1] > bounds[cell]) return true;
+        }
+    }
+    return false;
+}
+
 /// Tiles go to occupied blocks, node values to the node blocks that those touch; ghosts come first.
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::assign_storage() {

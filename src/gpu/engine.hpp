@@ -37,6 +37,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Share& share() override;
     Census census() const override { return census_; }
     std::int64_t capacity() const override;
+    void settle() override { stream_.wait(); }
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;

@@ -5,7 +5,7 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tile_room_ = tiles;
-    ghost_room_ = epoch_.ghost.size();
+    ghost_room_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
     tiles_.release();
     tiles_.resize((tiles + ghost_room_) * static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);

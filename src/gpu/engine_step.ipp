@@ -31,7 +31,8 @@ void DeviceEngine<Real, Dim>::file() {
     timed_ = true;
     lists_.make(tables_.view(), stream_);
     if (exchange_) exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
-    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), counters_.data(), report_.device(), stream_);
+    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.at_rim(), counters_.data(),
+                report_.device(), stream_);
     reported_.record(stream_);
     report_is_of_epoch_ = true;
     moving_ = false;
@@ -194,6 +195,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.signal = std::bit_cast<double>(account.signal);
     report.moved = std::bit_cast<double>(account.moved);
     report.faults = account.faults;
+    report.at_rim = report_->at_rim != 0;
     report.clamped = account.clamped;
     report.ledger = ledger_of(account);
     report.felt = structures_.take();

@@ -36,6 +36,7 @@ struct OccupiedBlocks {
     std::uint32_t* count;    ///< 2: how many of boundary, of interior
     std::uint32_t* served;   ///< 2: the same, or none while there are more of them than tiles
     std::uint32_t tiles;     ///< of own blocks that there is room for
+    std::uint32_t* at_rim;   ///< 1: some particle is in a cell of the rim
 };
 
 /// Sums over a chunk of blocks.
@@ -54,6 +55,7 @@ struct Filing {
     const std::uint16_t* moves;    ///< of all list entries: encode_move (core/g2p.hpp)
     const std::uint32_t* changed;  ///< bit per list entry: another cell or block. Words of block b: first[b] / 32 + b
     const std::uint8_t* boundary;  ///< own: 1 where some peer needs the tile, 0 elsewhere; for an epoch
+    const std::uint64_t* rim;      ///< own: bit per cell (comm/rim.hpp)
     int first_tile;                ///< storage indices of tiles below are taken
     Leavers leavers;
     OccupiedBlocks occupied;    ///< of the old lists; made anew in place

@@ -30,6 +30,20 @@ class BlockFill {
         : BlockFill(filing, scratch, block, filing.list.first[block]) {}
 
     __device__ void run() {
+        fill();
+        look_at_rim();
+    }
+
+  private:
+    static constexpr int batch = 8;  ///< loads in flight per lane
+
+    /// One that comes from another block.
+    struct Arrival {
+        std::uint32_t slot;
+        int cell;
+    };
+
+    __device__ void fill() {
         const bool neighbour = lane_id() < offsets && lane_id() != Block<Dim>::centre;
         const int from = neighbour ? f.table.neighbour[std::size_t(b) * offsets + lane()] : -1;
         fetch(slot);
@@ -47,14 +61,15 @@ class BlockFill {
         place_arrivals();
     }
 
-  private:
-    static constexpr int batch = 8;  ///< loads in flight per lane
-
-    /// One that comes from another block.
-    struct Arrival {
-        std::uint32_t slot;
-        int cell;
-    };
+    /// Few blocks have a rim, and fewer of them hold particles.
+    __device__ void look_at_rim() const {
+        const std::uint64_t rim = f.rim[b];
+        if (rim == 0) return;
+        __syncwarp();  // the bounds are there
+        const std::uint32_t* bounds = f.cell_first + std::size_t(b) * (cells + 1);
+        for (std::uint32_t c = lane(); c < cells; c += 32)
+            if ((rim >> c & 1) && bounds[c + 1] > bounds[c]) *f.occupied.at_rim = 1;
+    }
 
     __device__ BlockFill(const Filing<Dim>& filing, Scratch& scratch, int block, std::uint32_t begin)
         : f(filing),

@@ -14,10 +14,11 @@ void Lists<Dim>::make_room(const EpochTables<Dim>& tables) {
     std::vector<std::uint8_t> is_boundary(own_, 0);
     for (std::int32_t b : tables.boundary) is_boundary[static_cast<std::size_t>(b)] = 1;
     is_boundary_.assign(is_boundary);
+    rim_.assign(tables.rim);
     tile_of_.resize(own_ + ghosts);
     boundary_.resize(own_);
     interior_.resize(own_);
-    occupied_.resize(4);
+    occupied_.resize(5);
     cell_first_.resize(own_ * bounds);
     next_first_.resize(own_ + 1);
     leaver_count_.resize(own_ + ghosts);
@@ -96,9 +97,11 @@ Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
             moves_.data(),
             changed_.data(),
             is_boundary_.data(),
+            rim_.data(),
             table.ghosts,
             {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(), ghost_start_.data()},
-            {tile_of_.data(), boundary_.data(), interior_.data(), occupied_.data(), occupied_.data() + 2, tiles_},
+            {tile_of_.data(), boundary_.data(), interior_.data(), occupied_.data(), occupied_.data() + 2, tiles_,
+             occupied_.data() + 4},
             cell_first_.data(),
             next_first_.data(),
             next_slot_.data(),

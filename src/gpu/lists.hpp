@@ -39,7 +39,8 @@ class Lists {
     std::uint32_t* cell_bounds() const { return cell_first_.data(); }
     std::size_t room() const { return slot_.size(); }
     const std::uint32_t* particles() const { return first_.data() + own_; }
-    const std::uint32_t* occupied() const { return occupied_.data(); }  ///< boundary, interior: however many tiles
+    const std::uint32_t* occupied() const { return occupied_.data(); }    ///< boundary, interior: however many tiles
+    const std::uint32_t* at_rim() const { return occupied_.data() + 4; }  ///< Filing::at_rim
     std::uint16_t* moves() const { return moves_.data(); }
     std::uint32_t* changed() const { return changed_.data(); }
     std::uint32_t* slots() const { return slot_.data(); }
@@ -61,6 +62,7 @@ class Lists {
     std::uint32_t tiles_ = ~0u;
     Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
     Array<std::int32_t> tile_of_, boundary_, interior_, old_;
+    Array<std::uint64_t> rim_;
     Array<std::uint8_t> is_boundary_, leaver_cell_;
     Array<std::uint16_t> moves_;
     Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;

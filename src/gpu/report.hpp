@@ -19,15 +19,16 @@ struct Report {
     std::uint32_t interior;   ///< the other occupied ones
     std::uint32_t stored;     ///< slots in use
     std::uint32_t crowd;      ///< most particles of a block that some peer needs
+    std::uint32_t at_rim;     ///< 1: some particle is in a cell of the rim
 
     std::uint32_t occupied() const { return boundary + interior; }
 };
 
 /// Folds and empties the accounts, and the counters' crowd. particles: first[own]; occupied: both counts of
-/// gpu/filing.hpp.
+/// gpu/filing.hpp; at_rim: its flag.
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 Counters* counters, Report<Dim>* report, cudaStream_t stream);
+                 const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report, cudaStream_t stream);
 
 /// Empties the accounts at the start of a run.
 template <int Dim>

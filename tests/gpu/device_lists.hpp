@@ -46,11 +46,12 @@ class DeviceLists {
 
     /// room: the most particles, with ghosts' leavers, that there ever will be.
     DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
-                std::size_t room)
+                const std::vector<std::uint64_t>& rim, std::size_t room)
         : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
         filing.table = table;
         filing.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
         filing.boundary = upload(on_boundary_, boundary.data(), own_);
+        filing.rim = upload(rim_, rim.data(), own_);
         filing.first_tile = table.ghosts;
         first_.assign(list.first, own_ + 1), next_first_.resize(own_ + 1);
         slot_.reserve(room), next_slot_.reserve(room), moves_.reserve(room);
@@ -59,7 +60,7 @@ class DeviceLists {
         changed_.reserve(room / 32 + own_ + 1);
         leaver_slot_.resize(room), leaver_cell_.resize(room), leaver_bound_.resize((own_ + ghosts_) * bounds);
         leaver_count_.resize(own_ + ghosts_);
-        tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(4);
+        tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(5);
         tally_.resize(static_cast<std::size_t>(gpu::filing_chunks(table.own)));
         poison_results();
         point();
@@ -105,6 +106,7 @@ class DeviceLists {
     std::vector<std::int32_t> tile_of() const { return tile_of_.host(); }
     std::uint32_t tiles = ~0u;  ///< that there is room for; from the next step on
     std::vector<std::uint32_t> counts() const { return occupied_.host(); }
+    bool is_at_rim() const { return occupied_.host()[4] != 0; }
     std::vector<std::int32_t> boundary() const { return head(boundary_, occupied_.host()[0]); }
     std::vector<std::int32_t> interior() const { return head(interior_, occupied_.host()[1]); }
 
@@ -138,8 +140,9 @@ class DeviceLists {
         filing.moves = moves_.data(), filing.changed = changed_.data();
         filing.leavers = {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(),
                           ghost_start_.data()};
-        filing.occupied = {tile_of_.data(),  boundary_.data(),     interior_.data(),
-                           occupied_.data(), occupied_.data() + 2, tiles};
+        filing.occupied = {tile_of_.data(),     boundary_.data(),     interior_.data(),
+                           occupied_.data(),    occupied_.data() + 2, tiles,
+                           occupied_.data() + 4};
         filing.next_first = next_first_.data(), filing.next_slot = next_slot_.data();
         filing.tally = tally_.data();
     }
@@ -150,6 +153,7 @@ class DeviceLists {
     gpu::Array<std::uint32_t> first_, next_first_, slot_, next_slot_, cell_first_, changed_;
     gpu::Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_, occupied_;
     gpu::Array<std::uint16_t> moves_;
+    gpu::Array<std::uint64_t> rim_;
     gpu::Array<gpu::Tally> tally_;
 };
 

@@ -187,12 +187,13 @@ TEST_CASE("a report is the fold of all accounts with the counts of the filing, a
     gpu::Array<gpu::Account<3>> accounts;
     accounts.assign(parts);
     gpu::Array<std::uint32_t> counts;
-    counts.assign({12345u, 6u, 7u});
+    counts.assign({12345u, 6u, 7u, 1u});
     gpu::Array<gpu::Counters> counters;
     counters.assign({{8, 9, 10, 11}});
     gpu::Report<3>* report = nullptr;
     gpu::check(cudaHostAlloc(&report, sizeof(*report), cudaHostAllocMapped), "Allocating pinned memory");
-    gpu::fold_report(accounts.data(), counts.data(), counts.data() + 1, counters.data(), report, nullptr);
+    gpu::fold_report(accounts.data(), counts.data(), counts.data() + 1, counts.data() + 3, counters.data(), report,
+                     nullptr);
     gpu::check(cudaDeviceSynchronize(), "Reporting");
     CHECK(std::memcmp(&report->account, &expected, sizeof(expected)) == 0);
     CHECK(report->particles == 12345);
@@ -201,6 +202,7 @@ TEST_CASE("a report is the fold of all accounts with the counts of the filing, a
     CHECK(report->occupied() == 13);
     CHECK(report->stored == 10);
     CHECK(report->crowd == 11);
+    CHECK(report->at_rim == 1);
     CHECK(counters.host().front().crowd == 0);
     CHECK(counters.host().front().stored == 10);
     const gpu::Account<3> empty = empty_account();

@@ -62,7 +62,8 @@ class Pair {
         for (std::int32_t b : patch.boundary()) boundary[static_cast<std::size_t>(b)] = 1;
         room_ = static_cast<std::size_t>(patch.count()) + 4096;
         fresh_slot_ = static_cast<std::uint32_t>(patch.count());
-        device_ = std::make_unique<test::DeviceLists<Dim>>(patch.table(), patch.list(), boundary, room_);
+        device_ =
+            std::make_unique<test::DeviceLists<Dim>>(patch.table(), patch.list(), boundary, patch.tables().rim, room_);
         compare_blocks();
     }
 
@@ -108,6 +109,7 @@ class Pair {
         REQUIRE(device_->slot() == std::vector<std::uint32_t>(list.slot, list.slot + patch.count()));
         compare_cells(list);
         compare_blocks();
+        REQUIRE(device_->is_at_rim() == patch.is_at_rim());
     }
 
     void compare_blocks() const {
@@ -269,7 +271,7 @@ TEST_CASE("places add up over many chunks of blocks") {
 }
 
 TEST_CASE("a share without blocks has empty lists") {
-    test::DeviceLists<3> device(BlockTable<3>{}, {std::vector<std::uint32_t>{0}.data(), nullptr, nullptr}, {}, 1);
+    test::DeviceLists<3> device(BlockTable<3>{}, {std::vector<std::uint32_t>{0}.data(), nullptr, nullptr}, {}, {}, 1);
     device.set_moves({}, {0});
     device.launch();
     device.advance();
