@@ -24,11 +24,14 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       calibration_(make_engine ? device_costs : host_costs),
       reduction_(comm),
       structures_(scene),
-      next_epoch_(domain_, method_.stencil, comm.rank(), [this](const BlockPosition<Dim>& at) {
-          Position position{};
-          std::copy(at.begin(), at.end(), position.begin());
-          return partitioner_->owner_at(position);
-      }) {
+      next_epoch_(
+          domain_, method_.stencil, comm.rank(),
+          [this](const BlockPosition<Dim>& at) {
+              Position position{};
+              std::copy(at.begin(), at.end(), position.begin());
+              return partitioner_->owner_at(position);
+          },
+          [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }) {
     if (make_engine)
         engine_ = make_engine(method_);
     else

@@ -42,14 +42,16 @@ typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock>
     made.topology = make_topology<Dim>(domain_, occupied, owner_at_, &topology_);
     made.tables = make_epoch<Dim>(made.topology, domain_, stencil_, rank_);
     made.occupied = std::move(occupied);
+    if (prepare_) prepare_(*made.tables);
     return made;
 }
 
 template <int Dim>
 void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
+    const int threads = std::min(omp_get_max_threads(), threads_beside);
     made_ = std::async(beside ? std::launch::async : std::launch::deferred,
-                       [this, beside, keys = std::move(keys), counts = std::move(counts)] {
-                           if (beside) omp_set_num_threads(std::min(omp_get_max_threads(), threads_beside));
+                       [this, beside, threads, keys = std::move(keys), counts = std::move(counts)] {
+                           if (beside) omp_set_num_threads(threads);  // of this thread
                            return made_of(in_key_order(keys, counts));
                        });
 }

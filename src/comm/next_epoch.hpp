@@ -18,10 +18,16 @@ template <int Dim>
 class NextEpoch {
   public:
     using OwnerAt = std::function<std::int32_t(const BlockPosition<Dim>&)>;
+    using Prepare = std::function<void(const EpochTables<Dim>&)>;
 
-    /// owner_at as for make_topology(). `domain` must outlive it. Not collective, as all here.
-    NextEpoch(const DomainBlocks<Dim>& domain, const Stencil& stencil, int rank, OwnerAt owner_at)
-        : domain_(domain), stencil_(stencil), rank_(rank), owner_at_(std::move(owner_at)) {}
+    /// owner_at as for make_topology(). prepare: what else is done with tables that take() will give, by the same
+    /// thread. `domain` must outlive it. Not collective, as all here.
+    NextEpoch(const DomainBlocks<Dim>& domain, const Stencil& stencil, int rank, OwnerAt owner_at, Prepare prepare = {})
+        : domain_(domain),
+          stencil_(stencil),
+          rank_(rank),
+          owner_at_(std::move(owner_at)),
+          prepare_(std::move(prepare)) {}
 
     /// Of an epoch that begins now with these blocks, in key order. What was under way is forgotten.
     EpochTables<Dim> make(std::vector<OccupiedBlock> occupied);
@@ -48,6 +54,7 @@ class NextEpoch {
     const Stencil stencil_;
     const int rank_;
     const OwnerAt owner_at_;
+    const Prepare prepare_;
     std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the present epoch was made
     Topology<Dim> topology_;               ///< of the present epoch
     std::future<Made> made_;               ///< last: reads what is above

@@ -53,6 +53,13 @@ class Array {
         if (n > 0) check(cudaMemcpy(data_, from, n * sizeof(T), cudaMemcpyHostToDevice), "Copying to the device");
     }
     void assign(const std::vector<T>& from) { assign(from.data(), from.size()); }
+    /// Queued on a stream; `from` may change at once, the copy is there when the stream has been waited for.
+    void assign(const std::vector<T>& from, cudaStream_t stream) {
+        resize(from.size());
+        if (size_ > 0)
+            check(cudaMemcpyAsync(data_, from.data(), size_ * sizeof(T), cudaMemcpyHostToDevice, stream),
+                  "Copying to the device");
+    }
     std::vector<T> host() const {
         std::vector<T> to(size_);
         if (size_ > 0)

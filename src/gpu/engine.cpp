@@ -27,6 +27,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
       name_(device_name()),
       share_(method.needs, method.stencil.width),
       particles_(method.needs) {
+    check(cudaGetDevice(&device_), "Asking for the device");
     choose_kernels();
     half_size_.assign(method.context.half_size, scene.bodies.size());
     std::vector<std::uint16_t> materials;

@@ -41,6 +41,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void prepare(const EpochTables<Dim>& tables) override;
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
@@ -61,6 +62,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
   private:
     void choose_kernels();
+    void take_tables(EpochTables<Dim> tables);
     void begin_epoch();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
@@ -89,7 +91,11 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool share_is_of_now_ = true;
     std::unique_ptr<Exchange<Real, Dim>> exchange_;  ///< none: this rank is alone
     EpochTables<Dim> epoch_;
-    Tables<Dim> tables_;
+    Tables<Dim> tables_, next_tables_;
+    Routes next_routes_;
+    Stream upload_{Stream::Rank::apart};
+    int device_ = 0;
+    bool prepared_ = false;  ///< next_tables_ and next_routes_ are those of the epoch to come
     Lists<Dim> lists_;
     DeviceParticles<Real, Dim> particles_;
     Array<Quad<Real>> tiles_, nodes_;

@@ -28,14 +28,35 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     return static_cast<std::int64_t>(0.9 * static_cast<double>(total) / each);
 }
 
+/// Copies tables beside the steps under way.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::prepare(const EpochTables<Dim>& tables) {
+    check(cudaSetDevice(device_), "Choosing the device");
+    next_tables_.upload(tables, upload_);
+    if (exchange_) next_routes_.upload(tables, upload_);
+    upload_.wait();
+    prepared_ = true;
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::take_tables(EpochTables<Dim> tables) {
+    if (!prepared_) prepare(tables);
+    epoch_ = std::move(tables);
+    tables_.swap(next_tables_);
+    if (exchange_) exchange_->routes.swap(next_routes_);
+    prepared_ = false;
+}
+
 /// What an epoch's tables ask for, once the lists are in place.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_epoch() {
-    const std::size_t ghosts = epoch_.ghost.size();
-    std::vector<std::int32_t> every(epoch_.node_key.size());
-    std::iota(every.begin(), every.end(), 0);
-    node_of_.assign(every);
-    nodes_.resize(every.size() * static_cast<std::size_t>(2 * Block<Dim>::cells));
+    const std::size_t ghosts = epoch_.ghost.size(), node_blocks = epoch_.node_key.size();
+    if (node_blocks > node_of_.size()) {
+        std::vector<std::int32_t> every(node_blocks + node_blocks / 4);
+        std::iota(every.begin(), every.end(), 0);
+        node_of_.assign(every);
+    }
+    nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 16 + 16);
     if (room > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
@@ -55,8 +76,8 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
     stream_.wait();
     share_.install(std::move(tables), filed);
-    epoch_ = share_.tables();
-    tables_.upload(epoch_);
+    prepared_ = false;
+    take_tables(share_.tables());
     // a rank of several has columns even before it has particles: records are the same on all
     const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
     lists_.install(epoch_, tables_.view(), filed, most);
@@ -75,8 +96,7 @@ void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     take_census();
     stream_.wait();
     const std::vector<Key> old = std::move(epoch_.own);
-    epoch_ = std::move(tables);
-    tables_.upload(epoch_);
+    take_tables(std::move(tables));
     lists_.renew(epoch_, tables_.view(), old, lists_.first());
     begin_epoch();
     share_is_of_now_ = false;
@@ -133,8 +153,8 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
         filed.count.push_back(s.count);
         census_.particles += s.count;
     }
-    epoch_ = std::move(tables);
-    tables_.upload(epoch_);
+    prepared_ = false;
+    take_tables(std::move(tables));
     lists_.install(epoch_, tables_.view(), filed, particles_.room());
     list_stretches(blocks, lists_.slots(), stream_);
     find_cells();

@@ -13,9 +13,8 @@ struct Exchange {
     Exchange(const Comm& c, const WireMaker& wires)
         : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(wires.make(13)) {}
 
-    /// For an epoch. Nothing may be under way. Collective.
+    /// For an epoch whose routes are there. Nothing may be under way. Collective.
     void open(const EpochTables<Dim>& tables) {
-        routes.upload(tables);
         halo.open(tables);
         migration.begin_epoch(tables);
     }

@@ -92,8 +92,8 @@ class PeerWire final : public Wire {
     explicit PeerWire(const Comm& comm) : comm_(comm), inboxes_(comm) {}
 
     const char* name() const override { return "peer"; }
-    std::byte* const* outgoing() const override { return out_[(round_ + 1) & 1].out(); }
-    const std::byte* const* incoming() const override { return in_[round_ & 1].in(); }
+    std::byte* const* outgoing() const override { return pointers_.out() + ((round_ + 1) & 1) * my_flags_.size(); }
+    const std::byte* const* incoming() const override { return pointers_.in() + (2 + (round_ & 1)) * my_flags_.size(); }
 
     void open(const std::vector<WirePeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
@@ -112,8 +112,8 @@ class PeerWire final : public Wire {
     }
 
     void start(cudaStream_t stream) override {
-        raise_flags(reinterpret_cast<std::uint32_t* const*>(their_flags_.out()), static_cast<int>(my_flags_.size()),
-                    ++round_, stream);
+        raise_flags(reinterpret_cast<std::uint32_t* const*>(pointers_.out() + 4 * my_flags_.size()),
+                    static_cast<int>(my_flags_.size()), ++round_, stream);
     }
     void post() override {}
     void finish(cudaStream_t stream) override {
@@ -136,13 +136,15 @@ class PeerWire final : public Wire {
             for (int parity = 0; parity < 2; ++parity) out[parity].push_back(box + place->box[parity]);
             flags.push_back(box + place->flag);
         }
-        for (int parity = 0; parity < 2; ++parity) out_[parity].assign(out[parity]), in_[parity].assign(in[parity]);
-        their_flags_.assign(flags);
+        std::vector<std::byte*> all_pointers;
+        for (const std::vector<std::byte*>& some : {out[0], out[1], in[0], in[1], flags})
+            all_pointers.insert(all_pointers.end(), some.begin(), some.end());
+        pointers_.assign(all_pointers);
     }
 
     const Comm& comm_;
     SharedInboxes inboxes_;
-    PointerArray out_[2], in_[2], their_flags_;
+    PointerArray pointers_;  ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
     std::vector<const std::uint32_t*> my_flags_;
     std::uint32_t round_ = 0;
 };

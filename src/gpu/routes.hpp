@@ -3,6 +3,8 @@
 //
 // Both sides have the same lists in the same order (comm/epoch.hpp), so a tile is told by its number in a peer's list.
 
+#include <utility>
+
 #include "comm/epoch.hpp"
 #include "gpu/array.hpp"
 
@@ -22,15 +24,20 @@ struct Route {
 
 class Routes {
   public:
-    /// Synchronous.
+    /// There when the stream has been waited for.
     template <int Dim>
-    void upload(const EpochTables<Dim>& tables) {
+    void upload(const EpochTables<Dim>& tables, cudaStream_t stream) {
         std::vector<std::int32_t> ghost_first;
         for (const PeerHalo& peer : tables.peers) ghost_first.push_back(peer.ghost_begin);
         ghost_first.push_back(static_cast<std::int32_t>(tables.ghost.size()));
-        ghost_first_.assign(ghost_first);
-        send_.upload(tables.peers, &PeerHalo::send);
-        receive_.upload(tables.peers, &PeerHalo::receive);
+        ghost_first_.assign(ghost_first, stream);
+        send_.upload(tables.peers, &PeerHalo::send, stream);
+        receive_.upload(tables.peers, &PeerHalo::receive, stream);
+    }
+    void swap(Routes& other) {
+        send_.swap(other.send_);
+        receive_.swap(other.receive_);
+        ghost_first_.swap(other.ghost_first_);
     }
     Route send() const { return send_.view(ghost_first_.data()); }
     Route receive() const { return receive_.view(ghost_first_.data()); }
@@ -42,7 +49,17 @@ class Routes {
         Array<std::int32_t> peer, block;
         Array<std::uint16_t> node;
 
-        void upload(const std::vector<PeerHalo>& halos, TileList PeerHalo::*list) {
+        void swap(Way& other) {
+            std::swap(peers, other.peers);
+            std::swap(tiles, other.tiles);
+            peer_first.swap(other.peer_first);
+            node_first.swap(other.node_first);
+            peer.swap(other.peer);
+            block.swap(other.block);
+            node.swap(other.node);
+        }
+
+        void upload(const std::vector<PeerHalo>& halos, TileList PeerHalo::*list, cudaStream_t stream) {
             std::vector<std::uint32_t> peer_firsts{0}, node_firsts{0};
             std::vector<std::int32_t> of_peer, blocks;
             std::vector<std::uint16_t> nodes;
@@ -57,8 +74,8 @@ class Routes {
                 peer_firsts.push_back(static_cast<std::uint32_t>(blocks.size()));
             }
             peers = halos.size(), tiles = blocks.size();
-            peer_first.assign(peer_firsts), node_first.assign(node_firsts);
-            peer.assign(of_peer), block.assign(blocks), node.assign(nodes);
+            peer_first.assign(peer_firsts, stream), node_first.assign(node_firsts, stream);
+            peer.assign(of_peer, stream), block.assign(blocks, stream), node.assign(nodes, stream);
         }
         Route view(const std::int32_t* ghosts) const {
             return {static_cast<int>(peers),

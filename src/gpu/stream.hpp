@@ -11,11 +11,14 @@ namespace moraine::gpu {
 
 class Stream {
   public:
-    enum class Rank { usual, ahead };  ///< ahead: its kernels are taken first where both have some
+    /// ahead: its kernels are taken first where both have some; apart: copies of another thread, which others need not
+    /// wait for, nor it for them.
+    enum class Rank { usual, ahead, apart };
     explicit Stream(Rank rank = Rank::usual) {
         int lowest = 0, highest = 0;
         check(cudaDeviceGetStreamPriorityRange(&lowest, &highest), "Making a stream");
-        check(cudaStreamCreateWithPriority(&stream_, cudaStreamDefault, rank == Rank::ahead ? highest : lowest),
+        check(cudaStreamCreateWithPriority(&stream_, rank == Rank::apart ? cudaStreamNonBlocking : cudaStreamDefault,
+                                           rank == Rank::ahead ? highest : lowest),
               "Making a stream");
     }
     Stream(const Stream&) = delete;

@@ -3,6 +3,8 @@
 
 #include <cuda_runtime.h>
 
+#include <utility>
+
 #include "comm/epoch.hpp"
 #include "core/grid_views.hpp"
 #include "gpu/array.hpp"
@@ -12,18 +14,31 @@ namespace moraine::gpu {
 template <int Dim>
 class Tables {
   public:
-    /// Copies what the kernels read. Synchronous.
-    void upload(const EpochTables<Dim>& t) {
+    /// Copies what the kernels read; there when the stream has been waited for.
+    void upload(const EpochTables<Dim>& t, cudaStream_t stream) {
         own_ = static_cast<int>(t.own.size());
         ghosts_ = static_cast<int>(t.ghost.size());
         node_blocks_ = static_cast<int>(t.node_key.size());
-        position_.assign(t.position);
-        neighbour_.assign(t.neighbour);
-        node_block_.assign(t.node_block);
-        border_.assign(t.border);
-        node_position_.assign(t.node_position);
-        source_.assign(t.source);
-        node_border_.assign(t.node_border);
+        position_.assign(t.position, stream);
+        neighbour_.assign(t.neighbour, stream);
+        node_block_.assign(t.node_block, stream);
+        border_.assign(t.border, stream);
+        node_position_.assign(t.node_position, stream);
+        source_.assign(t.source, stream);
+        node_border_.assign(t.node_border, stream);
+    }
+
+    void swap(Tables& other) {
+        std::swap(own_, other.own_);
+        std::swap(ghosts_, other.ghosts_);
+        std::swap(node_blocks_, other.node_blocks_);
+        position_.swap(other.position_);
+        node_position_.swap(other.node_position_);
+        neighbour_.swap(other.neighbour_);
+        node_block_.swap(other.node_block_);
+        source_.swap(other.source_);
+        border_.swap(other.border_);
+        node_border_.swap(other.node_border_);
     }
 
     BlockTable<Dim> view() const {
