@@ -1,6 +1,7 @@
 #include "replay.hpp"
 
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <algorithm>
 
@@ -101,6 +102,7 @@ std::vector<RegretRow> all_regrets(const ReplayOptions& options, const ReplayRec
 }  // namespace
 
 void replay(const ReplayOptions& options) {
+    omp_set_num_threads(1);  // its parallel loops are short: other threads would only spin
     const ReplayRecord record(options);
     chosen_ranks(options, record);  // wrong use is refused before anything is said
     fmt::print("{}", words_before(options, record));

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "balance/chain.hpp"
+#include "balance/cut.hpp"
 #include "core/block.hpp"
 #include "core/error.hpp"
 #include "phases.hpp"
@@ -144,11 +144,13 @@ void ReplayRecord::read_through() {
         } else {
             measure(frame, before, now, *partitioner);
         }
-        feed(options_.refine == 0 ? now : refined(now));
+        count(now);
+        if (looks_ % options_.every == 0) feed(now);
         ++looks_;
         last_step_ = frame.step;
         before = std::move(now);
     }
+    if (looks_ > 0 && (looks_ - 1) % options_.every != 0) feed(before);  // the last look is replayed, too
     if (looks_ < 2)
         throw InputError(fmt::format("{} holds {} look{} (a replay needs two). A smaller balance.interval?", path_,
                                      looks_, looks_ == 1 ? "" : "s"));
@@ -201,26 +203,23 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     measured_seconds_ += stepping / ranks;
 }
 
-void ReplayRecord::feed(const Interval& now) {
-    const auto blocks = static_cast<std::int64_t>(now.blocks.size());
+void ReplayRecord::count(const Interval& coarse) {
+    const std::int64_t blocks = children_of_a_block() * static_cast<std::int64_t>(coarse.blocks.size());
     blocks_min_ = looks_ == 0 ? blocks : std::min(blocks_min_, blocks);
     blocks_max_ = std::max(blocks_max_, blocks);
+}
+
+/// As if it were refined: the children of a block follow each other on the curve.
+void ReplayRecord::feed(const Interval& coarse) {
     std::vector<std::int64_t> weights;
-    weights.reserve(now.blocks.size());
+    weights.reserve(static_cast<std::size_t>(children_of_a_block()) * coarse.blocks.size());
     const BlockWeight weight(balance_, weights_);
-    for (const BlockLoad& block : now.blocks) weights.push_back(weight(block.particles, 0));
-    const Chain chain(weights);
-    std::int64_t low = 1, high = std::max<std::int64_t>(1, blocks);
-    while (low < high) {
-        const std::int64_t middle = low + (high - low + 1) / 2;
-        const double heaviest = static_cast<double>(chain.bottleneck(middle)) * static_cast<double>(middle);
-        if (heaviest <= feed_limit * static_cast<double>(chain.total()))
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    if (looks_ == 0) feeds_at_start_ = low;
-    feeds_always_ = looks_ == 0 ? low : std::min(feeds_always_, low);
+    for (const BlockLoad& block : coarse.blocks)
+        weights.insert(weights.end(), static_cast<std::size_t>(children_of_a_block()), weight(block.particles, 0));
+    const auto blocks = static_cast<std::int64_t>(weights.size());
+    const std::int64_t fed = even_parts(weights, std::max<std::int64_t>(1, blocks), feed_limit);
+    if (looks_ == 0) feeds_at_start_ = fed;
+    feeds_always_ = looks_ == 0 ? fed : std::min(feeds_always_, fed);
 }
 
 void ReplayRecord::check_end() const {

@@ -28,7 +28,7 @@ class ReplayRecord {
     std::int64_t blocks_max() const { return blocks_max_; }
 
     /// The most ranks whose heaviest has at most `feed_limit` times the mean, of the best cut along the Morton curve:
-    /// at the start and at the worst look.
+    /// at the start and at the worst of the looks that are replayed.
     std::int64_t feeds_at_start() const { return feeds_at_start_; }
     std::int64_t feeds_always() const { return feeds_always_; }
     static constexpr double feed_limit = 1.25;
@@ -49,7 +49,9 @@ class ReplayRecord {
     void check_end() const;
     void calibrate(const std::string& directory);
     void measure(const LoadFrame& frame, const Interval& before, const Interval& now, const Partitioner& partitioner);
-    void feed(const Interval& now);
+    std::int64_t children_of_a_block() const { return std::int64_t(1) << (layout_.dimensions * options_.refine); }
+    void count(const Interval& coarse);
+    void feed(const Interval& coarse);
 
     const ReplayOptions& options_;
     std::string path_;

@@ -29,7 +29,10 @@ class Chain {
     std::int64_t end_of_part(std::int64_t i, std::int64_t b) const {
         const std::int64_t sum = sums_[i];
         const std::int64_t limit = b > total() - sum ? total() : sum + b;
-        return std::upper_bound(sums_.begin() + i, sums_.end(), limit) - sums_.begin() - 1;
+        std::int64_t low = i, length = 1;  // by strides that double: most parts are short beside the chain
+        while (low + length <= size() && sums_[low + length] <= limit) low += length, length *= 2;
+        const std::int64_t high = std::min(low + length, size() + 1);
+        return std::upper_bound(sums_.begin() + low, sums_.begin() + high, limit) - sums_.begin() - 1;
     }
 
     /// The first begin of a part that ends at j and weighs at most b.
@@ -59,13 +62,14 @@ class Chain {
         return low;
     }
 
-  private:
+    /// Do so many parts of at most b hold all?
     bool fits(std::int64_t parts, std::int64_t b) const {
         std::int64_t i = 0;
         for (std::int64_t p = 0; p < parts && i < size(); ++p) i = end_of_part(i, b);
         return i == size();
     }
 
+  private:
     std::vector<std::int64_t> sums_;
     std::int64_t heaviest_ = 0;
 };

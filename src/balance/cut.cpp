@@ -1,6 +1,7 @@
 #include "balance/cut.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "balance/chain.hpp"
 
@@ -35,6 +36,25 @@ std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int p
         cuts[p] = chain.nearest_to_mean(cuts[p - 1], used - p + 1, low, high);
     }
     return cuts;
+}
+
+std::int64_t even_parts(std::span<const std::int64_t> weights, std::int64_t at_most, double limit) {
+    const Chain chain(weights);
+    const double room = limit * static_cast<double>(chain.total());
+    const auto is_even = [&](std::int64_t parts) {
+        const double each = std::floor(room / static_cast<double>(parts));
+        const bool takes_all = each >= static_cast<double>(chain.total());
+        return takes_all || chain.fits(parts, static_cast<std::int64_t>(each));
+    };
+    std::int64_t low = 1, high = at_most;
+    while (low < high) {
+        const std::int64_t middle = low + (high - low + 1) / 2;
+        if (is_even(middle))
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
 }
 
 std::int64_t heaviest_part(std::span<const std::int64_t> weights, std::span<const std::int64_t> cuts) {

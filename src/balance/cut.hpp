@@ -19,6 +19,11 @@ namespace moraine {
 /// 2^63, parts >= 1. If all weights are zero the blocks are counted instead. Not collective.
 std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int parts);
 
+/// The number of parts, of 1 to `at_most`, whose heaviest weighs at most `limit` times their mean while one more part
+/// would be too many; of several such numbers bisection takes one. Weights as above, at_most >= 1, limit >= 1. Not
+/// collective.
+std::int64_t even_parts(std::span<const std::int64_t> weights, std::int64_t at_most, double limit);
+
 /// The weight of the heaviest part. Not collective.
 std::int64_t heaviest_part(std::span<const std::int64_t> weights, std::span<const std::int64_t> cuts);
 

@@ -9,6 +9,7 @@ namespace moraine {
 namespace {
 
 constexpr std::size_t most_in_table = 2000000;  // blocks: 216 MB; beyond, neighbours are looked up each time
+constexpr std::int32_t empty = -2;              // in the table while the apron has no numbers
 
 /// Nodes of a tile that blocks at the offsets of `mask` share with it.
 template <int Dim>
@@ -87,25 +88,32 @@ void count_neighbours(std::vector<std::uint64_t>& pairs, int ranks, HaloForecast
 HaloSurroundings::HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks)
     : layout_(layout), blocks_(blocks), offsets_(static_cast<std::size_t>(offsets_of(layout))) {
     occupied_ = BlockIndex<3>(keys_of(blocks));
+    if (blocks.size() <= most_in_table) table_.assign(blocks.size() * offsets_, -1);
     find_apron();
-    if (blocks.size() > most_in_table) return;
-    std::vector<std::int32_t> table(blocks.size() * offsets_);
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        for (std::size_t code = 0; code < offsets_; ++code)
-            table[b * offsets_ + code] = look_up(blocks[b].key, static_cast<int>(code));
-    table_ = std::move(table);
+    for (std::size_t i = 0; i < table_.size(); ++i)
+        if (table_[i] == empty) table_[i] = look_up(blocks[i / offsets_].key, static_cast<int>(i % offsets_));
+}
+
+/// Enters the occupied neighbours of a block into the table, and the empty ones into the apron.
+void HaloSurroundings::look_around(std::size_t b) {
+    Key near = 0;
+    for (int code = 0; code < offsets_of(layout_); ++code) {
+        if (!neighbour_key(layout_, blocks_[b].key, code, near)) continue;
+        const std::int32_t here = occupied_.find(near);
+        if (!table_.empty()) table_[b * offsets_ + static_cast<std::size_t>(code)] = here < 0 ? empty : here;
+        if (here < 0) apron_.push_back(near);
+    }
 }
 
 void HaloSurroundings::find_apron() {
-    Key near = 0;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        for (int code = 0; code < offsets_of(layout_); ++code)
-            if (neighbour_key(layout_, blocks_[b].key, code, near) && occupied_.find(near) < 0) apron_.push_back(near);
+        look_around(b);
         if (apron_.size() < (std::size_t(1) << 22) && b + 1 < blocks_.size()) continue;
         std::sort(apron_.begin(), apron_.end());  // now and then, so that the list stays short
         apron_.erase(std::unique(apron_.begin(), apron_.end()), apron_.end());
     }
     empty_ = BlockIndex<3>(apron_);
+    Key near = 0;
     for (const Key key : apron_) {
         std::int32_t heir = -1;
         for (int code = 0; heir < 0 && code < offsets_of(layout_); ++code)

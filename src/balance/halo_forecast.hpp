@@ -40,6 +40,7 @@ class HaloSurroundings {
         return table_.empty() ? look_up(blocks_[block].key, code) : table_[block * offsets_ + code];
     }
     std::int32_t look_up(Key key, int code) const;
+    void look_around(std::size_t block);
     void find_apron();
 
     const Layout layout_;

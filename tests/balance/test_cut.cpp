@@ -125,6 +125,26 @@ TEST_CASE("with more parts than blocks the first parts get one block each") {
     CHECK(exact_cut(Weights{}, 2) == Weights{0, 0, 0});
 }
 
+TEST_CASE("as many parts as are even enough: they are, and one more is not") {
+    std::mt19937_64 random(3);
+    for (int round = 0; round < 2000; ++round) {
+        const Weights w = random_weights(random, 1 + random() % 60);
+        const auto at_most = static_cast<std::int64_t>(1 + random() % (w.size() + 3));
+        const double limit = 1 + static_cast<double>(random() % 5) / 8;
+        const auto is_even = [&](std::int64_t parts) {
+            return static_cast<double>(bisected(w, static_cast<int>(parts)) * parts) <=
+                   limit * static_cast<double>(total_of(w));
+        };
+        const std::int64_t parts = even_parts(w, at_most, limit);
+        REQUIRE((parts >= 1 && parts <= at_most));
+        CHECK(is_even(parts));
+        if (parts < at_most) CHECK_FALSE(is_even(parts + 1));
+    }
+    CHECK(even_parts(Weights(100, 0), 100, 1.25) == 100);
+    CHECK(even_parts(Weights{}, 1, 1.25) == 1);
+    CHECK(even_parts(Weights(2, INT64_MAX / 2 - 1), 2, 1.25) == 2);
+}
+
 TEST_CASE("one part takes all") {
     CHECK(exact_cut(Weights{5, 0, 9}, 1) == Weights{0, 3});
 }

@@ -1,5 +1,6 @@
 """moraine replay: what recorded loads would cost on other ranks, and what it refuses."""
 import csv
+import re
 import shutil
 
 import moraine
@@ -59,6 +60,22 @@ class Replay(moraine.ProgramTest):
                                                        numerics__precision="single"))
         self.assertIn("Leave it out?", self.refused(self.run, "--calibrate", single))
         self.assertIn("no such directory", self.refused(self.run, "--calibrate", self.folder / "nowhere"))
+
+    def test_what_a_scene_feeds_is_said_of_the_looks_that_are_replayed(self):
+        moving = sets(body__block__velocity="[10.0, 0.0]", balance__interval=1, output__block_loads="on")
+        self.run = self.run_scene(self.write(moraine.SMALL_SCENE), "moving", *moving)
+        steps = int(table(self.run, "balance.csv")[-1]["step"])
+
+        def fed(last, every):
+            said = self.replay("--ranks", "1", "--partitioner", "morton", "--refine", "2", "--last-step", last,
+                               "--every", every).out
+            return [int(n) for n in re.search(r"can feed (\d+) ranks at its start and (\d+) at its w", said).groups()]
+
+        start, worst = fed(steps, 1)
+        self.assertLess(worst, start)
+        self.assertEqual(fed(steps, 1000), [start, start])  # the first look and the last
+        first = next(step for step in range(1, steps) if fed(step, 1)[1] == worst)
+        self.assertEqual(fed(first, 1000), [start, worst])
 
     def test_no_trigger_beats_the_offline_optimum(self):
         self.replay("--ranks", "16", "--partitioner", "morton", "--regret", "--latency", "1e-6", "--bandwidth", "1e9")
