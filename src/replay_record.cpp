@@ -152,8 +152,10 @@ void ReplayRecord::read_through() {
     }
     if (looks_ > 0 && (looks_ - 1) % options_.every != 0) feed(before);  // the last look is replayed, too
     if (looks_ < 2)
-        throw InputError(fmt::format("{} holds {} look{} (a replay needs two). A smaller balance.interval?", path_,
-                                     looks_, looks_ == 1 ? "" : "s"));
+        throw InputError(fmt::format(
+            "{} holds {} look{} (a replay needs two). {}", path_, looks_, looks_ == 1 ? "" : "s",
+            options_.last_step < ReplayOptions{}.last_step ? "A larger --last-step?"
+                                                           : "Run it for longer, or with a smaller balance.interval?"));
 }
 
 /// The interval that ends at this frame: its samples for the model, and what the run itself did.

@@ -46,16 +46,24 @@ po::options_description visible(ReplayOptions& o, Words& w) {
     return options;
 }
 
-std::vector<std::string> split(const std::string& list) {
-    std::vector<std::string> parts;
-    std::istringstream in(list);
-    for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+/// Words between commas; none may be empty.
+std::vector<std::string> split(const char* option, const std::string& list) {
+    std::vector<std::string> parts(1);
+    for (const char c : list)
+        if (c == ',')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    for (const std::string& part : parts)
+        if (part.empty())
+            refuse_argument(fmt::format("{} {}", option, quote(list)), "nothing stands where a word should",
+                            "Write words with a comma between them, or leave the option out?");
     return parts;
 }
 
 std::vector<int> ranks_of(const std::string& list) {
     std::vector<int> ranks;
-    for (const std::string& word : split(list)) {
+    for (const std::string& word : split("--ranks", list)) {
         int value = 0;
         const auto end = std::from_chars(word.data(), word.data() + word.size(), value);
         if (end.ec != std::errc() || end.ptr != word.data() + word.size() || value < 1)
@@ -74,12 +82,24 @@ const SceneKey& key_of_balance(const std::string& name) {
 
 std::vector<std::string> choices_of(const char* option, const std::string& list,
                                     const std::vector<std::string>& choices) {
-    std::vector<std::string> words = split(list);
+    std::vector<std::string> words = split(option, list);
     for (const std::string& word : words)
         if (std::find(choices.begin(), choices.end(), word) == choices.end())
             refuse_argument(fmt::format("{} {}", option, word), "must be one of " + listed(choices),
                             suggest(word, choices));
     return words;
+}
+
+void take_lists(const po::variables_map& given, const Words& w, ReplayOptions& o) {
+    if (given.count("ranks")) o.ranks = ranks_of(w.ranks);
+    if (given.count("partitioner"))
+        o.partitioners = choices_of("--partitioner", w.partitioners, key_of_balance("partitioner").choices);
+    if (given.count("calibrate")) o.calibrate = split("--calibrate", w.calibrate);
+    if (!given.count("trigger")) return;
+    const std::vector<std::string>& triggers = key_of_balance("trigger").choices;
+    for (const std::string& name : choices_of("--trigger", w.triggers, triggers))
+        o.triggers.push_back(
+            static_cast<Trigger>(std::find(triggers.begin(), triggers.end(), name) - triggers.begin()));
 }
 
 void check_numbers(const ReplayOptions& o) {
@@ -106,9 +126,9 @@ ReplayOptions parse_replay(const std::vector<std::string>& words) {
     all.add(shown).add_options()("directory", po::value(&directories));
     po::positional_options_description positional;
     positional.add("directory", -1);
+    po::variables_map map;
     try {
         namespace style = po::command_line_style;
-        po::variables_map map;
         po::store(po::command_line_parser(words)
                       .options(all)
                       .positional(positional)
@@ -125,13 +145,7 @@ ReplayOptions parse_replay(const std::vector<std::string>& words) {
         refuse_argument(fmt::format("{} run directories", directories.size()), "replay takes one",
                         "Try moraine replay runs/slurry_runout?");
     o.directory = directories[0];
-    o.ranks = ranks_of(w.ranks);
-    o.partitioners = choices_of("--partitioner", w.partitioners, key_of_balance("partitioner").choices);
-    const std::vector<std::string>& triggers = key_of_balance("trigger").choices;
-    for (const std::string& name : choices_of("--trigger", w.triggers, triggers))
-        o.triggers.push_back(
-            static_cast<Trigger>(std::find(triggers.begin(), triggers.end(), name) - triggers.begin()));
-    o.calibrate = split(w.calibrate);
+    take_lists(map, w, o);
     check_numbers(o);
     return o;
 }

@@ -87,6 +87,11 @@ class Replay(moraine.ProgramTest):
         self.assertIn("no such directory", self.refused(self.folder / "nowhere"))
         self.assertIn("output.block_loads=on", self.refused(self.folder))
         self.assertIn('"0" is not a number of ranks', self.refused(self.run, "--ranks", "4,0"))
+        for empty in ("", "4,", "4,,16"):
+            self.assertIn("nothing stands where a word should", self.refused(self.run, "--ranks", empty))
+        for option in ("--partitioner", "--trigger", "--calibrate"):
+            self.assertIn("nothing stands where a word should", self.refused(self.run, option, ""))
+        self.assertIn("A larger --last-step?", self.refused(self.run, "--last-step", "5"))
         self.assertIn("a rank needs a block", self.refused(self.run, "--ranks", "4000000"))
         self.assertIn("Did you mean morton?", self.refused(self.run, "--partitioner", "mortn"))
         self.assertIn("Did you mean --ranks?", self.refused(self.run, "--rank", "4"))
@@ -101,6 +106,8 @@ class Replay(moraine.ProgramTest):
         frame = (len(whole) - 160) // (len(table(self.run, "balance.csv")) + 1)
         (self.run / "block_loads.bin").write_bytes(whole[:160 + 56 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
+        (self.run / "block_loads.bin").write_bytes(whole[:160])
+        self.assertIn("holds 0 looks (a replay needs two). Run it for longer", self.refused(self.run))
         self.assertGreater(frame, 1000)
 
     def test_missing_intervals_are_told_by_the_table_of_the_run(self):

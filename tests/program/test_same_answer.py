@@ -105,7 +105,11 @@ class SameAnswer(moraine.ProgramTest):
         keys = sets(domain__cell=0.4, domain__max="[8.0, 8.0, 6.0]", time__end=0.01 if moraine.SLOW else 0.04)
         names = [name for name in (*DYNAMIC, *STATIC) if built(name)]
         cases = [(1, "morton", 1)] + [(2 + turn % 3, name, 1) for turn, name in enumerate(names)]
-        self.compare(INPUTS / "slurry_runout_3d.toml", keys, cases)
+        found = self.compare(INPUTS / "slurry_runout_3d.toml", keys, cases)
+        self.assertEqual([s["partitioner"] for s in found[1:]], names)
+        sent = [s["halo_bytes"] for s in found]
+        self.assertEqual(sent[0], 0)
+        self.assertEqual(len(set(sent)), len(sent), sent)  # each its own
 
     def test_a_block_that_slides_around_a_periodic_axis_under_every_partitioner(self):
         scene = self.write(LEAKY_SCENE)
