@@ -1,8 +1,8 @@
 """Where the particles were, on which rank: blocks at chosen times, coloured by owner."""
 import numpy
 from matplotlib.collections import PatchCollection
-from matplotlib.patches import Rectangle
-from plots import Plot, pyplot
+from matplotlib.patches import Patch, Rectangle
+from plots import Plot, legend_beside, pyplot
 
 
 def columns_of(loads, look):
@@ -15,9 +15,40 @@ def columns_of(loads, look):
     return [(corner, sum(by.values()), max(by, key=by.get)) for corner, by in sorted(held.items())]
 
 
+def colours(ranks):
+    return pyplot.get_cmap("tab20" if ranks > 10 else "tab10")
+
+
+def extent(loads, times):
+    """Lower and upper corner of what is held at these times."""
+    corners = numpy.concatenate([loads.position(loads.nearest(time))[:2] for time in times], axis=1)
+    return corners.min(1), corners.max(1) + loads.side
+
+
+def panels_of(runs, times, flat):
+    """One for each run and time: side by side, or one above the other where the flow is long and low. Also as they
+    lie on the page."""
+    sizes = [high - low for low, high in (extent(run.loads, times) for run in runs)]
+    length = max(size[0] / size[1] for size in sizes)
+    if flat and length > 4:
+        rows = len(runs) * len(times)
+        figure, panels = pyplot.subplots(rows, 1, figsize=(9, (0.55 + 8.4 / length) * rows + 0.6), squeeze=False)
+        return figure, panels.reshape(len(runs), len(times)), panels
+    size = (9, 1.1 + (1.2 if flat else 2.6) * len(runs))
+    figure, panels = pyplot.subplots(len(runs), len(times), figsize=size, sharex="row", sharey="row", squeeze=False)
+    return figure, panels, panels
+
+
+def name_colours(axes, ranks):
+    """Which colour is which rank; of many ranks it would say little, and colours come again."""
+    if ranks <= 10:
+        patches = [Patch(color=colours(ranks)(rank), label=f"rank {rank}") for rank in range(ranks)]
+        legend_beside(axes, handles=patches)
+
+
 def draw(axes, loads, look, most):
     squares = columns_of(loads, look)
-    colour = pyplot.get_cmap("tab20" if look.ranks > 10 else "tab10")
+    colour = colours(look.ranks)
     patches, faces = [], []
     for corner, particles, owner in squares:
         patches.append(Rectangle(corner, loads.side, loads.side))
@@ -43,23 +74,21 @@ def owners(runs, times=None):
         return None
     times = chosen_times(runs, times)
     flat = all(run.loads.dimensions == 2 for run in runs)
-    size = (9, 1.1 + (1.2 if flat else 2.6) * len(runs))
-    figure, panels = pyplot.subplots(len(runs), len(times), figsize=size, sharex="row", sharey="row", squeeze=False)
+    figure, panels, page = panels_of(runs, times, flat)
     rows = []
     for run, line in zip(runs, panels):
-        low, high = numpy.full(2, numpy.inf), numpy.full(2, -numpy.inf)
+        low, high = extent(run.loads, times)
         most = max(square[1] for square in columns_of(run.loads, run.loads.looks[0]))
         for time, axes in zip(times, line):
             look = run.loads.nearest(time)
             squares = draw(axes, run.loads, look, most)
-            corners = numpy.array([square[0] for square in squares])
-            low, high = numpy.minimum(low, corners.min(0)), numpy.maximum(high, corners.max(0) + run.loads.side)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
             axes.set_title(f"{run.name}, t = {look.time:.3g} s", fontsize=8)
             rows += [(run.name, look.time, *corner, particles, owner) for corner, particles, owner in squares]
-        line[0].set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    for axes in panels[-1]:
+    name_colours(page[0][-1], max(look.ranks for run in runs for look in run.loads.looks))
+    for axes in page[-1]:
         axes.set_xlabel("x [m]")
-    for axes in panels[:, 0]:
+    for axes in page[:, 0]:
         axes.set_ylabel("y [m]")
     words = "" if flat else " In 3-D seen from above: the colour of a column is the rank that holds most of it."
     return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; pale blocks "

@@ -105,6 +105,8 @@ class Report(moraine.ProgramTest):
         with open(folder / "lost_time.csv", newline="") as file:
             rows = [row for row in csv.DictReader(file) if row["run"] == "slabs-2"]
         self.assertAlmostEqual(sum(float(row["seconds"]) for row in rows), summary(runs[0])["wall_s"], delta=1e-6)
+        picture = (folder / "owners.svg").read_text()
+        self.assertEqual([f"rank {rank}" in picture for rank in range(4)], [True, True, True, False])
         with open(folder / "owners.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         for run in ("slabs-2", "morton-2", "morton-3"):
