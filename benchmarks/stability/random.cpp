@@ -39,7 +39,7 @@ std::string why(const Verdict& v) {
 void run_random(const Wanted& wanted, const Report& report) {
     for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
         Scene scene = random_scene(static_cast<std::uint64_t>(n));
-        scene.cfl *= random_share(static_cast<std::uint64_t>(n));
+        scene.cfl = standard_courant(scene) * random_share(static_cast<std::uint64_t>(n));
         const Verdict v = judge(scene);
         report({fmt::format("scene {}: {}", n, words_of(scene)),
                 {{"particles", v.particles}, {"momentum", v.momentum}, {"created", v.created}},

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/courant.hpp"
 #include "core/host.hpp"
 #include "core/kernel_list.hpp"
 #include "core/nodes.hpp"
@@ -38,12 +39,6 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
         default:
             return {{NodeTask::solve, gather_velocity | gather_motion | gather_gradient}};
     }
-}
-
-/// cfl for the scene's method: k terms of FMPM make the stiffest motion of the nodes up to k times as stiff as it is
-/// with the lumped mass, so their step is 1 / sqrt(k) of its step (measured: docs/stability.md).
-inline double courant_number(const Scene& scene) {
-    return scene.transfer == Transfer::fmpm ? scene.cfl / std::sqrt(double(scene.order)) : scene.cfl;
 }
 
 /// Whether a device has gather and stress update of the scene in one kernel (gpu/g2p.hpp).

@@ -25,9 +25,18 @@ void check_fixed(const Scene& scene, const Places& places, double wave, double b
                fmt::format("unstable above about 1; at most {:.0f}", most_courant), mean);
 }
 
+void check_courant(const Scene& scene, const Places& places) {
+    const double stable = stable_courant(scene.shape, scene.transfer, scene.stress_update);
+    if (scene.dt > 0 || stable == 0 || scene.cfl <= stable) return;
+    refuse(places.of("time.cfl"), fmt::format("time.cfl = {:.6g} is more than is stable", scene.cfl),
+           fmt::format("{:.3g} with this shape, transfer and stress update", stable),
+           fmt::format("At most {:.2g}, or leave it out?", stable));
+}
+
 }  // namespace
 
 void check_time(const Scene& scene, const Places& places) {
+    check_courant(scene, places);
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
         const double wave = wave_speed(material);

@@ -62,9 +62,11 @@ const std::vector<KeyRow<Scene>> rows{
      [](S& s, const V& v) { s.end = v.real; }},
     {{.table = "time",
       .name = "cfl",
-      .standard = "0.5",
+      .standard = "",
       .range = {0, 1.5, true, false},
-      .meaning = "dt = cfl h / (c + |v|), the least over all particles. Not together with dt."},
+      .meaning =
+          "dt = cfl h / (c + |v|), the least over all particles; left out: 0.8 of what is stable with the method "
+          "(docs/stability.md), or 0.5 where that is not known. Not together with dt."},
      [](S& s, const V& v) { s.cfl = v.real; }},
     {{.table = "time",
       .name = "dt",
