@@ -8,8 +8,11 @@ namespace moraine {
 
 namespace {
 
-/// More threads beside the steps would not be done sooner: parts are short.
-constexpr int threads_beside = 8;
+/// Threads beside the steps: one makes 5000 blocks in a millisecond, and an epoch lasts for many. More than are needed
+/// take cores from those that launch the steps.
+int threads_beside(std::size_t blocks) {
+    return std::clamp(static_cast<int>(blocks / 8192), 1, std::min(8, omp_get_max_threads()));
+}
 
 bool before(const OccupiedBlock& a, const OccupiedBlock& b) {
     return a.key < b.key;
@@ -48,7 +51,7 @@ typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock>
 
 template <int Dim>
 void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
-    const int threads = std::min(omp_get_max_threads(), threads_beside);
+    const int threads = threads_beside(keys.size());
     made_ = std::async(beside ? std::launch::async : std::launch::deferred,
                        [this, beside, threads, keys = std::move(keys), counts = std::move(counts)] {
                            if (beside) omp_set_num_threads(threads);  // of this thread

@@ -19,7 +19,7 @@ TEST_CASE("the prediction's step is that of the wave and the speed of the start,
     const double c = std::sqrt(2.5e5 * 0.505 / (1.495 * 0.01) / 1500);
     const std::string path = inputs_folder() + "/slurry_runout.toml";
     const Prediction p = predict(read_scene(path, {"body.reservoir.velocity=[3.0, 4.0]"}));
-    CHECK(p.dt == doctest::Approx(0.5 * 0.1 / (c + 5)));
+    CHECK(p.dt == doctest::Approx(0.8 * 0.76 * 0.1 / (c + 5)));
     CHECK(p.steps == std::ceil(20 / p.dt));
     CHECK(predict(read_scene(path, {"time.dt=1e-3"})).steps == 20000);
 }

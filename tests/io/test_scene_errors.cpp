@@ -52,7 +52,7 @@ TEST_CASE("a number out of range names the range") {
     CHECK(said_of("poisson = 0.45", "poisson = 0.6") ==
           "scene.toml:18: material.clay.poisson = 0.6 (must be in (-1, 0.5)). Did you mean 0.49?");
     CHECK(said_of("cfl = 0.4", "cfl = 1.6") ==
-          "scene.toml:10: time.cfl = 1.6 (must be in (0, 1.5]). Did you mean 0.5, the default?");
+          "scene.toml:10: time.cfl = 1.6 (must be in (0, 1.5]). Did you mean 1.5?");
     CHECK(said_of("cfl = 0.4", "cfl = 0").starts_with("scene.toml:10: time.cfl = 0 (must be in (0, 1.5])"));
     CHECK(said_of("cell = 0.1", "cell = nan").starts_with("scene.toml:7: domain.cell = nan (must be a finite number)"));
     CHECK(said_of("end = 1.0", "end = inf").starts_with("scene.toml:9: time.end = inf (must be a finite number)"));
