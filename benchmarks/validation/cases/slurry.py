@@ -26,7 +26,7 @@ BIN = 0.4  # of depth profiles [m]: two cells of the coarsest rung
 
 
 def sets(level):
-    return [f"domain.cell={HEIGHT / level!r}", "domain.max=[100,8]", "time.end=30", "output.interval=0.5", 'output.fields=["pressure"]']
+    return [f"domain.cell={HEIGHT / level!r}", "domain.max=[100,8]", "time.cfl=0.5", "time.end=30", "output.interval=0.5", 'output.fields=["pressure"]']
 
 
 def arrested(x, next_order=False):
