@@ -285,8 +285,8 @@ std::string check_report(const Scene& scene, int ranks) {
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
     text += fmt::format("dt         {:.4g} s ({})\n", p.dt,
                         scene.dt > 0 ? std::string("fixed")
-                                     : fmt::format("cfl {}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
-                                                   scene.cfl, p.max_wave_speed, p.max_speed));
+                                     : fmt::format("cfl {:.3g}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
+                                                   courant_number(scene), p.max_wave_speed, p.max_speed));
     text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
