@@ -4,7 +4,7 @@
 // A topology is used up when a particle could leave it, and that is seen one step late: what the particles of step n
 // reached is agreed on in step n + 1, and tables are renewed after it. Who is in the rim for the first time still has 3
 // cells to go, less what it moved in that step; no step moves a particle a whole cell. A sum of the largest
-// displacements of all steps, which asks nobody where he is, was used up two to three times as often.
+// displacements of all steps, the rule before, asks nobody where he is: a drop that spins in its place used it up.
 
 #include <array>
 #include <cstdint>
