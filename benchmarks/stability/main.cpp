@@ -25,6 +25,11 @@ constexpr StabilityCase cases[] = {
     {"S1",
      "largest stable dt c / h: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps (frozen) or 4000",
      find_limits},
+    {"S4",
+     "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
+     "PIC, "
+     "APIC, TPIC and FMPM: 1e-3 after 100 steps, at a loss of the drift's energy of at most 1e-4",
+     follow_null_mode},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
 };
