@@ -192,6 +192,7 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     HaloForecast halo;
     if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
     interval.sending = wire.sending(halo, ranks);
+    interval.moves = moves_at_end(now, end, ranks);
     fit_.add(std::move(interval));
 
     const double at_begin = summary_of(first).imbalance(), at_end = summary_of(last).imbalance();
@@ -203,6 +204,13 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     measured_.imbalance_max = std::max({measured_.imbalance_max, at_begin, at_end});
     measured_.bytes += steps * header_.halo_rounds * static_cast<double>(halo.bytes);
     measured_seconds_ += stepping / ranks;
+}
+
+/// What the run's planner reckoned for bringing the blocks from those who had come to hold them to those who hold them.
+double ReplayRecord::moves_at_end(const Interval& now, const std::vector<std::int32_t>& held, int ranks) const {
+    const std::vector<std::int32_t> owners = present_owners(now.blocks);
+    const bool known = std::all_of(owners.begin(), owners.end(), [&](int r) { return r >= 0 && r < ranks; });
+    return known ? migration_seconds(now.blocks, held, owners, ranks, {header_.moves[0], header_.moves[1]}) : 0;
 }
 
 void ReplayRecord::count(const Interval& coarse) {

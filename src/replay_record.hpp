@@ -49,6 +49,7 @@ class ReplayRecord {
     void check_end() const;
     void calibrate(const std::string& directory);
     void measure(const LoadFrame& frame, const Interval& before, const Interval& now, const Partitioner& partitioner);
+    double moves_at_end(const Interval& now, const std::vector<std::int32_t>& held, int ranks) const;
     std::int64_t children_of_a_block() const { return std::int64_t(1) << (layout_.dimensions * options_.refine); }
     void count(const Interval& coarse);
     void feed(const Interval& coarse);

@@ -102,7 +102,7 @@ void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::i
     ++round_;
     result_.migrated_particles += travels.particles;
     result_.migrated_blocks += travels.blocks;
-    result_.migration += plan.migration;
+    result_.migration += model_.moves_slower * plan.migration;
     owners_ = plan.owners;
     last_repartition_ = step;
     lost_ = 0;

@@ -36,9 +36,7 @@ class Followed {
         const std::vector<std::int32_t> rank_of = relabel(blocks, parts, ranks_);
         std::vector<std::int32_t> to(parts.size());
         for (std::size_t b = 0; b < to.size(); ++b) to[b] = rank_of[parts[b]];
-        PlanCosts costs;
-        costs.move = model_.moves;
-        return best_plan({{PlanKind::relabelled, std::move(to)}}, blocks, ranks_, costs).migration;
+        return model_.moves_slower * migration_seconds(blocks, owners_, to, ranks_, model_.moves);
     }
 
   private:

@@ -24,6 +24,11 @@ inline constexpr MoveModel host_moves{2e-3, 4e-6};
 /// Between devices by direct writes, benchmarks/scaling/results.md.
 inline constexpr MoveModel device_moves{1e-2, 2e-9};
 
+/// Of blocks that go from ranks to others (those out of range have nothing to send); 0 where no particle moves [s].
+/// Not collective.
+double migration_seconds(std::span<const BlockLoad> blocks, std::span<const std::int32_t> from,
+                         std::span<const std::int32_t> to, int ranks, const MoveModel& move);
+
 struct PlanCosts {
     double step = 0;   ///< of a step, per unit of weight [s]
     double steps = 0;  ///< until the next repartition

@@ -172,6 +172,17 @@ double ModelFit::usual_look() const {
     return nth_of(std::move(looks), 0.5);
 }
 
+/// 1 where nothing moved.
+double ModelFit::moves_slower(const TimeModel& m) const {
+    double took = 0, reckoned = 0;
+    for (const Interval& interval : intervals_) {
+        if (interval.moves <= 0) continue;
+        took += std::max(0.0, interval.look - m.look);
+        reckoned += interval.moves;
+    }
+    return reckoned > 0 ? took / reckoned : 1;
+}
+
 TimeModel ModelFit::model(const CostModel& prior) const {
     TimeModel m;
     fit_costs(prior, m);
@@ -179,6 +190,7 @@ TimeModel ModelFit::model(const CostModel& prior) const {
     m.unrest = unrest_of(m);
     m.constant = remainder(m);
     m.look = usual_look();
+    m.moves_slower = moves_slower(m);
     return m;
 }
 

@@ -2,13 +2,14 @@
 // What a step costs on any number of ranks, from what the steps of a run cost. A model: its times are predictions.
 //
 //   step = E[max over ranks of t_r (1 + s x_r)] + c + rounds (latency k + bytes / bandwidth) + latency log2 P
-//   t_r  = (a + e) n_r + d b_r;   look: a constant;   a migration: planner.hpp
+//   t_r  = (a + e) n_r + d b_r;   look: a constant;   a migration: f times what the planner reckons (planner.hpp)
 //
 // n_r, b_r: particles and blocks of rank r; k: neighbours, bytes: sent, of the busiest. a and d are fitted to computing
 // times by least squares with a pull (1 %) towards the ratio of the cost model: a run whose particles and blocks hardly
 // vary cannot tell them apart. e is what filing and exchanges took of the rank that waited least.
 // x_r is normal: equal loads do not take equal time, and s follows from what the slowest ranks took, step by step.
-// c is what remains of a step. A run does not tell latency and bandwidth: they are the user's.
+// f is what looks with a migration took beyond the median of all. c is what remains of a step. A run does not tell
+// latency and bandwidth: they are the user's.
 
 #include <cstdint>
 #include <span>
@@ -37,7 +38,8 @@ struct TimeModel {
     double look = 0;      ///< [s]
     int rounds = 1;
     Wire wire;
-    MoveModel moves = host_moves;
+    MoveModel moves = host_moves;  ///< what planners reckon with
+    double moves_slower = 1;       ///< f
 
     double computing(double particles, double blocks) const { return particle * particles + block * blocks; }
 
@@ -65,13 +67,15 @@ class ModelFit {
         double sending = 0;  ///< by the wire model [s per step]
         double lost = 0;     ///< computing of the slowest rank less mean [s per step]
         double look = 0;     ///< balancing, of the rank that waited least [s]
+        double moves = 0;    ///< the migration at its end, as planners reckon it [s]
     };
 
     /// Not collective.
     void add(Interval interval) { intervals_.push_back(std::move(interval)); }
     void add(const ModelFit& other);
 
-    /// Without rounds, wire and moves. `prior`: the ratio of costs per particle and block. Not collective.
+    /// Without rounds, wire and what planners reckon moves with. `prior`: the ratio of costs per particle and block.
+    /// Not collective.
     TimeModel model(const CostModel& prior) const;
 
   private:
@@ -80,6 +84,7 @@ class ModelFit {
     double unrest_of(const TimeModel& m) const;
     double remainder(const TimeModel& m) const;
     double usual_look() const;
+    double moves_slower(const TimeModel& m) const;
 
     std::vector<Interval> intervals_;
 };

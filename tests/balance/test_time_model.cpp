@@ -103,6 +103,20 @@ TEST_CASE("the times of another run count as well") {
     CHECK(ratio(one.model(prior).computing(1000, 20), 3e-4) == doctest::Approx(1));
 }
 
+TEST_CASE("migrations are as slow as looks with one took beyond the others, and as reckoned where nothing moved") {
+    ModelFit fit;
+    const auto look = [&](double took, double moves) {
+        ModelFit::Interval interval = steps_of({{1000, 10}}, 2e-7, 0, 0);
+        interval.look = took, interval.moves = moves;
+        fit.add(interval);
+    };
+    for (int k = 0; k < 7; ++k) look(1e-3, 0);
+    CHECK(fit.model(prior).moves_slower == 1);
+    look(6e-3, 20e-3);
+    look(2e-3, 4e-3);
+    CHECK(fit.model(prior).moves_slower == doctest::Approx((5e-3 + 1e-3) / 24e-3));
+}
+
 TEST_CASE("the largest of n equal normal variables is as far above their mean as tables say") {
     for (const auto& [n, deviations] : {std::pair{2, 0.56419}, {4, 1.02938}, {16, 1.76599}, {1000, 3.24144}}) {
         const std::vector<double> means(static_cast<std::size_t>(n), 3.0);
