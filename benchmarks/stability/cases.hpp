@@ -41,6 +41,7 @@ struct StabilityCase {
 const std::vector<Choice>& all_methods();
 
 void find_limits(const Wanted& wanted, const Report& report);
+void find_lone_limits(const Wanted& wanted, const Report& report);
 void follow_null_mode(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 

@@ -25,6 +25,10 @@ constexpr StabilityCase cases[] = {
     {"S1",
      "largest stable dt c / h: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps (frozen) or 4000",
      find_limits},
+    {"S2",
+     "largest stable dt c / h of a particle alone and of a droplet of 2 per axis: a pressure of 1e-6 rho c^2 grows "
+     "less than 1000 times in 2000 steps (frozen) or 4000; 4: no limit was found",
+     find_lone_limits},
     {"S4",
      "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
      "PIC, "
