@@ -29,6 +29,16 @@ constexpr StabilityCase cases[] = {
      "largest stable dt c / h of a particle alone and of a droplet of 2 per axis: a pressure of 1e-6 rho c^2 grows "
      "less than 1000 times in 2000 steps (frozen) or 4000; 4: no limit was found",
      find_lone_limits},
+    {"S2-edge",
+     "one step at dt c / h = 0.3 of particles that bear 1e-3 rho c^2, just inside the support of a node (2-D); goal: "
+     "the pressure does not grow and the velocity changes by no more than the forces on the nodes give",
+     find_edges},
+    {"S3",
+     "a slab under 1e-3 rho c^2 whose corner overlaps a node's support by so much: accelerations over their bound "
+     "(one step), what 2000 steps adrift at the default step make of pressure and energy, over those at the start, and "
+     "momentum (goal 1e-12 "
+     "of M c)",
+     drift_slab},
     {"S4",
      "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
      "PIC, "
