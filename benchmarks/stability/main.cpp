@@ -36,14 +36,17 @@ constexpr StabilityCase cases[] = {
     {"S3",
      "a slab under 1e-3 rho c^2 whose corner overlaps a node's support by so much: accelerations over their bound "
      "(one step), what 2000 steps adrift at the default step make of pressure and energy, over those at the start, and "
-     "momentum (goal 1e-12 "
-     "of M c)",
+     "momentum (goal 1e-12 of M c)",
      drift_slab},
     {"S4",
      "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
      "PIC, "
      "APIC, TPIC and FMPM: 1e-3 after 100 steps, at a loss of the drift's energy of at most 1e-4",
      follow_null_mode},
+    {"S8",
+     "a pulse in a strip meets a bonded block of other stiffness or density (2-D, one block wide): what comes back of "
+     "momentum and energy, and stress and velocity at the interface, over the pulse's; goal 2 % at ratios to 1000",
+     meet_contrasts},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
 };
