@@ -46,6 +46,7 @@ void find_edges(const Wanted& wanted, const Report& report);
 void drift_slab(const Wanted& wanted, const Report& report);
 void meet_contrasts(const Wanted& wanted, const Report& report);
 void pull_apart(const Wanted& wanted, const Report& report);
+void push_extremes(const Wanted& wanted, const Report& report);
 void follow_null_mode(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 

@@ -53,6 +53,8 @@ constexpr StabilityCase cases[] = {
      "lambda "
      "at the end; a slab sheared to 50: largest error of the stress over itself and of ln J, in its middle",
      pull_apart},
+    {"S12", "inputs that nobody should give (2-D): a bounded result with closed books (1e-10 of M c), or a clear error",
+     push_extremes},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
 };
