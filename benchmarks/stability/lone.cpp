@@ -163,10 +163,16 @@ Finding measure(const Lone& lone) {
 
 void find_lone_limits(const Wanted& wanted, const Report& report) {
     const Choice choices[] = {
-        quadratic_flip_usl,  {"quadratic FLIP USF", Shape::quadratic, Transfer::flip, StressUpdate::usf},
-        quadratic_flip_musl, quadratic_apic_usl,
-        quadratic_tpic_usl,  gimp_flip_usl,
+        quadratic_flip_usl,
+        {"quadratic FLIP USF", Shape::quadratic, Transfer::flip, StressUpdate::usf},
+        quadratic_flip_musl,
+        quadratic_apic_usl,
+        quadratic_tpic_usl,
+        gimp_flip_usl,
         cubic_flip_usl,
+        quadratic_apic_musl,
+        {"quadratic TPIC MUSL", Shape::quadratic, Transfer::tpic, StressUpdate::musl},
+        cubic_apic_usl,
     };
     for (int per_axis : {1, 2})
         for (int dimensions : {2, 3})
