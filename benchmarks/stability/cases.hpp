@@ -41,6 +41,12 @@ struct StabilityCase {
 const std::vector<Choice>& all_methods();
 
 void find_limits(const Wanted& wanted, const Report& report);
+void find_lone_limits(const Wanted& wanted, const Report& report);
+void find_edges(const Wanted& wanted, const Report& report);
+void drift_slab(const Wanted& wanted, const Report& report);
+void meet_contrasts(const Wanted& wanted, const Report& report);
+void pull_apart(const Wanted& wanted, const Report& report);
+void push_extremes(const Wanted& wanted, const Report& report);
 void follow_null_mode(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 

@@ -1,8 +1,8 @@
 // S1: the largest stable step dt c / h of every method, by bisection.
 
 #include <algorithm>
-#include <cmath>
 
+#include "stability/bisect.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_cloud.hpp"
 
@@ -12,9 +12,6 @@ namespace {
 
 using namespace verification;
 
-constexpr double least = 0.02, most = 4;  ///< dt c / h
-constexpr double sharp = 1.02;            ///< ratio of the ends of the last bracket
-
 constexpr Cloud clouds[] = {
     {"strip frozen", 2, true, false, 0},          {"strip adrift", 2, true, false, 0.05},
     {"strip free", 2, true, true, 0.05},          {"2-D frozen", 2, false, false, 0},
@@ -22,25 +19,6 @@ constexpr Cloud clouds[] = {
     {"2-D jittered", 2, false, true, 0.05, 0.25}, {"3-D adrift", 3, false, false, 0.05},
     {"3-D free", 3, false, true, 0.05},
 };
-
-/// Between a stable and an unstable step; stable steps below are looked at again, since an instability may have an
-/// upper end.
-double limit_of(const Cloud& cloud, const Choice& choice, double guess) {
-    const auto stable = [&](double courant) { return cloud_is_stable(cloud, choice, courant); };
-    double low = guess, high = guess;
-    if (stable(guess))
-        while (high < most && stable(high = std::min(most, low * 1.25))) low = high;
-    else
-        while (low > least && !stable(low = std::max(least, high / 1.25))) high = low;
-    if (low >= most || high <= least) return low;
-    while (high / low > sharp) {
-        const double middle = std::sqrt(low * high);
-        (stable(middle) ? low : high) = middle;
-    }
-    for (double share : {0.85, 0.6, 0.35})
-        if (!stable(share * low)) return limit_of(cloud, choice, share * low);
-    return low;
-}
 
 /// Some of these have the least limit in every method that was measured in full.
 bool governs(const Cloud& cloud) {
@@ -54,10 +32,11 @@ void find_limits(const Wanted& wanted, const Report& report) {
     for (const Choice& choice : all_methods()) {
         if (std::string(choice.name).find(wanted.configurations) == std::string::npos) continue;
         Finding finding{choice.name, {}, {}, ""};
-        double guess = 1, all = most;
+        double guess = 1, all = most_courant;
         for (const Cloud& cloud : clouds) {
             if (wanted.few && !governs(cloud)) continue;
-            const double limit = limit_of(cloud, choice, guess);
+            const double limit =
+                largest_stable([&](double courant) { return cloud_is_stable(cloud, choice, courant); }, guess);
             guess = std::clamp(limit, 0.1, 2.0);
             if (cloud.mach > 0) all = std::min(all, limit);
             finding.numbers.emplace_back(cloud.name, limit);

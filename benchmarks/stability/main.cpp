@@ -25,11 +25,36 @@ constexpr StabilityCase cases[] = {
     {"S1",
      "largest stable dt c / h: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps (frozen) or 4000",
      find_limits},
+    {"S2",
+     "largest stable dt c / h of a particle alone and of a droplet of 2 per axis: a pressure of 1e-6 rho c^2 grows "
+     "less than 1000 times in 2000 steps (frozen) or 4000; 4: no limit was found",
+     find_lone_limits},
+    {"S2-edge",
+     "one step at dt c / h = 0.3 of particles that bear 1e-3 rho c^2, just inside the support of a node (2-D); goal: "
+     "the pressure does not grow and the velocity changes by no more than the forces on the nodes give",
+     find_edges},
+    {"S3",
+     "a slab under 1e-3 rho c^2 whose corner overlaps a node's support by so much: accelerations over their bound "
+     "(one step), what 2000 steps adrift at the default step make of pressure and energy, over those at the start, and "
+     "momentum (goal 1e-12 of M c)",
+     drift_slab},
     {"S4",
      "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
      "PIC, "
      "APIC, TPIC and FMPM: 1e-3 after 100 steps, at a loss of the drift's energy of at most 1e-4",
      follow_null_mode},
+    {"S8",
+     "a pulse in a strip meets a bonded block of other stiffness or density (2-D, one block wide): what comes back of "
+     "momentum and energy, and stress and velocity at the interface, over the pulse's; goal 2 % at ratios to 1000",
+     meet_contrasts},
+    {"S10",
+     "a bar that flies apart to 20 times its length: from which stretch the ln J of one inner particle is off by half, "
+     "and from which they see less than half or more than one and a half of what grows (20: never), ln J over ln "
+     "lambda "
+     "at the end; a slab sheared to 50: largest error of the stress over itself and of ln J, in its middle",
+     pull_apart},
+    {"S12", "inputs that nobody should give (2-D): a bounded result with closed books (1e-10 of M c), or a clear error",
+     push_extremes},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
 };

@@ -45,10 +45,10 @@ def random_scenes(lines):
 
 def results(lines, words):
     commits = ", ".join(sorted({x["commit"] for x in lines}))
-    some = lines[0]
+    machines = "; ".join(dict.fromkeys(f"{x['machine']}, one core, {x['compiler']}, -march={x['march']}" for x in lines))
     text = ["# Where the method is stable", "",
             "Made by `benchmarks/stability/run`; every line is in [results.jsonl](results.jsonl). `-`: not measured.", "",
-            f"{some['machine']}, one core; {some['compiler']}, -march={some['march']}; commit {commits}.", ""]
+            f"{machines}; commit {commits}.", ""]
     for case, about in words.items():
         mine = [x for x in lines if x["case"] == case]
         if not mine:
