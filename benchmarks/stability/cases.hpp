@@ -29,6 +29,10 @@ struct Wanted {
     std::string configurations;   ///< part of the name; empty: all
     bool few = false;             ///< S1: only the clouds whose limits are the least
     int first = 1, count = 1000;  ///< random scenes
+
+    bool names(const std::string& configuration) const {
+        return configuration.find(configurations) != std::string::npos;
+    }
 };
 
 struct StabilityCase {

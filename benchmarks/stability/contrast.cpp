@@ -189,8 +189,7 @@ void meet_contrasts(const Wanted& wanted, const Report& report) {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, cubic_flip_usl})
         for (const Contrast& contrast : contrasts) {
             const bool slow = contrast.speed() > 40 && choice.shape != Shape::quadratic;
-            if (!slow && std::string(choice.name).find(wanted.configurations) != std::string::npos)
-                report(meet(choice, contrast));
+            if (!slow && wanted.names(choice.name)) report(meet(choice, contrast));
         }
 }
 

@@ -192,8 +192,7 @@ Finding push(const Extreme& extreme, const Choice& choice) {
 void push_extremes(const Wanted& wanted, const Report& report) {
     for (const Extreme& extreme : extremes)
         for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_musl, cubic_apic_usl})
-            if (std::string(choice.name).find(wanted.configurations) != std::string::npos)
-                report(push(extreme, choice));
+            if (wanted.names(choice.name)) report(push(extreme, choice));
 }
 
 }  // namespace moraine

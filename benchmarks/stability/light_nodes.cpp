@@ -178,13 +178,12 @@ Finding slab(const Choice& choice) {
 void find_edges(const Wanted& wanted, const Report& report) {
     for (int per_axis : {1, 2})
         for (const Choice& choice : choices)
-            if (std::string(choice.name).find(wanted.configurations) != std::string::npos)
-                report(edge(choice, per_axis));
+            if (wanted.names(choice.name)) report(edge(choice, per_axis));
 }
 
 void drift_slab(const Wanted& wanted, const Report& report) {
     for (const Choice& choice : choices)
-        if (std::string(choice.name).find(wanted.configurations) != std::string::npos) report(slab(choice));
+        if (wanted.names(choice.name)) report(slab(choice));
 }
 
 }  // namespace moraine

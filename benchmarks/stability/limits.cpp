@@ -30,7 +30,7 @@ bool governs(const Cloud& cloud) {
 
 void find_limits(const Wanted& wanted, const Report& report) {
     for (const Choice& choice : all_methods()) {
-        if (std::string(choice.name).find(wanted.configurations) == std::string::npos) continue;
+        if (!wanted.names(choice.name)) continue;
         Finding finding{choice.name, {}, {}, ""};
         double guess = 1, all = most_courant;
         for (const Cloud& cloud : clouds) {

@@ -178,8 +178,7 @@ void find_lone_limits(const Wanted& wanted, const Report& report) {
         for (int dimensions : {2, 3})
             for (const char* law : {"linear-elastic", "bingham"})
                 for (const Choice& choice : choices)
-                    if (std::string(choice.name).find(wanted.configurations) != std::string::npos)
-                        report(measure({choice, dimensions, law, per_axis}));
+                    if (wanted.names(choice.name)) report(measure({choice, dimensions, law, per_axis}));
 }
 
 }  // namespace moraine

@@ -95,8 +95,7 @@ void follow_null_mode(const Wanted& wanted, const Report& report) {
                               {Transfer::apic, 1, true},  {Transfer::tpic, 1, true},     {Transfer::fmpm, 1, true}};
     for (Shape shape : {Shape::quadratic, Shape::cubic})
         for (const Kind& kind : kinds)
-            if (method_name(shape, kind.transfer, StressUpdate::usl).find(wanted.configurations) != std::string::npos)
-                report(follow(shape, kind));
+            if (wanted.names(method_name(shape, kind.transfer, StressUpdate::usl))) report(follow(shape, kind));
 }
 
 }  // namespace moraine

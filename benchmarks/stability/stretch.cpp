@@ -27,15 +27,21 @@ constexpr double bar = 16;                                      ///< length [cel
 constexpr double inner = 4;                                     ///< half the length that is looked at [cells]
 constexpr double strength = 1e-8, viscosity = strength / rate;  ///< shear stress of both laws [Pa], [Pa s]
 
-Scene bar_of(const Choice& choice, int per_cell) {
+/// Nothing in a plane that is periodic both ways.
+Scene empty_plane(const Choice& choice, double length, double height) {
     Scene scene;
     scene.dimensions = 2;
     scene.cell = 1;
     scene.dt = 1;
     choose(scene, choice);
-    scene.max = {352, 4, 0};
+    scene.max = {length, height, 0};
     make_periodic(scene, 0);
     make_periodic(scene, 1);
+    return scene;
+}
+
+Scene bar_of(const Choice& choice, int per_cell) {
+    Scene scene = empty_plane(choice, 352, 4);
     scene.materials.push_back(material("linear-elastic", 1, {{"young", 1e-14}, {"poisson", 0}}));
     BodySpec body;
     body.min = {176 - bar / 2, 0, 0}, body.max = {176 + bar / 2, 4, 0};
@@ -92,14 +98,7 @@ Finding stretch(const Choice& choice, int per_cell) {
 }
 
 Scene slab_of(const Choice& choice, const char* law) {
-    Scene scene;
-    scene.dimensions = 2;
-    scene.cell = 1;
-    scene.dt = 1;
-    choose(scene, choice);
-    scene.max = {8, 16, 0};
-    make_periodic(scene, 0);
-    make_periodic(scene, 1);
+    Scene scene = empty_plane(choice, 8, 16);
     scene.materials.push_back(
         material(law, 1, {{"young", 0.01}, {"poisson", 0.3}, {"viscosity", viscosity}, {"su", strength}}));
     BodySpec body;
@@ -151,15 +150,12 @@ void pull_apart(const Wanted& wanted, const Report& report) {
         cubic_flip_usl,
         cubic_apic_usl,
     };
-    const auto wants = [&](const Choice& choice) {
-        return std::string(choice.name).find(wanted.configurations) != std::string::npos;
-    };
     for (int per_cell : {2, 4})
         for (const Choice& choice : choices)
-            if (wants(choice)) report(stretch(choice, per_cell));
+            if (wanted.names(choice.name)) report(stretch(choice, per_cell));
     for (const char* law : {"newtonian", "tresca"})
         for (const Choice& choice : choices)
-            if (wants(choice)) report(shear(choice, law));
+            if (wanted.names(choice.name)) report(shear(choice, law));
 }
 
 }  // namespace moraine
