@@ -110,28 +110,34 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
     look_.repartitioned = false;
-    const bool look = trigger_.is_due(clock_.step) && !alone && !is_balanced();
+    const bool stale = foreseen_ >= epoch_stale;
+    const bool look = trigger_.is_due(clock_.step) && !alone && !moves_at_ && !is_balanced();
     const bool used_up = wandered_ > epoch_reach;
+    const bool move = moves_at_ && (clock_.step >= *moves_at_ || used_up || stale);
     const bool wanted = used_up || (beside_ && at_rim_);
-    const bool foresee = wanted && !(next_epoch_.under_way() && foreseen_ < epoch_stale);
-    if (!look && !used_up && !foresee) return;
+    const bool foresee = wanted && !moves_at_ && !(next_epoch_.under_way() && !stale);
+    if (!look && !used_up && !foresee && !move) return;
     file();
     phases_.time(Phase::agree, [&] { engine_->settle(); });
     phases_.time(Phase::balance, [&] {
+        if (move) return repartition();
         if (look && repartition_if_worth_it()) return;
         if (foresee) foresee_epoch();
         if (used_up) renew_epoch();
     });
 }
 
+/// True: this epoch ends now.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::repartition_if_worth_it() {
     const BlockCounts mine = engine_->block_counts(weighs_cells());
     if (weighs_cells()) calibrate(mine);
     std::vector<BlockLoad> loads = gather_loads(mine);
     const std::vector<std::int32_t> owners = plan(loads);
-    if (look_.repartitioned) repartition(std::move(loads), owners);
-    return look_.repartitioned;
+    if (!look_.repartitioned) return false;
+    begin_repartition(std::move(loads), owners);
+    if (clock_.step >= *moves_at_ || wandered_ > epoch_reach) repartition();
+    return true;
 }
 
 /// By what the last agreement says of the ranks, before anything is filed or sent: no plan is worth making. Costs may
@@ -183,16 +189,29 @@ std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<Bl
     return that_fit(partitioner_->options(by_particles, clock_.round), loads, comm_.size(), most);
 }
 
+/// Tables for the owners to be are made from now on; where that is beside the steps, blocks move some steps later.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
+void Simulation<Real, Dim>::begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
+    std::vector<OccupiedBlock> occupied;
+    for (std::size_t b = 0; b < loads.size(); ++b) occupied.push_back({loads[b].key, owners[b]});
+    next_epoch_.start_repartition(std::move(occupied), beside_);
+    foreseen_ = 0;
+    reckoned_ = look_.terms.migration;
+    const std::int64_t steps = std::min<std::int64_t>(most_steps_to_move, scene_.balance.interval / 2);
+    moves_at_ = clock_.step + (beside_ ? steps : 0);
+}
+
+/// Takes the epoch that was begun, and brings blocks to their owners in it: also those that were empty then.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::repartition() {
     const auto start = std::chrono::steady_clock::now();
-    std::vector<std::int32_t> of_mine;
-    for (std::size_t b = 0; b < loads.size(); ++b) {
-        if (loads[b].owner == comm_.rank()) of_mine.push_back(owners[b]);
-        loads[b].owner = owners[b];
-    }
-    const BlockMoveCount moved = engine_->repartition(next_epoch(loads), of_mine);
+    EpochTables<Dim> tables = std::move(*next_epoch_.take());
+    const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
+    const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
+    moves_at_.reset();
+    wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
+    unfiled_ = true;
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;
@@ -200,7 +219,7 @@ void Simulation<Real, Dim>::repartition(std::vector<BlockLoad> loads, const std:
     last_repartition_ = clock_.step;
     time_lost_ = 0;
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    trigger_.learn(look_.terms.migration, move_seconds_);
+    trigger_.learn(reckoned_, move_seconds_);
 }
 
 }  // namespace moraine

@@ -71,8 +71,24 @@ Result same_on_all_ranks(Scene scene, int steps) {
     return alone;
 }
 
-/// The hash of lists after some steps, and the epochs that were made on the way.
-std::pair<std::uint64_t, std::int64_t> run_epochs(const Scene& scene, const Comm& comm, int steps, bool beside) {
+/// Two bodies that drift apart, into blocks that were empty.
+Scene drifting() {
+    Scene scene = slurry();
+    scene.max[0] = 12;
+    scene.walls[1][0].kind = WallKind::free_slip;
+    scene.bodies.push_back(scene.bodies.front());
+    scene.bodies[0].velocity = {10, 0, 0};
+    scene.bodies[1].min = {0.2, 0, 0};
+    scene.bodies[1].max = {1.2, 1, 0};
+    return scene;
+}
+
+/// The hash of lists after some steps, and the epochs and repartitions that were made on the way.
+struct Epochs {
+    std::uint64_t hash;
+    std::int64_t renewed, repartitions, migrated;
+};
+Epochs run_epochs(const Scene& scene, const Comm& comm, int steps, bool beside) {
     Simulation<double, 2> sim(scene, comm);
     sim.foresee_epochs(beside);
     sim.seed();
@@ -81,7 +97,8 @@ std::pair<std::uint64_t, std::int64_t> run_epochs(const Scene& scene, const Comm
         sim.balance();
     }
     sim.conclude();
-    return {sim.state_hash(true), sim.counts().epochs};
+    const RunCounts& counts = sim.counts();
+    return {sim.state_hash(true), counts.epochs, counts.repartitions, comm.sum(counts.migrated_particles)};
 }
 
 const moraine::Shape every_shape[] = {moraine::Shape::linear, moraine::Shape::gimp, moraine::Shape::gimp_contiguous,
@@ -101,27 +118,41 @@ TEST_CASE("a slurry that leaves through an open wall is the same on any number o
 
 TEST_CASE("it is the same whether epochs are made when they are needed or beside the steps before") {
     const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
-    Scene scene = slurry();
-    scene.max[0] = 12;
-    scene.walls[1][0].kind = WallKind::free_slip;
-    scene.bodies.push_back(scene.bodies.front());  // two that drift apart, into blocks that were empty
-    scene.bodies[0].velocity = {10, 0, 0};
-    scene.bodies[1].min = {0.2, 0, 0};
-    scene.bodies[1].max = {1.2, 1, 0};
+    Scene scene = drifting();
     scene.balance.trigger = Trigger::every;
     scene.balance.interval = 61;
-    const auto [hash, epochs] = run_epochs(scene, self, 250, false);
-    CHECK(epochs >= 3);
+    const Epochs alone = run_epochs(scene, self, 250, false);
+    CHECK(alone.renewed >= 3);
     for (const char* partitioner : {"morton", "shuffle", "slabs"}) {
         CAPTURE(partitioner);
         scene.balance.partitioner = partitioner;
         for (bool beside : {true, false}) {
             CAPTURE(beside);
-            const auto [all, made] = run_epochs(scene, comm, 250, beside);
-            CHECK(all == hash);
-            CHECK(made >= 3);
+            const Epochs all = run_epochs(scene, comm, 250, beside);
+            CHECK(all.hash == alone.hash);
+            CHECK(all.renewed >= 3);
         }
     }
+}
+
+TEST_CASE("it is the same whether blocks move at once or steps after it was decided") {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = drifting();
+    scene.balance.trigger = Trigger::every;
+    const Epochs alone = run_epochs(scene, self, 120, false);
+    for (const char* partitioner : {"morton", "shuffle"})
+        for (const int interval : {1, 7, 40})  // moves after 0, 3 and 16 steps
+            for (bool beside : {true, false}) {
+                CAPTURE(partitioner);
+                CAPTURE(interval);
+                CAPTURE(beside);
+                scene.balance.partitioner = partitioner;
+                scene.balance.interval = interval;
+                const Epochs all = run_epochs(scene, comm, 120, beside);
+                CHECK(all.hash == alone.hash);
+                CHECK(all.repartitions == 120 / interval);
+                if (comm.size() > 1 && partitioner == std::string("shuffle")) CHECK(all.migrated > 0);
+            }
 }
 
 TEST_CASE("it is the same for every transfer and stress update, and balances its momentum") {

@@ -92,7 +92,8 @@ class Engine {
 
     /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Collective.
     virtual void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) = 0;
-    /// Tables that renew() will get, if any: may be called by another thread, beside a step. Not collective.
+    /// Tables that renew() or repartition() will get, if any: may be called by another thread, beside a step. Not
+    /// collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}
     /// Begins an epoch with the same particles. Filed state only. Collective.
     virtual void renew(EpochTables<Dim> tables) = 0;

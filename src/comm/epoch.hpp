@@ -30,8 +30,9 @@ struct PeerHalo {
 
 template <int Dim>
 struct EpochTables {
-    std::vector<Key> own;    ///< keys, ascending
-    std::vector<Key> ghost;  ///< keys
+    std::int64_t serial = 0;  ///< of its making by NextEpoch; 0: made otherwise
+    std::vector<Key> own;     ///< keys, ascending
+    std::vector<Key> ghost;   ///< keys
     std::vector<std::int32_t> ghost_owner;
     std::vector<Vec<std::int32_t, Dim>> position;  ///< own
     std::vector<std::int32_t> neighbour;           ///< own x offsets: own, own + ghost, or -1

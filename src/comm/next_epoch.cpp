@@ -35,28 +35,47 @@ EpochTables<Dim> NextEpoch<Dim>::make(std::vector<OccupiedBlock> occupied) {
     if (made_.valid()) made_.get();
     topology_ = make_topology<Dim>(domain_, occupied, owner_at_);
     occupied_ = std::move(occupied);
-    return make_epoch<Dim>(topology_, domain_, stencil_, rank_);
+    EpochTables<Dim> tables = make_epoch<Dim>(topology_, domain_, stencil_, rank_);
+    tables.serial = ++made_so_far_;
+    return tables;
 }
 
 template <int Dim>
-typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock> occupied) const {
-    if (std::includes(occupied_.begin(), occupied_.end(), occupied.begin(), occupied.end(), before)) return {};
+typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock> occupied, bool stays,
+                                                      std::int64_t serial) const {
+    if (stays && std::includes(occupied_.begin(), occupied_.end(), occupied.begin(), occupied.end(), before)) return {};
     Made made;
-    made.topology = make_topology<Dim>(domain_, occupied, owner_at_, &topology_);
+    made.topology = make_topology<Dim>(domain_, occupied, owner_at_, stays ? &topology_ : nullptr);
     made.tables = make_epoch<Dim>(made.topology, domain_, stencil_, rank_);
+    made.tables->serial = serial;
     made.occupied = std::move(occupied);
     if (prepare_) prepare_(*made.tables);
     return made;
 }
 
 template <int Dim>
-void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
-    const int threads = threads_beside(keys.size());
+template <class Blocks>
+void NextEpoch<Dim>::launch(bool beside, bool stays, std::size_t count, Blocks blocks) {
+    const int threads = threads_beside(count);
+    const std::int64_t serial = ++made_so_far_;
     made_ = std::async(beside ? std::launch::async : std::launch::deferred,
-                       [this, beside, threads, keys = std::move(keys), counts = std::move(counts)] {
+                       [this, beside, stays, threads, serial, blocks = std::move(blocks)]() mutable {
                            if (beside) omp_set_num_threads(threads);  // of this thread
-                           return made_of(in_key_order(keys, counts));
+                           return made_of(blocks(), stays, serial);
                        });
+}
+
+template <int Dim>
+void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
+    const std::size_t count = keys.size();
+    launch(beside, true, count,
+           [keys = std::move(keys), counts = std::move(counts)] { return in_key_order(keys, counts); });
+}
+
+template <int Dim>
+void NextEpoch<Dim>::start_repartition(std::vector<OccupiedBlock> occupied, bool beside) {
+    const std::size_t count = occupied.size();
+    launch(beside, false, count, [occupied = std::move(occupied)]() mutable { return std::move(occupied); });
 }
 
 template <int Dim>
@@ -66,6 +85,15 @@ std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
     occupied_ = std::move(made.occupied);
     topology_ = std::move(made.topology);
     return std::move(made.tables);
+}
+
+template <int Dim>
+std::vector<std::int32_t> NextEpoch<Dim>::owners_of(const std::vector<Key>& keys) const {
+    std::vector<std::int32_t> owners(keys.size());
+#pragma omp parallel for schedule(static)
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        owners[i] = topology_.owner[static_cast<std::size_t>(topology_.find(keys[i]))];
+    return owners;
 }
 
 template class NextEpoch<2>;

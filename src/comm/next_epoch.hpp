@@ -4,8 +4,9 @@
 // Beside: what is occupied is looked at early, a thread of its own makes the tables from that, and they are taken when
 // the present epoch is used up. Meanwhile particles walk on, into blocks that were empty when they were looked at.
 // Those blocks are in both topologies, because nobody moves 4 cells meanwhile, and belong to one rank in both, because
-// a block keeps its owner as long as it is in the topology. Devices that waited for their tables lost 5 ms per epoch of
-// 20 000 blocks (benchmarks/runout).
+// a block keeps its owner as long as it is in the topology, or goes to whom the new topology says with all that is in
+// it then (a repartition). Devices that waited for their tables lost 5 ms per epoch of 20 000 blocks
+// (benchmarks/runout).
 
 #include <future>
 #include <optional>
@@ -35,11 +36,17 @@ class NextEpoch {
     /// Begins to make one in which blocks stay where they are. keys: occupied ones, rank by rank, ascending in each;
     /// counts: of each rank. beside: by a thread of its own, else by take().
     void start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside);
+
+    /// The same of a repartition: in key order, with the owners to be.
+    void start_repartition(std::vector<OccupiedBlock> occupied, bool beside);
     bool under_way() const { return made_.valid(); }
 
     /// What was started; waits for it. None: no block is occupied that was not when the present epoch was made, and its
     /// tables serve on.
     std::optional<EpochTables<Dim>> take();
+
+    /// Of blocks of the present epoch, own or not, in any order.
+    std::vector<std::int32_t> owners_of(const std::vector<Key>& keys) const;
 
   private:
     struct Made {
@@ -48,7 +55,10 @@ class NextEpoch {
         std::optional<EpochTables<Dim>> tables;
     };
 
-    Made made_of(std::vector<OccupiedBlock> occupied) const;
+    /// blocks(): what is occupied, made by the same thread. stays: blocks keep their owners.
+    template <class Blocks>
+    void launch(bool beside, bool stays, std::size_t count, Blocks blocks);
+    Made made_of(std::vector<OccupiedBlock> occupied, bool stays, std::int64_t serial) const;
 
     const DomainBlocks<Dim>& domain_;
     const Stencil stencil_;
@@ -57,7 +67,8 @@ class NextEpoch {
     const Prepare prepare_;
     std::vector<OccupiedBlock> occupied_;  ///< of all ranks, when the present epoch was made
     Topology<Dim> topology_;               ///< of the present epoch
-    std::future<Made> made_;               ///< last: reads what is above
+    std::int64_t made_so_far_ = 0;
+    std::future<Made> made_;  ///< last: reads what is above
 };
 
 }  // namespace moraine

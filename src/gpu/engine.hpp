@@ -95,7 +95,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Routes next_routes_;
     Stream upload_{Stream::Rank::apart};
     int device_ = 0;
-    bool prepared_ = false;  ///< next_tables_ and next_routes_ are those of the epoch to come
+    std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
     Lists<Dim> lists_;
     DeviceParticles<Real, Dim> particles_;
     Array<Quad<Real>> tiles_, nodes_;

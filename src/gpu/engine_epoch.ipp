@@ -35,16 +35,16 @@ void DeviceEngine<Real, Dim>::prepare(const EpochTables<Dim>& tables) {
     next_tables_.upload(tables, upload_);
     if (exchange_) next_routes_.upload(tables, upload_);
     upload_.wait();
-    prepared_ = true;
+    prepared_ = tables.serial;
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_tables(EpochTables<Dim> tables) {
-    if (!prepared_) prepare(tables);
+    if (prepared_ == 0 || prepared_ != tables.serial) prepare(tables);
     epoch_ = std::move(tables);
     tables_.swap(next_tables_);
     if (exchange_) exchange_->routes.swap(next_routes_);
-    prepared_ = false;
+    prepared_ = 0;
 }
 
 /// What an epoch's tables ask for, once the lists are in place.
@@ -76,7 +76,6 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
     stream_.wait();
     share_.install(std::move(tables), filed);
-    prepared_ = false;
     take_tables(share_.tables());
     // a rank of several has columns even before it has particles: records are the same on all
     const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
@@ -153,7 +152,6 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
         filed.count.push_back(s.count);
         census_.particles += s.count;
     }
-    prepared_ = false;
     take_tables(std::move(tables));
     lists_.install(epoch_, tables_.view(), filed, particles_.room());
     list_stretches(blocks, lists_.slots(), stream_);
