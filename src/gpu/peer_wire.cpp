@@ -51,10 +51,10 @@ class SharedInboxes {
   private:
     /// Whole pages of the driver: a small piece could share one with memory of others.
     void allocate(std::size_t bytes) {
-        constexpr std::size_t page = std::size_t(2) << 20;
+        constexpr std::size_t page = std::size_t(2) << 20, slack = 32 * page;  // to map memory anew takes long
         cudaFree(mine_);
         mine_ = nullptr;
-        size_ = (bytes + bytes / 8 + page - 1) / page * page;
+        size_ = (bytes + std::max(bytes / 8, std::min(bytes, slack)) + page - 1) / page * page;
         check(cudaMalloc(reinterpret_cast<void**>(&mine_), size_), "Allocating device memory");
     }
 
