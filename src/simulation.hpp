@@ -19,6 +19,7 @@
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
 #include "comm/host_engine.hpp"
+#include "comm/key_order.hpp"
 #include "comm/next_epoch.hpp"
 #include "core/error.hpp"
 #include "core/hash.hpp"

@@ -10,10 +10,11 @@ std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mi
         const std::int64_t cells = mine.cells.empty() ? 0 : mine.cells[b];
         rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
     }
-    std::vector<BlockLoad> all = comm_.all_gather(rows);
-    std::sort(all.begin(), all.end(), [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
+    std::vector<std::int64_t> counts;
+    const std::vector<BlockLoad> all = comm_.all_gather(rows, &counts);
     std::vector<BlockLoad> loads;
-    for (const BlockLoad& row : all) {
+    loads.reserve(all.size());
+    for (const BlockLoad& row : in_key_order(all, counts)) {
         if (!loads.empty() && loads.back().key == row.key) {
             loads.back().particles += row.particles;
             loads.back().weight += row.weight;

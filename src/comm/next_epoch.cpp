@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "comm/key_order.hpp"
+
 namespace moraine {
 
 namespace {
@@ -18,14 +20,13 @@ bool before(const OccupiedBlock& a, const OccupiedBlock& b) {
     return a.key < b.key;
 }
 
-std::vector<OccupiedBlock> in_key_order(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts) {
+std::vector<OccupiedBlock> blocks_of(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts) {
     std::vector<OccupiedBlock> blocks;
     blocks.reserve(keys.size());
     std::size_t at = 0;
     for (std::size_t rank = 0; rank < counts.size(); ++rank)
         for (std::int64_t i = 0; i < counts[rank]; ++i) blocks.push_back({keys[at++], static_cast<std::int32_t>(rank)});
-    if (!std::is_sorted(blocks.begin(), blocks.end(), before)) std::sort(blocks.begin(), blocks.end(), before);
-    return blocks;
+    return in_key_order(blocks, counts);
 }
 
 }  // namespace
@@ -69,7 +70,7 @@ template <int Dim>
 void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
     const std::size_t count = keys.size();
     launch(beside, true, count,
-           [keys = std::move(keys), counts = std::move(counts)] { return in_key_order(keys, counts); });
+           [keys = std::move(keys), counts = std::move(counts)] { return blocks_of(keys, counts); });
 }
 
 template <int Dim>

@@ -1,0 +1,33 @@
+#pragma once
+// Rows of blocks, gathered from all ranks, in key order.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace moraine {
+
+/// rows: rank by rank, ascending keys in each; counts: of each rank. Most ranks hold one stretch of the curve: then whole
+/// stretches are put in order, and no row is compared with those of others but at their ends. Not collective.
+template <class Row>
+std::vector<Row> in_key_order(const std::vector<Row>& rows, const std::vector<std::int64_t>& counts) {
+    const auto before = [](const Row& a, const Row& b) { return a.key < b.key; };
+    struct Stretch {
+        const Row *first, *last;
+    };
+    std::vector<Stretch> stretches;
+    const Row* next = rows.data();
+    for (const std::int64_t count : counts) {
+        if (count > 0) stretches.push_back({next, next + count});
+        next += count;
+    }
+    std::sort(stretches.begin(), stretches.end(),
+              [&](const Stretch& a, const Stretch& b) { return before(*a.first, *b.first); });
+    std::vector<Row> ordered;
+    ordered.reserve(rows.size());
+    for (const Stretch& s : stretches) ordered.insert(ordered.end(), s.first, s.last);
+    if (!std::is_sorted(ordered.begin(), ordered.end(), before)) std::sort(ordered.begin(), ordered.end(), before);
+    return ordered;
+}
+
+}  // namespace moraine
