@@ -1,5 +1,8 @@
+#include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
+#include <thread>
 
 #include "comm/next_epoch.hpp"
 #include "comm/random_world.hpp"
@@ -89,4 +92,26 @@ TEST_CASE("an epoch made at once forgets what was under way") {
     next.start(first.own, {static_cast<std::int64_t>(first.own.size()), 0, 0, 0}, true);
     CHECK(next.make(world.occupied).own == first.own);
     CHECK(!next.under_way());
+}
+
+TEST_CASE("tables that are begun to be made while others still are come after them: one thread prepares at a time") {
+    const World<2> world(3, ranks);
+    std::atomic<int> inside = 0, most = 0;
+    std::atomic<std::int64_t> last = 0;
+    const auto prepare = [&](const EpochTables<2>& tables) {
+        most = std::max<int>(most, ++inside);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        last = tables.serial;
+        --inside;
+    };
+    NextEpoch<2> next(world.domain, world.stencil, 0, nobody, prepare);
+    const EpochTables<2> first = next.make(world.occupied);
+    for (int round = 0; round < 3; ++round) {
+        next.start(first.own, {static_cast<std::int64_t>(first.own.size()), 0, 0, 0}, true);
+        next.start_repartition(world.occupied, true);
+        const auto tables = next.take();
+        REQUIRE(tables.has_value());
+        CHECK(tables->serial == last);
+    }
+    CHECK(most == 1);
 }
