@@ -64,7 +64,8 @@ class Search {
             std::fill(home_of_.begin() + homes.first[h], home_of_.begin() + homes.first[h + 1],
                       static_cast<std::int32_t>(h));
         begin_.reserve(weights.size() + 1);
-        for (std::int64_t j = 0; j <= chain_.size(); ++j) begin_.push_back(chain_.begin_of_part(j, limit_));
+        for (std::int64_t i = 0, j = 0; j <= chain_.size(); begin_.push_back(i), ++j)
+            while (chain_.weight(i, j) > limit_) ++i;
         set_ranges();
     }
 
