@@ -12,12 +12,14 @@
 #include <optional>
 
 #include "balance/calibration.hpp"
+#include "balance/pace.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/room.hpp"
 #include "balance/trigger.hpp"
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
+#include "comm/gather_beside.hpp"
 #include "comm/host_engine.hpp"
 #include "comm/key_order.hpp"
 #include "comm/next_epoch.hpp"
@@ -190,15 +192,18 @@ class Simulation {
         return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull, structures_.empty() ? nullptr : &structures_};
     }
 
-    bool weighs_cells() const { return scene_.balance.weight == "cost"; }
+    bool weighs_cells() const { return weight_.is_cost(); }
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
     void foresee_epoch();
+    void look_ahead();
     void renew_epoch();
     bool is_balanced();
-    bool repartition_if_worth_it();
+    void take_times(TriggerInput& terms) const;
+    void rest();
+    void repartition_if_worth_it();
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
     std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
     void begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);
@@ -217,6 +222,7 @@ class Simulation {
     RepartitionTrigger trigger_;
     BlockWeight weight_;
     Calibration calibration_;
+    Pace pace_;
 
     std::unique_ptr<Engine<Real, Dim>> engine_;
     AgreementReduction reduction_;
@@ -231,6 +237,7 @@ class Simulation {
     BalanceLook look_;
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
+    GatherBeside<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
     bool beside_ = false;  ///< epochs are made beside the steps
     bool unfiled_ = true;  ///< nothing was filed yet by the tables of this epoch
     bool at_rim_ = false;  ///< somebody was in the rim one step ago

@@ -80,10 +80,18 @@ void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
 /// Begins to make the next epoch from what is occupied now.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::foresee_epoch() {
-    std::vector<std::int64_t> counts;
-    std::vector<Key> keys = comm_.all_gather(engine_->block_counts(false).key, &counts);
-    next_epoch_.start(std::move(keys), std::move(counts), beside_);
+    keys_.finish();
+    keys_.start(engine_->block_counts(false).key);
     foreseen_ = 0;
+}
+
+/// The next epoch is made once all ranks' blocks are known: two steps later, or at once where it is wanted now.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::look_ahead() {
+    if (!keys_.under_way()) return;
+    const bool now = !beside_ || wandered_ > epoch_reach;
+    if (auto all = now ? keys_.finish() : keys_.advance())
+        next_epoch_.start(std::move(all->rows), std::move(all->counts), beside_);
 }
 
 /// Takes the epoch that was foreseen.
@@ -111,45 +119,65 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
     look_.repartitioned = false;
-    const bool stale = foreseen_ >= epoch_stale;
     const bool look = trigger_.is_due(clock_.step) && !alone && !moves_at_ && !is_balanced();
-    const bool used_up = wandered_ > epoch_reach;
-    const bool move = moves_at_ && (clock_.step >= *moves_at_ || used_up || stale);
-    const bool wanted = used_up || (beside_ && at_rim_);
-    const bool foresee = wanted && !moves_at_ && !(next_epoch_.under_way() && !stale);
-    if (!look && !used_up && !foresee && !move) return;
-    file();
-    phases_.time(Phase::agree, [&] { engine_->settle(); });
+    const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
+    const bool waits = !(beside_ && engine_->leaves_host_free());
+    if (waits && (look || used_up || (beside_ && at_rim_))) rest();
+    if (look) phases_.time(Phase::balance, [&] { repartition_if_worth_it(); });
+    if (moves_at_) {
+        if (clock_.step < *moves_at_ && !used_up && foreseen_ < epoch_stale) return;
+        rest();
+        return phases_.time(Phase::balance, [&] { repartition(); });
+    }
     phases_.time(Phase::balance, [&] {
-        if (move) return repartition();
-        if (look && repartition_if_worth_it()) return;
-        if (foresee) foresee_epoch();
-        if (used_up) renew_epoch();
+        const bool under_way = keys_.under_way() || next_epoch_.under_way();
+        look_ahead();
+        if ((used_up || (beside_ && at_rim_)) && (!under_way || stale)) foresee_epoch();
+        if (used_up) look_ahead(), renew_epoch();
     });
 }
 
-/// True: this epoch ends now.
+/// The filed state, with nothing under way.
 template <class Real, int Dim>
-bool Simulation<Real, Dim>::repartition_if_worth_it() {
-    const BlockCounts mine = engine_->block_counts(weighs_cells());
-    if (weighs_cells()) calibrate(mine);
-    std::vector<BlockLoad> loads = gather_loads(mine);
-    const std::vector<std::int32_t> owners = plan(loads);
-    if (!look_.repartitioned) return false;
-    begin_repartition(std::move(loads), owners);
-    if (clock_.step >= *moves_at_ || wandered_ > epoch_reach) repartition();
-    return true;
+void Simulation<Real, Dim>::rest() {
+    file();
+    phases_.time(Phase::agree, [&] { engine_->settle(); });
 }
 
-/// By what the last agreement says of the ranks, before anything is filed or sent: no plan is worth making. Costs may
-/// say otherwise, but only block by block.
+/// The next epoch is then a repartition.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::repartition_if_worth_it() {
+    const BlockCounts mine = engine_->block_counts(weighs_cells());
+    if (weighs_cells()) calibrate(mine);
+    if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
+    std::vector<BlockLoad> loads = gather_loads(mine);
+    const std::vector<std::int32_t> owners = plan(loads);
+    if (look_.repartitioned) begin_repartition(std::move(loads), owners);
+}
+
+/// By what the agreements say of the ranks, before anything is filed or sent: no plan is worth making. Costs may say
+/// otherwise, but only block by block.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::is_balanced() {
     if (weighs_cells()) return false;
     look_.terms = TriggerInput{};
-    look_.terms.now = {agreed_.count, agreed_.count_sum, comm_.size()};
+    look_.terms.now =
+        weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
     look_.reason = "balanced";
-    return !trigger_.needs_plan(look_.terms.now);
+    if (!trigger_.needs_plan(look_.terms.now)) return true;
+    take_times(look_.terms);
+    look_.reason = "not worth it";
+    return !trigger_.may_pay(look_.terms);
+}
+
+/// What steps took by the last agreement.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
+    terms.step = clock_.step;
+    terms.last_repartition = last_repartition_;
+    terms.slowest = agreed_.seconds;
+    terms.loses = agreed_.seconds - agreed_.seconds_sum / comm_.size();
+    terms.lost = time_lost_;
 }
 
 /// Looks at the balance; if it is worth it, the owners to be.
@@ -158,14 +186,10 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
     const int ranks = comm_.size();
     TriggerInput& terms = look_.terms;
     terms = TriggerInput{};
-    terms.step = clock_.step;
-    terms.last_repartition = last_repartition_;
     terms.now = summary_of(loads_of_ranks(loads, present_owners(loads), ranks));
     look_.reason = "balanced";
     if (!trigger_.needs_plan(terms.now)) return {};
-    terms.slowest = agreed_.seconds;
-    terms.loses = agreed_.seconds - agreed_.seconds_sum / ranks;
-    terms.lost = time_lost_;
+    take_times(terms);
     std::vector<Option> options = options_that_fit(loads);
     if (options.empty()) {
         look_.reason = "memory";
@@ -184,7 +208,7 @@ template <class Real, int Dim>
 std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<BlockLoad>& loads) {
     const auto most = static_cast<std::int64_t>(comm_.min(static_cast<double>(engine_->capacity())));
     std::vector<Option> options = that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
-    if (!options.empty() || !weighs_cells()) return options;
+    if (!options.empty() || !(weight_.is_cost() || weight_.is_time())) return options;
     std::vector<BlockLoad> by_particles = loads;
     for (BlockLoad& load : by_particles) load.weight = load.particles;
     return that_fit(partitioner_->options(by_particles, clock_.round), loads, comm_.size(), most);
@@ -195,6 +219,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
     std::vector<OccupiedBlock> occupied;
     for (std::size_t b = 0; b < loads.size(); ++b) occupied.push_back({loads[b].key, owners[b]});
+    keys_.finish();  // what would have been
     next_epoch_.start_repartition(std::move(occupied), beside_);
     foreseen_ = 0;
     reckoned_ = look_.terms.migration;
@@ -219,6 +244,7 @@ void Simulation<Real, Dim>::repartition() {
     ++clock_.round;
     last_repartition_ = clock_.step;
     time_lost_ = 0;
+    pace_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     trigger_.learn(reckoned_, move_seconds_);
 }

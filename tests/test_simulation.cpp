@@ -156,6 +156,25 @@ TEST_CASE("it is the same whether blocks move at once or steps after it was deci
             }
 }
 
+TEST_CASE("it is the same where shares are balanced by measured time") {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = drifting();
+    scene.balance.trigger = Trigger::never;
+    const Epochs alone = run_epochs(scene, self, 139, false);
+    scene.balance.weight = "time";
+    scene.balance.interval = 10;
+    scene.balance.threshold = 1;
+    for (Trigger trigger : {Trigger::every, Trigger::threshold, Trigger::planned})
+        for (bool beside : {true, false}) {
+            CAPTURE(beside);
+            scene.balance.trigger = trigger;
+            const Epochs all = run_epochs(scene, comm, 139, beside);
+            CHECK(all.hash == alone.hash);
+            if (trigger == Trigger::every) CHECK(all.repartitions == 13);
+            if (trigger == Trigger::threshold && comm.size() > 1) CHECK(all.repartitions > 0);
+        }
+}
+
 TEST_CASE("it is the same for every transfer and stress update, and balances its momentum") {
     for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
         for (StressUpdate update : {StressUpdate::usl, StressUpdate::usf, StressUpdate::musl}) {

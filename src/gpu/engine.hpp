@@ -2,13 +2,15 @@
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
 // A step is queued on one stream:  arrivals, filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits
-// once, for the report of the step before (dt needs it), while P2G runs; the halo goes on a stream beside it. Nothing
+// once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
+// its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
 // empty lists, and is queued again) or more particles may arrive than there is room for.
 
 #include <cuda_runtime.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "comm/engine.hpp"
@@ -63,7 +65,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
   private:
     void choose_kernels();
     void take_tables(EpochTables<Dim> tables);
-    void begin_epoch();
+    void change_tables();
+    void open_epoch();
+    void count_boundary();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();
@@ -92,8 +96,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<Exchange<Real, Dim>> exchange_;  ///< none: this rank is alone
     EpochTables<Dim> epoch_;
     Tables<Dim> tables_, next_tables_;
+    ListTables next_list_tables_;
     Routes next_routes_;
-    Stream upload_{Stream::Rank::apart};
+    std::optional<EpochTables<Dim>> pending_;  ///< of the epoch that begins with the next filing
+    Stream upload_{Stream::Rank::apart}, reading_{Stream::Rank::apart};
     int device_ = 0;
     std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
     Lists<Dim> lists_;
