@@ -7,8 +7,8 @@
 
 namespace moraine {
 
-/// rows: rank by rank, ascending keys in each; counts: of each rank. Most ranks hold one stretch of the curve: then whole
-/// stretches are put in order, and no row is compared with those of others but at their ends. Not collective.
+/// rows: rank by rank, ascending keys in each; counts: of each rank. Most ranks hold one stretch of the curve: then
+/// whole stretches are put in order, and no row is compared with those of others but at their ends. Not collective.
 template <class Row>
 std::vector<Row> in_key_order(const std::vector<Row>& rows, const std::vector<std::int64_t>& counts) {
     const auto before = [](const Row& a, const Row& b) { return a.key < b.key; };

@@ -252,7 +252,7 @@ double bytes_on_device(const Scene& scene, const Prediction& p) {
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
     const double particle = device_reals(scene, r) * real_bytes(scene) + ids + lists;
-    const double tiles = std::min(static_cast<double>(p.epoch_blocks), 17.0 / 16 * blocks + 16);
+    const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
     const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
