@@ -32,6 +32,7 @@ std::vector<Configuration> make_configurations() {
             for (StressUpdate update : {usl, usf, musl}) add(all, shape, transfer, update, paper_cfl);
     add(all, Shape::gimp, Transfer::flip, usl, 2 * paper_cfl);
     add(all, Shape::gimp_contiguous, Transfer::tpic, usl, 2 * paper_cfl);
+    add(all, Shape::quadratic, Transfer::flip, usl, 2 * paper_cfl);  // the program's default, and nearly its step
     add(all, Shape::quadratic, Transfer::apic, usl, 2 * paper_cfl);
     add(all, Shape::quadratic, Transfer::apic, usf, 2 * paper_cfl);
     add(all, Shape::cubic, Transfer::apic, usl, 2 * paper_cfl);
@@ -43,6 +44,12 @@ std::vector<Configuration> make_configurations() {
 }
 
 }  // namespace
+
+bool is_for_long_runs(const Configuration& c) {
+    const bool wave = c.shape == Shape::gimp_contiguous && c.transfer == Transfer::tpic;
+    const bool stress = c.shape == Shape::quadratic && c.transfer != Transfer::tpic && c.update == StressUpdate::usl;
+    return c.name == "gimp FLIP USL" || (c.cfl > paper_cfl && (wave || stress));
+}
 
 const std::vector<Configuration>& configurations() {
     static const std::vector<Configuration> all = make_configurations();
@@ -85,6 +92,19 @@ const std::vector<AccuracyCase>& accuracy_cases() {
              "vortex, A = 1/3; rms place over the ring's middle radius; cells per metre; dt by the present wave speed",
          .problem = Problem::vortex,
          .cells = {16, 32, 64}},
+        {.name = "SEED-1",
+         .words =
+             fmt::format("slurry runout; runout at {} s over that of the same configuration at H0 / {}; cells over "
+                         "H0",
+                         slurry_time, slurry_reference),
+         .problem = Problem::slurry,
+         .cells = {10, 20, 40},
+         .long_runs = true},
+        {.name = "R4",
+         .words = "Huppert's viscous current; front at 30 s over the similarity solution's; cells over the block",
+         .problem = Problem::current,
+         .cells = {5, 10, 20},
+         .long_runs = true},
     };
     return all;
 }

@@ -32,20 +32,29 @@ struct Measured {
     double wall = 0, processor = 0;  ///< of the step loop [s]
 };
 
-enum class Problem { bar, column, manufactured, vortex };
+enum class Problem { bar, column, manufactured, vortex, slurry, current };
 
 struct AccuracyCase {
     std::string name;
     std::string words;  ///< what it is, and what the error is
     Problem problem;
     std::vector<int> cells;
-    bool drifts = false;   ///< bar
-    double amplitude = 0;  ///< manufactured [m]
-    double jitter = 0;     ///< manufactured, fraction of the particle spacing
+    bool drifts = false;     ///< bar
+    double amplitude = 0;    ///< manufactured [m]
+    double jitter = 0;       ///< manufactured, fraction of the particle spacing
+    bool long_runs = false;  ///< only configurations that is_for_long_runs() takes
 };
 
 const std::vector<Configuration>& configurations();
 const std::vector<AccuracyCase>& accuracy_cases();
+
+/// Whether a case with long runs takes it: B0, the program's default, and the best of the others in one round.
+bool is_for_long_runs(const Configuration& c);
+
+/// Runout of SEED-1 at `slurry_time` with `slurry_reference` cells over its height, in double [m]; kept.
+double finest_slurry(const Configuration& c);
+inline constexpr int slurry_reference = 80;
+inline constexpr double slurry_time = 2;  ///< [s]
 
 /// One rung, on one rank. Throws PhysicsError where the method fails.
 template <class Real>

@@ -125,6 +125,7 @@ void benchmark(const Options& o) {
     for (int cells : o.cells.empty() ? problem->cells : o.cells)
         for (const Configuration& c : configurations()) {
             if (c.name.find(o.configurations) == std::string::npos) continue;
+            if (problem->long_runs && !is_for_long_runs(c)) continue;
             if (o.precision != "single") report(*problem, c, cells, Precision::double_);
             if (o.precision != "double") report(*problem, c, cells, Precision::single_);
         }

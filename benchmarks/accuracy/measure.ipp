@@ -3,6 +3,7 @@
 #include "accuracy/cases.hpp"
 #include "verification/problem_bar.hpp"
 #include "verification/problem_column.hpp"
+#include "verification/problem_flow.hpp"
 #include "verification/problem_manufactured.hpp"
 #include "verification/problem_vortex.hpp"
 
@@ -69,6 +70,39 @@ Measured measure_vortex(const Configuration& c, int cells) {
     return measured(run, {{"place", turn(run, exact)}});
 }
 
+/// A run of a flow at the configuration's own fixed step, to `time`.
+template <class Real>
+void flow(Run<Real>& run, double time) {
+    run.steps(static_cast<std::int64_t>(std::ceil(time / run.sim.scene().dt)));
+}
+
+inline double fixed_step(const Configuration& c, const Scene& scene) {
+    const auto& p = scene.materials[0].parameters;  // young, poisson
+    const double modulus = p[0] * (1 - p[1]) / ((1 + p[1]) * (1 - 2 * p[1]));
+    return c.cfl * scene.cell / std::sqrt(modulus / scene.materials[0].density);
+}
+
+template <class Real>
+Measured measure_slurry(const Configuration& c, int cells) {
+    Scene scene = slurry_scene(choice_of(c), cells);
+    scene.dt = fixed_step(c, scene);
+    Run<Real> run(scene);
+    flow(run, slurry_time);
+    const double runout = front(run.sim) - gate;
+    const double error = cells == slurry_reference ? NAN : std::fabs(runout / finest_slurry(c) - 1);
+    return measured(run, {{"error", error}, {"runout_m", runout}});
+}
+
+template <class Real>
+Measured measure_current(const Configuration& c, int cells) {
+    Scene scene = current_scene(choice_of(c), cells);
+    scene.dt = fixed_step(c, scene);
+    Run<Real> run(scene);
+    flow(run, current_end);
+    const double signed_error = front(run.sim) / huppert_front(run.time()) - 1;
+    return measured(run, {{"error", std::fabs(signed_error)}, {"front", signed_error}});
+}
+
 }  // namespace accuracy
 
 template <class Real>
@@ -79,6 +113,10 @@ Measured measure(const AccuracyCase& problem, const Configuration& c, int cells)
                                                problem.drifts ? verification::adrift : verification::free_end);
         case Problem::column:
             return accuracy::measure_column<Real>(c, cells);
+        case Problem::slurry:
+            return accuracy::measure_slurry<Real>(c, cells);
+        case Problem::current:
+            return accuracy::measure_current<Real>(c, cells);
         case Problem::vortex:
             return accuracy::measure_vortex<Real>(c, cells);
         default:

@@ -8,6 +8,7 @@ import math
 import figure
 
 B0 = "gimp FLIP USL"
+DEFAULT = "quadratic FLIP USL @0.6"  # the program's, nearly at its own step of 0.608
 GOALS = (0.01, 0.001)
 
 
@@ -159,11 +160,13 @@ def second_norms(lines):
 
 
 def results(lines, words):
-    some = lines[0]
-    commits = ", ".join(sorted({x["commit"] for x in lines}))
+    machines = {}
+    for x in lines:
+        about = f"{x['machine']}, {x['cores']} cores, one of them used; {x['compiler']}, -march={x['march']}; commit {x['commit']}"
+        machines.setdefault(about, {})[x["case"]] = None
     text = ["# Run time against error on one core", "",
             "Made by `nice -n 10 benchmarks/accuracy/run`; every line is in [results.jsonl](results.jsonl), and `page.py` says how the figures are made of them.", "",
-            f"{some['machine']}, {some['cores']} cores, one of them used; {some['compiler']}, -march={some['march']}; commit {commits}.", "",
+            *[f"* {about}: {', '.join(cases)}" for about, cases in machines.items()], "",
             "**The machine was shared and heavily loaded**: wall times are several times what they would be alone and mean little. Times "
             "here are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
             "particle-steps. A run below 0.2 s is the median of up to five. p: order over the last two rungs. `B0 / this`: how many times sooner than the method paper's "

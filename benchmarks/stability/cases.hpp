@@ -49,9 +49,13 @@ void find_lone_limits(const Wanted& wanted, const Report& report);
 void find_edges(const Wanted& wanted, const Report& report);
 void drift_slab(const Wanted& wanted, const Report& report);
 void meet_contrasts(const Wanted& wanted, const Report& report);
+void vary_seeds(const Wanted& wanted, const Report& report);
 void pull_apart(const Wanted& wanted, const Report& report);
 void push_extremes(const Wanted& wanted, const Report& report);
 void follow_null_mode(const Wanted& wanted, const Report& report);
+void rest_on_plane(const Wanted& wanted, const Report& report);
+void keep_accounts(const Wanted& wanted, const Report& report);
+void vary_steps(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 
 }  // namespace moraine

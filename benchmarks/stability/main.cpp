@@ -47,6 +47,11 @@ constexpr StabilityCase cases[] = {
      "a pulse in a strip meets a bonded block of other stiffness or density (2-D, one block wide): what comes back of "
      "momentum and energy, and stress and velocity at the interface, over the pulse's; goal 2 % at ratios to 1000",
      meet_contrasts},
+    {"S9",
+     "results of runs whose particles lie otherwise at the start: on a lattice, on lattices turned against the grid, "
+     "and "
+     "at random with 10 seeds; goal: the runouts of the 10 vary by 1 % (coefficient of variation)",
+     vary_seeds},
     {"S10",
      "a bar that flies apart to 20 times its length: from which stretch the ln J of one inner particle is off by half, "
      "and from which they see less than half or more than one and a half of what grows (20: never), ln J over ln "
@@ -55,6 +60,20 @@ constexpr StabilityCase cases[] = {
      pull_apart},
     {"S12", "inputs that nobody should give (2-D): a bounded result with closed books (1e-10 of M c), or a clear error",
      push_extremes},
+    {"S15",
+     "an elastic block rests on a rigid plane for 1e6 steps, undamped, looked at over the last 9e5; goal: kinetic "
+     "energy "
+     "1e-8 of m g height, no drift (1e-6 h in 1e4 steps), sunk by 0.05 h at most",
+     rest_on_plane},
+    {"S16",
+     "where the energy goes that a run had at its start, over what was set free; goal: the transfers take 5 % of what "
+     "the laws dissipate, 1 % of the energy where no law does",
+     keep_accounts},
+    {"S17",
+     "steps by the program's rule and in a saw of 0.2 to 1 of them against fixed steps of a quarter; goal: the "
+     "centre's "
+     "way off by 0.2 %, no step above 0.9 of the method's stable one",
+     vary_steps},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
 };

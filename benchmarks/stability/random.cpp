@@ -17,9 +17,9 @@ constexpr int steps = 240;
 std::string words_of(const Scene& scene) {
     std::string laws, ends;
     for (const MaterialSpec& m : scene.materials) laws += (laws.empty() ? "" : " + ") + m.law;
-    return fmt::format("{}-D {}, {}, cfl {:.3g}{}", scene.dimensions,
+    return fmt::format("{}-D {}, {}, cfl {:.3g}{}{}", scene.dimensions,
                        method_name(scene.shape, scene.transfer, scene.stress_update), laws, scene.cfl,
-                       scene.structures.empty() ? "" : ", structure");
+                       scene.boundary_spline ? "" : ", plain ghosts", scene.structures.empty() ? "" : ", structure");
 }
 
 Verdict judge(const Scene& scene) {

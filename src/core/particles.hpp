@@ -26,7 +26,7 @@ struct ParticleView {
     Real* ln_J;                            ///< logarithm of the volume ratio [-]
     Sym<Real, Dim>* stress;                ///< Cauchy, tension positive [Pa]
     Mat<Real, Dim>* affine;                ///< C of APIC or TPIC [1/s]
-    Sym<Real, Dim>* left_stretch;          ///< b = F Fᵀ [-]
+    Sym<Real, Dim>* left_stretch;          ///< b - I, b = F Fᵀ [-]
     Vec<Real, Dim>* log_stretch;           ///< of a contiguous GIMP box, per axis [-]
     Real* history[max_history];            ///< scalars of the material
     Vec<Real, Dim>* body_force;            ///< manufactured acceleration of this step [m/s2]
@@ -146,7 +146,7 @@ class Particles {
         f("ln_J", "", ln_J_, sizeof(Real));
         f("stress", "Pa", stress_, sizeof(Real));
         if (needs_.affine) f("affine", "1/s", affine_, sizeof(Real));
-        if (needs_.left_stretch) f("left_stretch", "", left_stretch_, sizeof(Real));
+        if (needs_.left_stretch) f("left_strain", "", left_stretch_, sizeof(Real));
         if (needs_.log_stretch) f("log_stretch", "", log_stretch_, sizeof(Real));
         if (needs_.history > 0) f("history_0", "", history_[0], sizeof(Real));
         if (needs_.history > 1) f("history_1", "", history_[1], sizeof(Real));

@@ -55,7 +55,7 @@ std::vector<Piece> pieces_of(const Columns<Real, Dim>& columns, std::string_view
     if (name == "history_0") return lanes(columns.core[Dim == 3 ? Core::shear : Core::motion], 3, 1, 1);
     if (name == "history_1" && columns.second_history) return {{columns.second_history, size, 1, 0, 1, 1, 0}};
     if (name == "stress") return tensor(columns.core[Core::normal], columns.core[Core::shear]);
-    if (name == "left_stretch") return tensor(columns.stretch[0], columns.stretch[stretch_rows<Dim> - 1]);
+    if (name == "left_strain") return tensor(columns.stretch[0], columns.stretch[stretch_rows<Dim> - 1]);
     if (name == "log_stretch") return lanes(columns.log_stretch, 0, Dim, Dim);
     std::vector<Piece> all;
     for (int k = 0; name == "affine" && columns.affine[0] && k < affine_rows<Dim>; ++k)

@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE("every column of the host goes into rows at given slots and c
 
 TEST_CASE("columns that a scene has not are made of no pieces") {
     const gpu::Columns<float, 3> none{};
-    for (const char* name : {"affine", "left_stretch", "log_stretch", "history_1", "unheard-of"})
+    for (const char* name : {"affine", "left_strain", "log_stretch", "history_1", "unheard-of"})
         CHECK(gpu::pieces_of(none, name).empty());
 }
 

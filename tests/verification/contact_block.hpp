@@ -3,7 +3,7 @@
 
 #include "core/structure_set.hpp"
 #include "history.hpp"
-#include "verification/drive.hpp"
+#include "verification/run.hpp"
 
 namespace moraine::verification {
 

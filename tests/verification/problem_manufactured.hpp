@@ -54,7 +54,7 @@ void start(Run<Real>& run, const Manufactured& exact) {
         double J = 1;
         for (int a = 0; a < 2; ++a) {
             const double F = exact.stretch(a, X[static_cast<std::size_t>(a)], 2 * half);
-            p.left_stretch[s][a] = static_cast<Real>(F * F);
+            p.left_stretch[s][a] = static_cast<Real>(F * F - 1);
             p.stress[s][a] = static_cast<Real>(exact.stress(a, X, 2 * half));
             J *= F;
         }

@@ -1,6 +1,7 @@
 // C1 to C7: an elastic block on a rigid plane. It rests with its weight on it, sticks below the angle of friction,
 // slides on the exact path above it, is braked by no more than the strength of an undrained interface, and bounces.
 #include "verification/contact_block.hpp"
+#include "verification/drive.hpp"
 
 using namespace moraine;
 using namespace moraine::verification;

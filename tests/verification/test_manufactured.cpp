@@ -87,6 +87,19 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("E3: in single the displacement is within 1e-4 A of that in double, at strains of 3e-4 too") {
+    for (double amplitude : {small, large}) {
+        const Manufactured exact{.amplitude = amplitude, .poisson = 0, .axes = 1};
+        const Scene scene = square(exact, 64, quadratic_flip_usl, true, 0.2);
+        Run<double> wide(scene, push(exact));
+        Run<float> narrow(scene, push(exact));
+        const double apart = moraine::verification::manufacture(narrow, exact).displacement -
+                             moraine::verification::manufacture(wide, exact).displacement;
+        say(fmt::format("E3 A = {}: single less double {:.1e} A", amplitude, apart));
+        CHECK(std::fabs(apart) <= 1e-4);
+    }
+}
+
 TEST_CASE("E3: long ladders" * doctest::skip(!long_tests())) {
     for (double amplitude : {small, large})
         for (const Choice& choice :

@@ -37,8 +37,7 @@ struct NeoHookean {
         using std::exp;
         const Real per_volume = exp(-state.ln_J);
         const Real volumetric = lambda * state.ln_J;
-        for (int k = 0; k < 3; ++k)
-            state.stress[k] = (mu * (state.left_stretch[k] - Real(1)) + volumetric) * per_volume;
+        for (int k = 0; k < 3; ++k) state.stress[k] = (mu * state.left_stretch[k] + volumetric) * per_volume;
         for (int k = 3; k < Sym<Real, Dim>::size; ++k) state.stress[k] = mu * state.left_stretch[k] * per_volume;
     }
 
@@ -46,11 +45,11 @@ struct NeoHookean {
     MORAINE_HD Real wave_modulus(const PointState<Real, Dim>& state) const {
         using std::exp;
         using std::fabs;
-        const Sym<Real, Dim>& b = state.left_stretch;
-        Real largest = b[2];
+        const Sym<Real, Dim>& b = state.left_stretch;  // less I
+        Real largest = Real(1) + b[2];
         for (int i = 0; i < Dim; ++i) {
             Real row = Real(0);
-            for (int j = 0; j < Dim; ++j) row += fabs(b(i, j));
+            for (int j = 0; j < Dim; ++j) row += fabs(b(i, j) + Real(i == j));
             if (row > largest) largest = row;
         }
         const Real along = lambda + mu - lambda * state.ln_J;
@@ -60,8 +59,7 @@ struct NeoHookean {
     template <int Dim>
     MORAINE_HD Real strain_energy(const PointState<Real, Dim>& state) const {
         using std::exp;
-        const Sym<Real, Dim>& b = state.left_stretch;
-        const Real first = (b[0] - Real(1)) + (b[1] - Real(1)) + (b[2] - Real(1));
+        const Real first = state.left_stretch[0] + state.left_stretch[1] + state.left_stretch[2];
         const Real ln_J = state.ln_J;
         const Real psi = mu * (Real(0.5) * first - ln_J) + Real(0.5) * lambda * ln_J * ln_J;
         return psi * exp(-ln_J);

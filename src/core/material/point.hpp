@@ -5,7 +5,7 @@
 //   static constexpr const char* name;                  as in material.law
 //   static constexpr int history;                       scalars remembered per particle, 0 to 2
 //   static constexpr const char* history_names[];       output names, when history > 0
-//   static constexpr bool uses_left_stretch;            needs b = F Fᵀ
+//   static constexpr bool uses_left_stretch;            needs b = F Fᵀ, kept as b - I
 //   static constexpr Parameter parameters[];            keys of [[material]], in the order of the constructor
 //   explicit Law(const double* values);                 host only; parameters in that order, then derived constants
 //   template <int Dim> void update(const StrainIncrement<Real, Dim>&, PointState<Real, Dim>&) const;
@@ -29,7 +29,7 @@ inline constexpr int max_history = 2;
 template <class Real, int Dim>
 struct PointState {
     Sym<Real, Dim> stress;        ///< Cauchy stress, tension positive [Pa]
-    Sym<Real, Dim> left_stretch;  ///< b = F Fᵀ, only where the law uses it [-]
+    Sym<Real, Dim> left_stretch;  ///< b - I, b = F Fᵀ, only where the law uses it [-]
     Real ln_J;                    ///< logarithm of the volume ratio [-]
     Real history[max_history];    ///< the law's own scalars
 };
