@@ -14,10 +14,11 @@ struct HistoryRow {
     std::int64_t step = 0;
     double time = 0, dt = 0;
     Totals<Dim> totals;
-    double potential = 0;    ///< -sum m g . (x - domain.min) [J]
-    double dissipated = 0;   ///< work of the stresses less what is stored [J]
-    double unaccounted = 0;  ///< start energy less all of the above: transfer, friction on walls, what left [J]
-    double front = 0;        ///< see front_of [m]
+    double potential = 0;   ///< -sum m g . (x - domain.min) [J]
+    double dissipated = 0;  ///< work of the stresses less what is stored [J]
+    double unaccounted =
+        0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
+    double front = 0;  ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
@@ -95,6 +96,7 @@ HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
     }
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
+    for (const StructureSums<Dim>& s : felt) row.unaccounted -= sim.quantum().value(s.sum[StructureSums<Dim>::work]);
     return row;
 }
 

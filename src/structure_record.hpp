@@ -1,15 +1,18 @@
 #pragma once
-// structures.csv: one row per structure and interval.
+// structures.csv: one row per structure and interval; and what summary.json says of each at the end.
 //
 // Force and moment [N, N m; 2-D per metre] are means over the time since the row before: impulses over time, exact on
 // any number of ranks. A row's displacement and velocity are those at its time. The moment is about the structure's
 // reference point (centre, middle, or the plane's point) as it moves.
-// impulse_* is what it felt since the start of the run: the momentum that the soil lost to it.
+// impulse_* is what it felt since the start of the run: the momentum that the soil lost to it. work [J] is that of the
+// soil on it since then: each node's impulse times the velocity that the structure had in that step. What the soil
+// loses besides (friction, the normal blow of a contact) is heat.
 
 #include <string>
 #include <vector>
 
 #include "io/records.hpp"
+#include "io/records_summary.hpp"
 #include "simulation.hpp"
 
 namespace moraine {
@@ -59,6 +62,40 @@ void record_structures(Simulation<Real, Dim>& sim, CsvLog& log) {
         state.reported = state.felt;
     }
     set.reported_time = sim.clock().time;
+}
+
+/// What all ranks' nodes gave to each structure since the start of the run. Collective.
+template <class Real, int Dim>
+std::vector<StructureSums<Dim>> felt_by_structures(const Simulation<Real, Dim>& sim) {
+    std::vector<StructureSums<Dim>> mine;
+    for (std::size_t k = 0; k < sim.structures().size(); ++k) mine.push_back(sim.structures().state(k).felt);
+    return sim.sum_of(mine);
+}
+
+/// Of summary.json, by name. After conclude() only. Collective.
+template <class Real, int Dim>
+Json structures_in_summary(const Simulation<Real, Dim>& sim) {
+    const StructureSet<Dim>& set = sim.structures();
+    const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
+    const double time = sim.clock().time;
+    Json::Named all;
+    for (std::size_t k = 0; k < set.size(); ++k) {
+        const StructureState<Dim>& state = set.state(k);
+        std::vector<double> impulse, force, displacement, velocity;
+        for (int a = 0; a < Dim; ++a) {
+            impulse.push_back(sim.quantum().value(felt[k].sum[a]));
+            force.push_back(time > 0 ? impulse.back() / time : 0.0);
+            displacement.push_back(state.displacement[a]);
+            velocity.push_back(state.velocity[a]);
+        }
+        all.emplace_back(set.spec(k).name,
+                         Json::Named{{"impulse_N_s", impulse},
+                                     {"mean_force_N", force},
+                                     {"displacement_m", displacement},
+                                     {"velocity_m_s", velocity},
+                                     {"work_J", sim.quantum().value(felt[k].sum[StructureSums<Dim>::work])}});
+    }
+    return all;
 }
 
 }  // namespace moraine

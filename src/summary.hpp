@@ -8,6 +8,7 @@
 #include "io/records.hpp"
 #include "io/records_summary.hpp"
 #include "simulation.hpp"
+#include "structure_record.hpp"
 #include "time_report.hpp"
 #include "version.hpp"
 
@@ -105,7 +106,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     const std::string hash = fmt::format("{:016x}", sim.state_hash());
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
-    return Json::Named{
+    Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
         {"scene", scene.name},
@@ -143,6 +144,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
                                    {"unaccounted", last.unaccounted}}},
         {"front_m", last.front},
     };
+    if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
+    return summary;
 }
 
 }  // namespace moraine

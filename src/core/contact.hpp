@@ -27,12 +27,14 @@ namespace moraine {
 template <int Dim>
 inline constexpr int moments = Dim == 2 ? 1 : 3;
 
-/// What the soil gave to one structure in one step: impulse [N s], moment of impulse about its reference point, and per
-/// axis the mass of the nodes that follow the structure there [kg]: how much more it would have got had it been faster.
+/// What the soil gave to one structure in one step: impulse [N s], moment of impulse about its reference point, per
+/// axis the mass of the nodes that follow the structure there [kg]: how much more it would have got had it been faster,
+/// and the work on it, impulse times velocity [J].
 template <int Dim>
 struct StructureSums {
     static constexpr int first_mass = Dim + moments<Dim>;
-    static constexpr int count = first_mass + Dim;
+    static constexpr int work = first_mass + Dim;
+    static constexpr int count = work + 1;
     ExactSum sum[count];
 
     void add(const StructureSums& o) {
@@ -199,6 +201,7 @@ MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& 
         const double across = n.surface.normal[a] * n.surface.normal[a];
         all[StructureSums<Dim>::first_mass + a] = mass * n.hold * (s.law == InterfaceLaw::rough ? 1 : across);
     }
+    all[StructureSums<Dim>::work] = dot(impulse, s.velocity);
 }
 
 /// All structures in turn on one node: changes v, adds up at the structures if the node is counted here. `given`: what

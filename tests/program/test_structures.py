@@ -48,6 +48,7 @@ class Structures(moraine.ProgramTest):
                                   *sets(balance__trigger="every", balance__interval=7), ranks=ranks)
             self.assertEqual(summary(many)["state_hash"], summary(one)["state_hash"])
             self.assertEqual(table(many, "structures.csv"), rows)
+            self.assertEqual(summary(many)["structures"], summary(one)["structures"])
 
     def test_a_restart_goes_on_with_the_structures_as_they_were(self):
         scene = self.write(SCENE)
@@ -62,6 +63,25 @@ class Structures(moraine.ProgramTest):
         found = summary(directory)
         weight = found["mass_kg"] * 9.81 * 0.1
         self.assertLess(max(map(abs, found["momentum_error"])), 1e-12 * weight)
+
+    def test_the_summary_says_of_each_structure_what_it_felt_and_did(self):
+        directory = self.run_scene(self.write(SCENE), "told", *sets(output__structure_interval=1e-9))
+        found, rows = summary(directory), table(directory, "structures.csv")
+        self.assertEqual(list(found["structures"]), ["slope", "disk", "rod"])
+        for name, said in found["structures"].items():
+            mine = [row for row in rows if row["structure"] == name]
+            for key, unit in (("displacement", "m"), ("velocity", "m_s"), ("impulse", "N_s")):
+                self.assertEqual(said[f"{key}_{unit}"], [mine[-1][f"{key}_{a}_{unit}"] for a in "xy"])
+            for force, impulse in zip(said["mean_force_N"], said["impulse_N_s"]):
+                self.assertAlmostEqual(force * found["simulated_time_s"], impulse)
+            self.assertEqual(len(mine), found["steps"])  # a row a step
+            times = [0] + [row["time_s"] for row in mine]
+            work = sum((times[k + 1] - times[k]) * (row["force_x_N"] * row["velocity_x_m_s"] + row["force_y_N"] * row["velocity_y_m_s"])
+                       for k, row in enumerate(mine))
+            self.assertAlmostEqual(said["work_J"], work, delta=1e-9 * (1 + abs(work)))
+        self.assertEqual(found["structures"]["slope"]["work_J"], 0)  # it stands
+        self.assertLess(found["structures"]["rod"]["work_J"], -1)  # it drives the soil
+        self.assertNotIn("structures", summary(self.run_scene(self.write(SMALL_SCENE), "none")))
 
     def test_a_structure_in_the_soil_is_refused_or_leaves_its_particles_out(self):
         inside = SMALL_SCENE + BAD + 'shape = "sphere"\ncenter = [1.5, 1.0]\nradius = 0.2\n'
