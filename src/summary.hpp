@@ -93,6 +93,15 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
     return row;
 }
 
+template <int Dim>
+Json energies_in_summary(const HistoryRow<Dim>& row) {
+    return Json::Named{{"kinetic", row.totals.kinetic},
+                       {"strain", row.totals.strain},
+                       {"potential", row.potential},
+                       {"dissipated", row.dissipated},
+                       {"unaccounted", row.unaccounted}};
+}
+
 /// Filed state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
@@ -137,11 +146,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"mass_kg", last.totals.mass},
         {"momentum", list(last.totals.momentum)},
         {"momentum_error", list(last.momentum_error)},
-        {"energies_J", Json::Named{{"kinetic", last.totals.kinetic},
-                                   {"strain", last.totals.strain},
-                                   {"potential", last.potential},
-                                   {"dissipated", last.dissipated},
-                                   {"unaccounted", last.unaccounted}}},
+        {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
     };
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
