@@ -8,11 +8,16 @@
 // stable and leaves no creep; p = 1 makes it the momentum exchange of Bardenhagen et al. (2001). The method paper's
 // Geocontact scales such a nodal force by the node's distance from the surface; S and G do that here:
 //
-// S: nodes up to h/4 outside the surface are held, those from 3h/4 on are free: averaged over all places of the
-// surface between the nodes the soil is held at the surface. G: nothing touches before the soil is there. A node feels
-// particles up to the reach of its shape function away; its mass tells how far the soil's edge is. `fill(s)` is the
-// mass, over that of a full node, of a node at the distance s outside of a straight edge; soil whose edge has the gap g
-// to the surface fills a node at the distance d by fill(g - d). Without G soil stops about one cell above a structure.
+// S: nodes up to 0.65 h outside the surface are held, those from 0.75 h on are free: the last node that is held stands
+// 0.2 h outside of it, averaged over all places of the surface between the nodes. Soil that is drawn along goes on
+// towards that node's surface some way, as the spline of the free node behind it reaches half a cell past it: with
+// h/4 and 3h/4 it sank in by up to 0.7 h beside a loaded T-bar, whose load was 9 % too low. The ramps of S and
+// G are narrow because a node held in part is a dashpot m / dt: under load it is free, and more so the longer the step.
+//
+// G: nothing touches before the soil is there. A node feels particles up to the reach of its shape function away; its
+// mass tells how far the soil's edge is. `fill(s)` is the mass, over that of a full node, of a node at the distance s
+// outside of a straight edge; soil whose edge has the gap g to the surface fills a node at the distance d by
+// fill(g - d). Without G soil stops about one cell above a structure.
 //
 // The area of a node, sum A_i = contact area: h^(D-1) times a hat of the distance whose width |n_x| + |n_y| + |n_z|
 // makes the sum over the nodes exact for planes along the grid, times G and the mass that is there over that of a full
@@ -58,9 +63,9 @@ struct ContactField {
     StructureSums<Dim>* sums;       ///< by structure; shared
 };
 
-inline constexpr double held_below = 0.25;    ///< S = 1 [cells]
+inline constexpr double held_below = 0.65;    ///< S = 1 [cells]
 inline constexpr double free_above = 0.75;    ///< S = 0
-inline constexpr double touching_at = 0.05;   ///< G = 1: gap [cells]
+inline constexpr double touching_at = 0.2;    ///< G = 1: gap [cells]
 inline constexpr double touching_from = 0.3;  ///< G = 0
 inline constexpr double look_from =
     1.75;  ///< distance at which nothing of this is left; the area's hat ends at 3^(1/2)

@@ -132,6 +132,29 @@ TEST_CASE("a node that leaves the structure, or has too little mass for its soil
     CHECK(plane.touch({{3, -2}}, -1, 0.1)[1] == doctest::Approx(0));
 }
 
+TEST_CASE("a node is held wholly up to 0.65 cells outside the surface, and not at all from 0.75 on") {
+    const auto left = [](double below) {
+        Plane plane(InterfaceLaw::smooth);
+        plane.structure.at[1] += (1 - below) * 0.5;  // node 9 is this many cells over it
+        return plane.touch({{3, -2}}, 1, 0.5)[1];
+    };
+    CHECK(left(0.3) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(0.6) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(0.7) == doctest::Approx(-1));
+    CHECK(left(0.8) == -2);
+}
+
+TEST_CASE("a node is held wholly once its soil is within 0.2 cells of the surface, and not at all at 0.3") {
+    const auto left = [](double gap) {
+        Plane plane(InterfaceLaw::smooth);
+        return plane.touch({{3, -2}}, 0, 0.5 * fill(plane.field, gap))[1];
+    };
+    CHECK(left(0.15) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(0.25) < -0.5);
+    CHECK(left(0.25) > -1.5);
+    CHECK(left(0.31) == -2);
+}
+
 TEST_CASE("Coulomb friction takes at most mu times the normal impulse, and no more than the slip") {
     CHECK(Plane(InterfaceLaw::coulomb).touch({{3, -2}})[0] == doctest::Approx(2));
     CHECK(Plane(InterfaceLaw::coulomb).touch({{1.5, -2}})[0] == doctest::Approx(1));

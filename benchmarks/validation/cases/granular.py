@@ -5,6 +5,16 @@ L0 = 0.1 m, plane strain, to 6 (H/g)^(1/2), APIC (`inputs/granular_column.toml`)
 (1 mm) deep, between bins of L0/20. Experiments: 1.2 a for a < 2.3, 1.9 a^(2/3) above (Lube et al. 2005, sand, rice, sugar, salt between two side
 walls, whose friction plane strain lacks; Lajeunesse et al. 2005 found the same powers with glass beads). H_f: depth at the plane of symmetry.
 Creep: what the front does in the last tenth of the time. Seeds: particles moved at random by up to a quarter of their distance.
+
+Why goals are missed:
+
+* Seeds: at L0/20 one particle makes a bin 1.25 mm deep, more than the grain that the front is measured by, so that one particle decides, and is 2 % of
+  the runout. Measured where 1 % of the volume lies ahead, the same five runs differ by 1.1 %, and by 0.4 % at 2 % of the volume.
+* a = 0.5 and 1: a low column ends as a wedge at its angle of repose, whose runout is a / (2 mu) = 0.42 at a = 0.5; measured 0.41. 1.2 a is that of mu = 0.42. With
+  beads of such friction (`beads`: 0.404 to 0.667) columns of a = 0.5 to 2.7 run 22 to 84 % too far, and so no single friction fits them all. What plane strain
+  lacks are the side walls of the experiments, whose friction grows with the depth of the flow over its width.
+* drucker-prager at a = 2 and 5: +17 and +21 %, where mu-i, whose friction rises with the rate of shear, is at +5 and +7 %.
+* No column is converged: the runout grows by 10 to 31 % from L0/10 to L0/20.
 """
 import math
 
@@ -49,6 +59,17 @@ def front(x, volume):
     return middles[k] + BIN * (h[k] - GRAIN) / (h[k] - h[k + 1])
 
 
+def volume_front(line, ahead=0.01):
+    """Runout of the place with a share `ahead` of the volume beyond it."""
+    x, h = map(numpy.array, line["curves"]["depth"])
+    return numpy.interp(1 - ahead, h.cumsum() / h.sum(), x + 0.5 * BIN) / WIDTH - 1
+
+
+def spread_row(values, what):
+    value = 100 * (max(values) - min(values)) / numpy.mean(values)
+    return Row(f"mu-i a=2: largest less smallest runout of {len(values)} seeds over their mean{what}", f"{value:.2f} %", "<= 2 %", value <= 2)
+
+
 def measure(rung):
     series, history = rung.particles(), rung.history
     start, end = series.at(0.0), series.at(None)
@@ -70,11 +91,11 @@ def law_of(variant):
 
 
 def rows(ladders):
-    found, spread = [], []
+    found, seeds = [], []
     for variant, lines in ladders.items():
         f = lines[-1]["figures"]
         if "seed" in variant:
-            spread.append(f["runout"])
+            seeds.append(lines[-1])
         if "seed" in variant or variant not in VARIANTS:  # what --set and --label made of one has no goal
             continue
         error, goal = f["against experiments [%]"], 8 if f["a"] <= 2.7 else 15
@@ -84,9 +105,9 @@ def rows(ladders):
         if r and r.p:
             found.append((law_of(variant), f["a"], Row(f"{variant}: GCI of the runout", f"{100 * r.gci / r.finest:.1f} %", "<= 3 %", r.gci <= 0.03 * r.finest)))
     found = [row for *_, row in sorted(found, key=lambda x: x[:2])]
-    if len(spread) > 1:
-        value = 100 * (max(spread) - min(spread)) / numpy.mean(spread)
-        found.append(Row(f"mu-i a=2: largest less smallest runout of {len(spread)} seeds over their mean", f"{value:.2f} %", "<= 2 %", value <= 2))
+    if len(seeds) > 1:
+        found.append(spread_row([x["figures"]["runout"] for x in seeds], ""))
+        found.append(spread_row([volume_front(x) for x in seeds], ", where 1 % of the volume is ahead"))
     return found
 
 
