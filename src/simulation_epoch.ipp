@@ -77,7 +77,7 @@ void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
     engine_->refresh_memory(false);
 }
 
-/// Begins to make the next epoch from what is occupied now.
+/// Begins to make the next epoch from what the last filing found occupied.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::foresee_epoch() {
     keys_.finish();
@@ -125,7 +125,7 @@ void Simulation<Real, Dim>::balance() {
     if (waits && (look || used_up || (beside_ && at_rim_))) rest();
     if (look) phases_.time(Phase::balance, [&] { repartition_if_worth_it(); });
     if (moves_at_) {
-        if (clock_.step < *moves_at_ && !used_up && foreseen_ < epoch_stale) return;
+        if (clock_.step < *moves_at_ && !used_up && foreseen_ < epoch_reach) return;
         rest();
         return phases_.time(Phase::balance, [&] { repartition(); });
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace moraine {
 
@@ -12,6 +13,7 @@ constexpr double fading = 1 - 1.0 / 64;  ///< per step: longer than a step's noi
 }  // namespace
 
 void Pace::add(const StepTimes& step) {
+    if (std::exchange(skips_, false)) return;
     const auto sum = [](double& to, double x) { to = fading * to + x; };
     sum(mine_, step.mine), sum(slowest_, step.slowest), sum(sum_, step.sum);
     sum(my_particles_, static_cast<double>(step.my_particles)), sum(particles_, static_cast<double>(step.particles));

@@ -26,8 +26,11 @@ class Pace {
     /// Not collective.
     void add(const StepTimes& step);
 
-    /// After a repartition nothing is known. Not collective.
-    void forget() { *this = Pace{}; }
+    /// After a repartition nothing is known; the next step is one of before with particles of now. Not collective.
+    void forget() {
+        *this = Pace{};
+        skips_ = true;
+    }
 
     /// Time per particle and step [ps], between half and twice that of all ranks: a rank with a handful of particles
     /// has no pace, and would never get more. `start` before anything was measured. At least 1. Not collective.
@@ -41,6 +44,7 @@ class Pace {
     // Sums over steps in which older ones fade.
     double mine_ = 0, slowest_ = 0, sum_ = 0;  // [s]
     double my_particles_ = 0, particles_ = 0;
+    bool skips_ = false;
 };
 
 }  // namespace moraine

@@ -2,6 +2,7 @@
 // Comm::all_gather() in parts, each of which is done when it is asked for a step later: nobody waits for anybody.
 
 #include <exception>
+#include <memory>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -29,34 +30,37 @@ class GatherBeside {
     GatherBeside(const GatherBeside&) = delete;
     GatherBeside& operator=(const GatherBeside&) = delete;
     ~GatherBeside() {
-        if (std::uncaught_exceptions() == 0) finish();  // else others may never come
+        if (under_way() && std::uncaught_exceptions() == 0) finish();
+        if (under_way()) (void)buffers_.release();  // others may never come, and MPI may still write
         MPI_Type_free(&row_);
     }
 
     /// At most 2^31 - 1 rows of all ranks. Nothing may be under way. Collective.
     void start(std::vector<T> mine) {
-        mine_ = std::move(mine);
-        count_ = static_cast<int>(mine_.size());
-        counts_.resize(static_cast<std::size_t>(comm_.size()));
+        Buffers& b = *buffers_;
+        b.mine = std::move(mine);
+        b.count = static_cast<int>(b.mine.size());
+        b.counts.resize(static_cast<std::size_t>(comm_.size()));
         part_ = Part::counts;
-        MPI_Iallgather(&count_, 1, MPI_INT, counts_.data(), 1, MPI_INT, comm_.handle(), &request_);
+        MPI_Iallgather(&b.count, 1, MPI_INT, b.counts.data(), 1, MPI_INT, comm_.handle(), &request_);
     }
     bool under_way() const { return part_ != Part::none; }
 
     /// One part further; the rows, once they are there. Something must be under way. Collective.
     std::optional<Rows> advance() {
         MPI_Wait(&request_, MPI_STATUS_IGNORE);
-        if (part_ == Part::counts) {
-            places_.assign(counts_.size() + 1, 0);
-            for (std::size_t r = 0; r < counts_.size(); ++r) places_[r + 1] = places_[r] + counts_[r];
-            rows_.resize(static_cast<std::size_t>(places_.back()));
-            part_ = Part::rows;
-            MPI_Iallgatherv(mine_.data(), count_, row_, rows_.data(), counts_.data(), places_.data(), row_,
-                            comm_.handle(), &request_);
-            return {};
+        Buffers& b = *buffers_;
+        if (part_ == Part::rows) {
+            part_ = Part::none;
+            return Rows{std::move(b.rows), {b.counts.begin(), b.counts.end()}};
         }
-        part_ = Part::none;
-        return Rows{std::move(rows_), {counts_.begin(), counts_.end()}};
+        b.places.assign(b.counts.size() + 1, 0);
+        for (std::size_t r = 0; r < b.counts.size(); ++r) b.places[r + 1] = b.places[r] + b.counts[r];
+        b.rows.resize(static_cast<std::size_t>(b.places.back()));
+        part_ = Part::rows;
+        MPI_Iallgatherv(b.mine.data(), b.count, row_, b.rows.data(), b.counts.data(), b.places.data(), row_,
+                        comm_.handle(), &request_);
+        return {};
     }
 
     /// All that is left of it, if it is under way. Collective.
@@ -73,9 +77,12 @@ class GatherBeside {
     MPI_Datatype row_ = MPI_DATATYPE_NULL;
     MPI_Request request_ = MPI_REQUEST_NULL;
     Part part_ = Part::none;
-    std::vector<T> mine_, rows_;
-    std::vector<int> counts_, places_;
-    int count_ = 0;
+    struct Buffers {
+        std::vector<T> mine, rows;
+        std::vector<int> counts, places;
+        int count = 0;
+    };
+    std::unique_ptr<Buffers> buffers_ = std::make_unique<Buffers>();
 };
 
 }  // namespace moraine

@@ -63,10 +63,10 @@ struct ContactField {
     StructureSums<Dim>* sums;       ///< by structure; shared
 };
 
-inline constexpr double held_below = 0.65;    ///< S = 1 [cells]
-inline constexpr double free_above = 0.75;    ///< S = 0
-inline constexpr double touching_at = 0.2;    ///< G = 1: gap [cells]
-inline constexpr double touching_from = 0.3;  ///< G = 0
+inline constexpr double held_below = 0.65;     ///< S = 1 [cells]
+inline constexpr double free_above = 0.75;     ///< S = 0
+inline constexpr double touching_at = 0.05;    ///< G = 1: gap [cells]
+inline constexpr double touching_from = 0.15;  ///< G = 0
 inline constexpr double look_from =
     1.75;  ///< distance at which nothing of this is left; the area's hat ends at 3^(1/2)
 

@@ -1,7 +1,7 @@
 #pragma once
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
-// A step is queued on one stream:  arrivals, filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits
+// A step is queued on one stream:  filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits
 // once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
 // its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found

@@ -96,6 +96,7 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
+    stream_.wait();
     steps_since_refresh_ = 0;
     share_is_of_now_ = true;
 }
@@ -108,6 +109,7 @@ void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     take_census();
     change_tables();
     count_boundary();
+    stream_.wait();  // who reads the lists waits for the last filing alone
 }
 
 template <class Real, int Dim>
@@ -143,6 +145,10 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     take_census();
     refresh();
     stream_.wait();
+    if (!exchange_) {  // alone: all stays
+        install(std::move(tables), stretches());
+        return {};
+    }
     const auto here = static_cast<std::size_t>(census_.particles);
     const BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
     if (here + plan.arrivals > particles_.room()) refresh_and_grow(here + plan.arrivals);

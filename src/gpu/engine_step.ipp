@@ -61,6 +61,7 @@ void DeviceEngine<Real, Dim>::sum() {
         exchange_->boundary_summed.record(exchange_->stream);
     }
     p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
+    if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     watch_.end(0, stream_);
     share_is_of_now_ = false;
     summed_ = true;
@@ -165,8 +166,10 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);
         move(lists_.boundary(), {boundary_blocks_, exchange_->stream});
+        exchange_->boundary_moved.record(exchange_->stream);
     }
     move(lists_.interior(), {interior_blocks(), stream_});
+    if (exchange_) stream_.wait_for(exchange_->boundary_moved);
     watch_.end(2, stream_);
     timed_ = false;
 }

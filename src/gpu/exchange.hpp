@@ -13,7 +13,7 @@ struct Exchange {
     Exchange(const Comm& c, const WireMaker& wires)
         : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(wires.make(13)) {}
 
-    /// For an epoch whose routes are there. Nothing may be under way. Collective.
+    /// For an epoch whose routes are there, between two rounds. Collective.
     void open(const EpochTables<Dim>& tables) {
         halo.open(tables);
         migration.begin_epoch(tables);
@@ -26,7 +26,7 @@ struct Exchange {
     std::unique_ptr<Wire> moves;  ///< of whole blocks
 
     Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
-    Event filed, boundary_summed, halo_here, solved, arrived;
+    Event filed, boundary_summed, halo_here, solved, boundary_moved, arrived;
 };
 
 }  // namespace moraine::gpu

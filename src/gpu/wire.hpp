@@ -38,7 +38,8 @@ class Wire {
     virtual ~Wire() = default;
     virtual const char* name() const = 0;
 
-    /// New peers and rooms; no round may be under way. If a is a peer of b, b is one of a. Collective over all ranks.
+    /// New peers and rooms, between two rounds of the host. If a is a peer of b, b is one of a. Collective over all
+    /// ranks.
     virtual void open(const std::vector<WirePeer>& peers) = 0;
 
     /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished

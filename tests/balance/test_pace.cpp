@@ -62,6 +62,10 @@ TEST_CASE("all ranks see the same imbalance of time, and forget it") {
     pace[0].forget();
     CHECK(pace[0].load(2).imbalance() == 1);
     CHECK(pace[0].picoseconds(start) == start);
+    pace[0].add({9, 9, 10, 10, 20});  // the step before the repartition
+    CHECK(pace[0].load(2).imbalance() == 1);
+    pace[0].add({3, 3, 4, 10, 20});
+    CHECK(pace[0].load(2).imbalance() == doctest::Approx(1.5));
 }
 
 TEST_CASE("a rank with hardly any particles has no pace of its own") {
