@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "balance/calibration.hpp"
+#include "balance/pace.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/room.hpp"
 #include "balance/trigger.hpp"
@@ -190,7 +191,7 @@ class Simulation {
         return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull, structures_.empty() ? nullptr : &structures_};
     }
 
-    bool weighs_cells() const { return scene_.balance.weight == "cost"; }
+    bool weighs_cells() const { return weight_.is_cost(); }
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
@@ -217,6 +218,7 @@ class Simulation {
     RepartitionTrigger trigger_;
     BlockWeight weight_;
     Calibration calibration_;
+    Pace pace_;
 
     std::unique_ptr<Engine<Real, Dim>> engine_;
     AgreementReduction reduction_;

@@ -133,6 +133,7 @@ template <class Real, int Dim>
 bool Simulation<Real, Dim>::repartition_if_worth_it() {
     const BlockCounts mine = engine_->block_counts(weighs_cells());
     if (weighs_cells()) calibrate(mine);
+    if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
     std::vector<BlockLoad> loads = gather_loads(mine);
     const std::vector<std::int32_t> owners = plan(loads);
     if (!look_.repartitioned) return false;
@@ -141,13 +142,14 @@ bool Simulation<Real, Dim>::repartition_if_worth_it() {
     return true;
 }
 
-/// By what the last agreement says of the ranks, before anything is filed or sent: no plan is worth making. Costs may
-/// say otherwise, but only block by block.
+/// By what the agreements say of the ranks, before anything is filed or sent: no plan is worth making. Costs may say
+/// otherwise, but only block by block.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::is_balanced() {
     if (weighs_cells()) return false;
     look_.terms = TriggerInput{};
-    look_.terms.now = {agreed_.count, agreed_.count_sum, comm_.size()};
+    look_.terms.now =
+        weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
     look_.reason = "balanced";
     return !trigger_.needs_plan(look_.terms.now);
 }
@@ -184,7 +186,7 @@ template <class Real, int Dim>
 std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<BlockLoad>& loads) {
     const auto most = static_cast<std::int64_t>(comm_.min(static_cast<double>(engine_->capacity())));
     std::vector<Option> options = that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
-    if (!options.empty() || !weighs_cells()) return options;
+    if (!options.empty() || !(weight_.is_cost() || weight_.is_time())) return options;
     std::vector<BlockLoad> by_particles = loads;
     for (BlockLoad& load : by_particles) load.weight = load.particles;
     return that_fit(partitioner_->options(by_particles, clock_.round), loads, comm_.size(), most);
@@ -219,6 +221,7 @@ void Simulation<Real, Dim>::repartition() {
     ++clock_.round;
     last_repartition_ = clock_.step;
     time_lost_ = 0;
+    pace_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     trigger_.learn(reckoned_, move_seconds_);
 }

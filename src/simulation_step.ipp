@@ -58,6 +58,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     counts_.imbalance_time_sum += mean_seconds > 0 ? agreed_.seconds / mean_seconds : 1;
     time_lost_ += agreed_.seconds - mean_seconds;
     counts_.seconds_lost += agreed_.seconds - mean_seconds;
+    pace_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum, own_.count, agreed_.count_sum});
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     if (scene_.dt > 0)

@@ -1,7 +1,7 @@
 // benchmark_device: the whole step of one device, filing, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...]    CASE as --list names them; default: all
-// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME]
+// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME] [--weight NAME]
 //
 // One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
 // Under mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
@@ -29,7 +29,8 @@ struct Runs {
     int steps = 200;
     int warm_up = 10;
     std::string transport = "auto";
-    std::string partitioner;  ///< of the scene
+    std::string partitioner;  ///< empty: of the scene
+    std::string weight;       ///< empty: of the scene
 };
 
 struct Device {
@@ -61,6 +62,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const DeviceChoice choice = choose_device("cuda", comm, plan.transport);
     Scene scene = c.scene;
     if (!plan.partitioner.empty()) scene.balance.partitioner = plan.partitioner;
+    if (!plan.weight.empty()) scene.balance.weight = plan.weight;
     Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, choice));
     const double begun = wall_seconds();
     sim.seed();
@@ -97,18 +99,22 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const std::uint64_t hash = c.hashed ? sim.state_hash() : 0;
     if (!comm.is_root()) return;
     fmt::print(
-        "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"device\": \"{}\", "
+        "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "
+        "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
         "\"G_particle_steps_per_s\": {:.3f}, \"bytes_per_particle\": {:.1f}, \"largest_move_cells\": {:.4f}, "
-        "\"imbalance_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, \"crossed_per_step\": {:.1f}, \"repartitions\": "
+        "\"imbalance_mean\": {:.4f}, \"imbalance_time_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, "
+        "\"crossed_per_step\": {:.1f}, \"repartitions\": "
         "{}, "
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
-        c.name, comm.size(), choice.transport, scene.balance.partitioner, device.name, device.driver, device.runtime,
-        machine_json(this_machine()), particles, blocks, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
-        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps),
-        halo, crossed, counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
+        c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, device.name,
+        device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.steps, plan.runs,
+        1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        counts.imbalance_sum / static_cast<double>(counts.steps),
+        counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
+        counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
     std::fflush(stdout);
 }
 
@@ -128,6 +134,8 @@ void benchmark(int argc, char** argv) {
         const std::string key = argv[i];
         if (key == "--list")
             list = true;
+        else if (key == "--weight" && i + 1 < argc)
+            plan.weight = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)
             (key == "--transport" ? plan.transport : plan.partitioner) = argv[++i];
         else if ((key == "--steps" || key == "--runs") && i + 1 < argc)

@@ -17,7 +17,7 @@ namespace moraine {
 struct BlockLoad {
     Key key;
     std::int64_t particles;
-    std::int64_t weight;  ///< what the cut balances, not negative: particles, or cost [ns]
+    std::int64_t weight;  ///< what the cut balances, not negative: particles, cost [ns], or time [ps]
     std::int32_t owner;   ///< rank that holds the block now; -1: nobody yet
 };
 

@@ -4,10 +4,13 @@
 
 namespace moraine {
 
-BlockWeight::BlockWeight(const BalanceSpec& spec, const CostModel& model)
-    : is_cost_(spec.weight == "cost"), model_(model) {
-    if (!is_cost_ && spec.weight != "particles")
-        throw InputError("balance.weight = \"" + spec.weight + "\" (no such weight). Use particles or cost?");
+BlockWeight::BlockWeight(const BalanceSpec& spec, const CostModel& model) : model_(model) {
+    if (spec.weight == "cost")
+        kind_ = Kind::cost;
+    else if (spec.weight == "time")
+        kind_ = Kind::time;
+    else if (spec.weight != "particles")
+        throw InputError("balance.weight = \"" + spec.weight + "\" (no such weight). Use particles, cost or time?");
 }
 
 }  // namespace moraine

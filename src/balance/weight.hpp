@@ -3,10 +3,13 @@
 //
 //   particles   the number of its particles
 //   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
+//   time        a * particles, in picoseconds, at least 1; a: measured by the rank that holds the block (pace.hpp)
 //
 // The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
-// the same weight on every rank. They are refined by measured steps (calibration.hpp), the same on all ranks.
+// the same weight on every rank. Those of `cost` are refined by measured steps (calibration.hpp), the same on all
+// ranks.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/scene.hpp"
@@ -22,24 +25,33 @@ struct CostModel {
 
 class BlockWeight {
   public:
-    /// Throws InputError if balance.weight is neither particles nor cost. Not collective.
+    /// Throws InputError if balance.weight is none of these. Not collective.
     BlockWeight(const BalanceSpec& spec, const CostModel& model);
 
     /// Not collective.
     std::int64_t operator()(std::int64_t particles, std::int64_t cells) const {
-        if (!is_cost_) return particles;
+        if (kind_ == Kind::particles) return particles;
+        if (kind_ == Kind::time) return std::max<std::int64_t>(1, model_.a * particles);
         const std::int64_t picoseconds = model_.a * particles + model_.c * cells + model_.d;
         const std::int64_t nanoseconds = (picoseconds + 500) / 1000;
         return nanoseconds > 0 ? nanoseconds : 1;
     }
 
+    bool is_cost() const { return kind_ == Kind::cost; }
+    bool is_time() const { return kind_ == Kind::time; }
+    const CostModel& model() const { return model_; }
     void set_model(const CostModel& model) { model_ = model; }
 
     /// What a unit of weight takes in a step, by the model [s].
-    double seconds() const { return is_cost_ ? 1e-9 : static_cast<double>(model_.a) * 1e-12; }
+    double seconds() const {
+        if (kind_ == Kind::particles) return static_cast<double>(model_.a) * 1e-12;
+        return kind_ == Kind::cost ? 1e-9 : 1e-12;
+    }
 
   private:
-    bool is_cost_;
+    enum class Kind { particles, cost, time };
+
+    Kind kind_ = Kind::particles;
     CostModel model_;
 };
 

@@ -108,7 +108,7 @@ struct OutputSpec {
 
 struct BalanceSpec {
     std::string partitioner = "morton";
-    std::string weight = "particles";  ///< particles, cost
+    std::string weight = "particles";  ///< particles, cost, time
     Trigger trigger = Trigger::threshold;
     int interval = 50;        ///< [steps] between looks (threshold, planned) or repartitions (every)
     double threshold = 1.05;  ///< max/mean

@@ -25,7 +25,9 @@ void DeviceEngine<Real, Dim>::file() {
     if (exchange_) {
         exchange_->migration.post();
         exchange_->migration.finish(exchange_->routes.receive(), lists_.filing(tables_.view()),
-                                    record_layout(particles_.view()), counters_.data(), stream_);
+                                    record_layout(particles_.view()), counters_.data(), exchange_->stream);
+        exchange_->arrived.record(exchange_->stream);
+        stream_.wait_for(exchange_->arrived);
     }
     watch_.begin(0, stream_);
     timed_ = true;
@@ -98,10 +100,12 @@ void DeviceEngine<Real, Dim>::expect_leavers(std::int64_t crowd) {
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_leavers(const StepScales<Dim>&) {
-    lists_.collect(tables_.view(), stream_);
-    if (exchange_)
+    if (exchange_) {
+        lists_.collect(tables_.view(), Part::boundary, boundary_blocks_, exchange_->stream);
         exchange_->migration.start(exchange_->routes.send(), lists_.filing(tables_.view()),
-                                   record_layout(particles_.view()), counters_.data(), stream_);
+                                   record_layout(particles_.view()), counters_.data(), exchange_->stream);
+    }
+    lists_.collect(tables_.view(), exchange_ ? Part::interior : Part::all, interior_blocks(), stream_);
     moving_ = true;
 }
 
@@ -147,15 +151,18 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     args.gradient_stride = stride;
     StressArgs<Real, Dim> stress{
         args.dt, step.quantum, gradient_.data(), stride, stress_.size() > 1 ? material_of_.data() : nullptr, 0};
-    for (const bool boundary : {true, false}) {
-        if (boundary && !exchange_) continue;
-        const Chosen chosen = boundary ? lists_.boundary() : lists_.interior();
-        const Launch launch{boundary ? boundary_blocks_ : interior_blocks(), stream_};
+    const auto move = [&](const Chosen& chosen, const Launch& launch) {
         gather_->run(view(), chosen, args, launch);
-        if (!(round.gather & gather_gradient)) continue;
+        if (!(round.gather & gather_gradient)) return;
         for (stress.mine = 0; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
             stress_[static_cast<std::size_t>(stress.mine)]->run(view(), chosen, stress, launch);
+    };
+    if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
+        exchange_->solved.record(stream_);
+        exchange_->stream.wait_for(exchange_->solved);
+        move(lists_.boundary(), {boundary_blocks_, exchange_->stream});
     }
+    move(lists_.interior(), {interior_blocks(), stream_});
     watch_.end(2, stream_);
     timed_ = false;
 }

@@ -25,8 +25,8 @@ struct Exchange {
     DeviceMigration<Dim> migration;
     std::unique_ptr<Wire> moves;  ///< of whole blocks
 
-    Stream stream{Stream::Rank::ahead};  ///< of the halo, beside the step's
-    Event filed, boundary_summed, halo_here;
+    Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
+    Event filed, boundary_summed, halo_here, solved, arrived;
 };
 
 }  // namespace moraine::gpu

@@ -19,8 +19,8 @@ unsigned resident(Kernel kernel) {
     return static_cast<unsigned>(per_processor * processors);
 }
 
-unsigned grid_of(unsigned most, int own) {
-    return std::min(most, static_cast<unsigned>((own + filing_warps - 1) / filing_warps));
+unsigned grid_of(unsigned most, int blocks) {
+    return std::clamp(static_cast<unsigned>((blocks + filing_warps - 1) / filing_warps), 1u, most);
 }
 
 /// From lengths in next_first to places.
@@ -40,10 +40,10 @@ void number_blocks(const Filing<Dim>& filing, cudaStream_t stream) {
 }
 
 template <int Dim>
-void collect_leavers(const Filing<Dim>& filing, cudaStream_t stream) {
+void collect_leavers(const Filing<Dim>& filing, Part part, int blocks, cudaStream_t stream) {
     static const unsigned most = resident(collect_kernel<Dim>);
     if (filing.table.own == 0) return;
-    collect_kernel<<<grid_of(most, filing.table.own), threads, 0, stream>>>(filing);
+    collect_kernel<<<grid_of(most, blocks), threads, 0, stream>>>(filing, part);
     check(cudaGetLastError(), "Collecting leavers");
 }
 
@@ -59,8 +59,8 @@ void make_lists(const Filing<Dim>& filing, cudaStream_t stream) {
 
 template void number_blocks(const Filing<2>&, cudaStream_t);
 template void number_blocks(const Filing<3>&, cudaStream_t);
-template void collect_leavers(const Filing<2>&, cudaStream_t);
-template void collect_leavers(const Filing<3>&, cudaStream_t);
+template void collect_leavers(const Filing<2>&, Part, int, cudaStream_t);
+template void collect_leavers(const Filing<3>&, Part, int, cudaStream_t);
 template void make_lists(const Filing<2>&, cudaStream_t);
 template void make_lists(const Filing<3>&, cudaStream_t);
 

@@ -19,10 +19,13 @@ __device__ __forceinline__ int filing_warp() {
 /// The occupied blocks as one list, boundary ones first, of which a warp takes every so-many-th.
 class OccupiedItems {
   public:
-    __device__ explicit OccupiedItems(const OccupiedBlocks& blocks)
-        : blocks_(blocks), boundary_(blocks.count[0]), all_(boundary_ + blocks.count[1]) {}
+    __device__ explicit OccupiedItems(const OccupiedBlocks& blocks, Part part = Part::all)
+        : blocks_(blocks),
+          boundary_(blocks.count[0]),
+          begin_(part == Part::interior ? boundary_ : 0),
+          all_(boundary_ + (part == Part::boundary ? 0 : blocks.count[1])) {}
 
-    static __device__ std::uint32_t first() { return blockIdx.x * filing_warps + threadIdx.x / 32; }
+    __device__ std::uint32_t first() const { return begin_ + blockIdx.x * filing_warps + threadIdx.x / 32; }
     static __device__ std::uint32_t step() { return gridDim.x * filing_warps; }
 
     /// Block of an item; -1: there is no such item.
@@ -33,7 +36,7 @@ class OccupiedItems {
 
   private:
     const OccupiedBlocks& blocks_;
-    std::uint32_t boundary_, all_;
+    std::uint32_t boundary_, begin_, all_;
 };
 
 template <int Dim>
@@ -74,14 +77,15 @@ __device__ __forceinline__ void collect_block(const Filing<Dim>& f, int b, std::
 }
 
 template <int Dim>
-__global__ void __launch_bounds__(32 * filing_warps) collect_kernel(const __grid_constant__ Filing<Dim> f) {
+__global__ void __launch_bounds__(32 * filing_warps) collect_kernel(const __grid_constant__ Filing<Dim> f, Part part) {
     __shared__ std::uint32_t at[filing_warps][32];
     __shared__ std::uint16_t gathered[filing_warps][ChangedEntries::span];
     const auto threads = static_cast<int>(gridDim.x * blockDim.x);
-    for (int b = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); b < f.table.own; b += threads)
+    for (int b = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); part != Part::interior && b < f.table.own;
+         b += threads)
         if (f.list.first[b + 1] == f.list.first[b]) f.leavers.count[b] = 0;
-    const OccupiedItems items(f.occupied);
-    std::uint32_t item = OccupiedItems::first();
+    const OccupiedItems items(f.occupied, part);
+    std::uint32_t item = items.first();
     for (int b = items.block(item); b >= 0;) {
         const int next = items.block(item += OccupiedItems::step());
         collect_block(f, b, at[filing_warp()], gathered[filing_warp()]);

@@ -69,9 +69,13 @@ struct Filing {
 template <int Dim>
 void number_blocks(const Filing<Dim>& filing, cudaStream_t stream);
 
-/// Leavers of own blocks, by the moves of the step.
+/// Which own blocks.
+enum class Part { all, boundary, interior };
+
+/// Leavers of own blocks, by the moves of the step; `blocks`: about how many. What a peer needs is there once those of
+/// the boundary are: empty blocks belong to it here.
 template <int Dim>
-void collect_leavers(const Filing<Dim>& filing, cudaStream_t stream);
+void collect_leavers(const Filing<Dim>& filing, Part part, int blocks, cudaStream_t stream);
 
 /// The next lists, once the leavers of ghosts stand behind the own ones. The caller then swaps first and slot.
 template <int Dim>

@@ -266,7 +266,7 @@ template <int Dim>
 __global__ void __launch_bounds__(32 * filing_warps, 8) fill_kernel(const __grid_constant__ Filing<Dim> f) {
     __shared__ typename BlockFill<Dim>::Scratch scratch[filing_warps];
     const OccupiedItems items(f.occupied);
-    std::uint32_t item = OccupiedItems::first();
+    std::uint32_t item = items.first();
     for (int b = items.block(item); b >= 0;) {
         const int next = items.block(item += OccupiedItems::step());
         BlockFill<Dim>(f, scratch[filing_warp()], b).run();

@@ -51,7 +51,9 @@ class Lists {
     Filing<Dim> filing(const BlockTable<Dim>& table) const;
     /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
     /// ones, the lists. Asynchronous.
-    void collect(const BlockTable<Dim>& table, cudaStream_t stream) { collect_leavers(filing(table), stream); }
+    void collect(const BlockTable<Dim>& table, Part part, int blocks, cudaStream_t stream) {
+        collect_leavers(filing(table), part, blocks, stream);
+    }
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:

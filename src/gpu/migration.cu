@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "gpu/filing.cuh"
 #include "gpu/migration.hpp"
@@ -186,7 +187,8 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables) {
         tiles += peer.send.block.size();
     }
     place_.resize(tiles);
-    record_ = 0;
+    const std::size_t record = std::exchange(record_, 0);
+    if (record > 0) expect(crowd_, record);
 }
 
 template <int Dim>

@@ -22,7 +22,7 @@ class DeviceMigration {
   public:
     explicit DeviceMigration(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
 
-    /// Rooms of a new epoch are made by the next expect().
+    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). Collective.
     void begin_epoch(const EpochTables<Dim>& tables);
     /// Makes room for blocks of `crowd` particles (the same on all ranks) whose records take `record` bytes. Returns
     /// whether anything changed. Collective.

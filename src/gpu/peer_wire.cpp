@@ -95,8 +95,12 @@ class PeerWire final : public Wire {
     std::byte* const* outgoing() const override { return pointers_.out() + ((round_ + 1) & 1) * my_flags_.size(); }
     const std::byte* const* incoming() const override { return pointers_.in() + (2 + (round_ & 1)) * my_flags_.size(); }
 
-    void open(const std::vector<WirePeer>& peers) override {
+    /// Where all boxes are large enough they stay, and what is under way goes on.
+    void open(const std::vector<WirePeer>& asked) override {
+        if (comm_.max(static_cast<std::int64_t>(!fits(asked))) == 0) return;
         check(cudaDeviceSynchronize(), "Ending an epoch");
+        std::vector<WirePeer>& peers = peers_ = asked;
+        for (WirePeer& peer : peers) peer.room_in += peer.room_in / 8;
         const std::vector<std::size_t> start = room_starts(peers, &WirePeer::room_in);
         const std::size_t flags = peers.size() * message_align;
         inboxes_.reserve(flags + 2 * start.back());
@@ -121,6 +125,12 @@ class PeerWire final : public Wire {
     }
 
   private:
+    bool fits(const std::vector<WirePeer>& asked) const {
+        return std::equal(
+            asked.begin(), asked.end(), peers_.begin(), peers_.end(),
+            [](const WirePeer& a, const WirePeer& b) { return a.rank == b.rank && a.room_in <= b.room_in; });
+    }
+
     void address(const std::vector<WirePeer>& peers, const std::vector<Place>& all, const std::vector<Place>& mine) {
         std::vector<std::byte*> out[2], in[2], flags;
         my_flags_.clear();
@@ -144,7 +154,8 @@ class PeerWire final : public Wire {
 
     const Comm& comm_;
     SharedInboxes inboxes_;
-    PointerArray pointers_;  ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
+    std::vector<WirePeer> peers_;  ///< whose boxes there are, and how large they are
+    PointerArray pointers_;        ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
     std::vector<const std::uint32_t*> my_flags_;
     std::uint32_t round_ = 0;
 };

@@ -144,8 +144,9 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "weight",
       .type = choice,
       .standard = "\"particles\"",
-      .choices = {"particles", "cost"},
-      .meaning = "What is balanced: the particles, or the measured cost of blocks."},
+      .choices = {"particles", "cost", "time"},
+      .meaning = "What is balanced: the particles, the modelled cost of blocks refined by measured steps, or the "
+                 "measured time per particle of the rank that holds them."},
      [](S& s, const V& v) { s.balance.weight = v.text; }},
     {{.table = "balance",
       .name = "trigger",

@@ -50,5 +50,5 @@ TEST_CASE("an unknown weight is refused") {
     BalanceSpec spec;
     spec.weight = "mass";
     CHECK_THROWS_WITH_AS(BlockWeight(spec, {1, 1, 1}),
-                         "balance.weight = \"mass\" (no such weight). Use particles or cost?", InputError);
+                         "balance.weight = \"mass\" (no such weight). Use particles, cost or time?", InputError);
 }

@@ -85,7 +85,8 @@ class DeviceLists {
     }
 
     void launch() const {
-        gpu::collect_leavers(filing, nullptr);
+        gpu::collect_leavers(filing, gpu::Part::boundary, filing.table.own, nullptr);
+        gpu::collect_leavers(filing, gpu::Part::interior, filing.table.own, nullptr);
         gpu::make_lists(filing, nullptr);
     }
 
