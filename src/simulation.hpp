@@ -19,6 +19,7 @@
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
+#include "comm/gather_beside.hpp"
 #include "comm/host_engine.hpp"
 #include "comm/key_order.hpp"
 #include "comm/next_epoch.hpp"
@@ -197,8 +198,10 @@ class Simulation {
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const FiledBlocks& filed);
     void foresee_epoch();
+    void look_ahead();
     void renew_epoch();
     bool is_balanced();
+    void take_times(TriggerInput& terms) const;
     bool repartition_if_worth_it();
     std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
     std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
@@ -233,6 +236,7 @@ class Simulation {
     BalanceLook look_;
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
+    GatherBeside<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
     bool beside_ = false;  ///< epochs are made beside the steps
     bool unfiled_ = true;  ///< nothing was filed yet by the tables of this epoch
     bool at_rim_ = false;  ///< somebody was in the rim one step ago

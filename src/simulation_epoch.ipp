@@ -80,10 +80,18 @@ void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
 /// Begins to make the next epoch from what is occupied now.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::foresee_epoch() {
-    std::vector<std::int64_t> counts;
-    std::vector<Key> keys = comm_.all_gather(engine_->block_counts(false).key, &counts);
-    next_epoch_.start(std::move(keys), std::move(counts), beside_);
+    keys_.finish();
+    keys_.start(engine_->block_counts(false).key);
     foreseen_ = 0;
+}
+
+/// The next epoch is made once all ranks' blocks are known: two steps later, or at once where it is wanted now.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::look_ahead() {
+    if (!keys_.under_way()) return;
+    const bool now = !beside_ || wandered_ > epoch_reach;
+    if (auto all = now ? keys_.finish() : keys_.advance())
+        next_epoch_.start(std::move(all->rows), std::move(all->counts), beside_);
 }
 
 /// Takes the epoch that was foreseen.
@@ -116,15 +124,18 @@ void Simulation<Real, Dim>::balance() {
     const bool used_up = wandered_ > epoch_reach;
     const bool move = moves_at_ && (clock_.step >= *moves_at_ || used_up || stale);
     const bool wanted = used_up || (beside_ && at_rim_);
-    const bool foresee = wanted && !moves_at_ && !(next_epoch_.under_way() && !stale);
+    const bool foresee = wanted && !moves_at_ && !((keys_.under_way() || next_epoch_.under_way()) && !stale);
+    if (keys_.under_way()) phases_.time(Phase::balance, [&] { look_ahead(); });
     if (!look && !used_up && !foresee && !move) return;
-    file();
-    phases_.time(Phase::agree, [&] { engine_->settle(); });
+    if (move || !(beside_ && engine_->leaves_host_free())) {
+        file();
+        phases_.time(Phase::agree, [&] { engine_->settle(); });
+    }
     phases_.time(Phase::balance, [&] {
         if (move) return repartition();
         if (look && repartition_if_worth_it()) return;
         if (foresee) foresee_epoch();
-        if (used_up) renew_epoch();
+        if (used_up) look_ahead(), renew_epoch();
     });
 }
 
@@ -151,7 +162,20 @@ bool Simulation<Real, Dim>::is_balanced() {
     look_.terms.now =
         weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
     look_.reason = "balanced";
-    return !trigger_.needs_plan(look_.terms.now);
+    if (!trigger_.needs_plan(look_.terms.now)) return true;
+    take_times(look_.terms);
+    look_.reason = "not worth it";
+    return !trigger_.may_pay(look_.terms);
+}
+
+/// What steps took by the last agreement.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
+    terms.step = clock_.step;
+    terms.last_repartition = last_repartition_;
+    terms.slowest = agreed_.seconds;
+    terms.loses = agreed_.seconds - agreed_.seconds_sum / comm_.size();
+    terms.lost = time_lost_;
 }
 
 /// Looks at the balance; if it is worth it, the owners to be.
@@ -160,14 +184,10 @@ std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& lo
     const int ranks = comm_.size();
     TriggerInput& terms = look_.terms;
     terms = TriggerInput{};
-    terms.step = clock_.step;
-    terms.last_repartition = last_repartition_;
     terms.now = summary_of(loads_of_ranks(loads, present_owners(loads), ranks));
     look_.reason = "balanced";
     if (!trigger_.needs_plan(terms.now)) return {};
-    terms.slowest = agreed_.seconds;
-    terms.loses = agreed_.seconds - agreed_.seconds_sum / ranks;
-    terms.lost = time_lost_;
+    take_times(terms);
     std::vector<Option> options = options_that_fit(loads);
     if (options.empty()) {
         look_.reason = "memory";
@@ -197,6 +217,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
     std::vector<OccupiedBlock> occupied;
     for (std::size_t b = 0; b < loads.size(); ++b) occupied.push_back({loads[b].key, owners[b]});
+    keys_.finish();  // what would have been
     next_epoch_.start_repartition(std::move(occupied), beside_);
     foreseen_ = 0;
     reckoned_ = look_.terms.migration;

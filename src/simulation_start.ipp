@@ -31,7 +31,8 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
               std::copy(at.begin(), at.end(), position.begin());
               return partitioner_->owner_at(position);
           },
-          [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }) {
+          [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }),
+      keys_(comm) {
     if (make_engine)
         engine_ = make_engine(method_);
     else

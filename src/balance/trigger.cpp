@@ -22,11 +22,15 @@ Decision by_threshold(const TriggerInput& in, double threshold) {
     return {true, "threshold"};
 }
 
+/// What the growth of the loss since the last repartition has cost [s].
+double growth(const TriggerInput& in) {
+    return static_cast<double>(in.step - in.last_repartition) * in.loses - in.lost;
+}
+
 Decision by_plan(const TriggerInput& in) {
     if (in.kind == PlanKind::keep) return {false, "cheaper to keep"};
     if (in.plan.max >= in.now.max) return {false, "no better plan"};
-    const auto tau = static_cast<double>(in.step - in.last_repartition);
-    if (tau * in.loses - in.lost < in.migration) return {false, "not worth it"};
+    if (growth(in) < in.migration) return {false, "not worth it"};
     return {true, "planned"};
 }
 
@@ -56,6 +60,10 @@ bool RepartitionTrigger::is_due(std::int64_t step) const {
 bool RepartitionTrigger::needs_plan(const LoadSummary& now) const {
     if (is_static_ || rule_ == Trigger::never) return false;
     return rule_ != Trigger::threshold || now.imbalance() > threshold_;
+}
+
+bool RepartitionTrigger::may_pay(const TriggerInput& in) const {
+    return rule_ != Trigger::planned || growth(in) >= moves_.start * moves_slower_;
 }
 
 PlanCosts RepartitionTrigger::costs(const TriggerInput& in, double unit) const {

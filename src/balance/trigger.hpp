@@ -55,6 +55,10 @@ class RepartitionTrigger {
     /// Is it worth making a plan, given the loads of now? Not collective.
     bool needs_plan(const LoadSummary& now) const;
 
+    /// Can a plan be worth it? By rule `planned` not before the growth of the loss has cost what the smallest migration
+    /// takes. Plans and loads need not be known. Not collective.
+    bool may_pay(const TriggerInput& input) const;
+
     /// What the planner reckons with. `unit`: time of a unit of weight in a step, by the model [s]. Not collective.
     PlanCosts costs(const TriggerInput& input, double unit) const;
 

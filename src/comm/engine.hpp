@@ -87,7 +87,7 @@ class Engine {
     virtual std::int64_t capacity() const { return unlimited; }
     /// Waits for what is under way. Not collective.
     virtual void settle() {}
-    /// Filed state only. Not collective.
+    /// Of the last filing. Not collective; filed state only, unless it leaves the host free.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 
     /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Collective.
@@ -95,7 +95,8 @@ class Engine {
     /// Tables that renew() or repartition() will get, if any: may be called by another thread, beside a step. Not
     /// collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}
-    /// Begins an epoch with the same particles. Filed state only. Collective.
+    /// Begins an epoch with the same particles, now or with the next filing. Filed state only, unless it leaves the
+    /// host free. Collective.
     virtual void renew(EpochTables<Dim> tables) = 0;
     /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Filed state only.
     /// Collective.

@@ -59,11 +59,13 @@ template <class Blocks>
 void NextEpoch<Dim>::launch(bool beside, bool stays, std::size_t count, Blocks blocks) {
     const int threads = threads_beside(count);
     const std::int64_t serial = ++made_so_far_;
-    made_ = std::async(beside ? std::launch::async : std::launch::deferred,
-                       [this, beside, stays, threads, serial, blocks = std::move(blocks)]() mutable {
-                           if (beside) omp_set_num_threads(threads);  // of this thread
-                           return made_of(blocks(), stays, serial);
-                       });
+    made_ = std::async(
+        beside ? std::launch::async : std::launch::deferred,
+        [this, beside, stays, threads, serial, blocks = std::move(blocks), forgotten = std::move(made_)]() mutable {
+            if (forgotten.valid() && beside) forgotten.wait();  // prepare_() is of one thread at a time
+            if (beside) omp_set_num_threads(threads);           // of this thread
+            return made_of(blocks(), stays, serial);
+        });
 }
 
 template <int Dim>

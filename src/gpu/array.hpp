@@ -67,6 +67,16 @@ class Array {
         return to;
     }
 
+    /// As it is by what stream has queued so far.
+    std::vector<T> host(cudaStream_t stream) const {
+        std::vector<T> to(size_);
+        if (size_ > 0)
+            check(cudaMemcpyAsync(to.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost, stream),
+                  "Copying from the device");
+        check(cudaStreamSynchronize(stream), "Copying from the device");
+        return to;
+    }
+
     void swap(Array& other) {
         std::swap(data_, other.data_);
         std::swap(size_, other.size_);

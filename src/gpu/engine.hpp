@@ -9,6 +9,7 @@
 #include <cuda_runtime.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "comm/engine.hpp"
@@ -63,7 +64,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
   private:
     void choose_kernels();
     void take_tables(EpochTables<Dim> tables);
-    void begin_epoch();
+    void change_tables();
+    void open_epoch();
+    void count_boundary();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();
@@ -92,8 +95,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<Exchange<Real, Dim>> exchange_;  ///< none: this rank is alone
     EpochTables<Dim> epoch_;
     Tables<Dim> tables_, next_tables_;
+    ListTables next_list_tables_;
     Routes next_routes_;
-    Stream upload_{Stream::Rank::apart};
+    std::optional<EpochTables<Dim>> pending_;  ///< of the epoch that begins with the next filing
+    Stream upload_{Stream::Rank::apart}, reading_{Stream::Rank::apart};
     int device_ = 0;
     std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
     Lists<Dim> lists_;

@@ -33,6 +33,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::prepare(const EpochTables<Dim>& tables) {
     check(cudaSetDevice(device_), "Choosing the device");
     next_tables_.upload(tables, upload_);
+    next_list_tables_.upload(tables, epoch_.own, upload_);
     if (exchange_) next_routes_.upload(tables, upload_);
     upload_.wait();
     prepared_ = tables.serial;
@@ -43,13 +44,15 @@ void DeviceEngine<Real, Dim>::take_tables(EpochTables<Dim> tables) {
     if (prepared_ == 0 || prepared_ != tables.serial) prepare(tables);
     epoch_ = std::move(tables);
     tables_.swap(next_tables_);
+    lists_.swap(next_list_tables_);
     if (exchange_) exchange_->routes.swap(next_routes_);
     prepared_ = 0;
 }
 
-/// What an epoch's tables ask for, once the lists are in place.
+/// What an epoch's tables ask for, once the lists are in place. Tiles have room to spare: a flow that spreads occupies
+/// a few blocks more in every epoch.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::begin_epoch() {
+void DeviceEngine<Real, Dim>::open_epoch() {
     const std::size_t ghosts = epoch_.ghost.size(), node_blocks = epoch_.node_key.size();
     if (node_blocks > node_of_.size()) {
         std::vector<std::int32_t> every(node_blocks + node_blocks / 4);
@@ -58,11 +61,17 @@ void DeviceEngine<Real, Dim>::begin_epoch() {
     }
     nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
     const auto blocks = static_cast<std::size_t>(census_.blocks);
-    const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 16 + 16);
-    if (room > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
+    const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
+    const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
+    if (least > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
     report_is_of_epoch_ = false;
+    if (exchange_) exchange_->open(epoch_);
+}
+
+/// What the next report will say of the boundary, for those who need it before.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::count_boundary() {
     if (!exchange_) return;
-    exchange_->open(epoch_);
     const std::vector<std::uint32_t> first = lists_.first();
     census_.crowd = boundary_blocks_ = 0;
     for (std::int32_t b : epoch_.boundary) {
@@ -85,19 +94,28 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     set_stored(n);
     census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), 0};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
-    begin_epoch();
+    open_epoch();
+    count_boundary();
     steps_since_refresh_ = 0;
     share_is_of_now_ = true;
 }
 
+/// While a step is under way its moves are filed by the old tables, and nobody waits.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
+    pending_ = std::move(tables);
+    if (moving_) return;
     take_census();
-    stream_.wait();
-    const std::vector<Key> old = std::move(epoch_.own);
-    take_tables(std::move(tables));
-    lists_.renew(epoch_, tables_.view(), old, lists_.first());
-    begin_epoch();
+    change_tables();
+    count_boundary();
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::change_tables() {
+    take_tables(std::move(*pending_));
+    pending_.reset();
+    lists_.renew(epoch_, tables_.view(), stream_);
+    open_epoch();
     share_is_of_now_ = false;
 }
 
@@ -156,7 +174,9 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
     lists_.install(epoch_, tables_.view(), filed, particles_.room());
     list_stretches(blocks, lists_.slots(), stream_);
     find_cells();
-    begin_epoch();
+    open_epoch();
+    count_boundary();
+    if (timed_) watch_.begin_again(stream_);
     refresh();
     share_is_of_now_ = false;
 }
@@ -181,9 +201,9 @@ Patch<Host, Real, Dim>& DeviceEngine<Real, Dim>::share() {
 
 template <class Real, int Dim>
 BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
-    stream_.wait();
-    const std::vector<std::uint32_t> first = lists_.first();
-    const std::vector<std::uint32_t> cells = with_cells ? lists_.cell_first() : std::vector<std::uint32_t>{};
+    reported_.wait();  // the lists of the last filing are there, and stay until the next
+    const std::vector<std::uint32_t> first = lists_.first(reading_);
+    const std::vector<std::uint32_t> cells = with_cells ? lists_.cell_first(reading_) : std::vector<std::uint32_t>{};
     BlockCounts counts;
     for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
         if (first[b + 1] == first[b]) continue;

@@ -32,6 +32,10 @@ void DeviceEngine<Real, Dim>::file() {
     watch_.begin(0, stream_);
     timed_ = true;
     lists_.make(tables_.view(), stream_);
+    if (pending_) {
+        change_tables();
+        watch_.begin_again(stream_);
+    }
     if (exchange_) exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
     fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.at_rim(), counters_.data(),
                 report_.device(), stream_);

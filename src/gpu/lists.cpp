@@ -8,13 +8,9 @@
 namespace moraine::gpu {
 
 template <int Dim>
-void Lists<Dim>::make_room(const EpochTables<Dim>& tables) {
+void Lists<Dim>::make_room(const EpochTables<Dim>& tables, cudaStream_t stream) {
     own_ = tables.own.size();
     const std::size_t ghosts = tables.ghost.size();
-    std::vector<std::uint8_t> is_boundary(own_, 0);
-    for (std::int32_t b : tables.boundary) is_boundary[static_cast<std::size_t>(b)] = 1;
-    is_boundary_.assign(is_boundary);
-    rim_.assign(tables.rim);
     tile_of_.resize(own_ + ghosts);
     boundary_.resize(own_);
     interior_.resize(own_);
@@ -24,7 +20,8 @@ void Lists<Dim>::make_room(const EpochTables<Dim>& tables) {
     leaver_count_.resize(own_ + ghosts);
     leaver_bound_.resize((own_ + ghosts) * leaver_bounds<Dim>);
     // read, and multiplied by nothing, where no particle leaves
-    check(cudaMemset(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t)), "Clearing lists");
+    check(cudaMemsetAsync(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t), stream),
+          "Clearing lists");
     ghost_start_.resize(ghosts);
     tally_.resize(static_cast<std::size_t>(filing_chunks(static_cast<int>(own_))));
 }
@@ -49,7 +46,7 @@ void Lists<Dim>::grow(std::size_t most) {
 template <int Dim>
 void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
                          std::size_t most) {
-    make_room(tables);
+    make_room(tables, nullptr);
     std::vector<std::uint32_t> first(own_ + 1, 0);
     for (std::size_t f = 0; f < filed.key.size(); ++f)
         first[static_cast<std::size_t>(tables.find_own(filed.key[f])) + 1] = filed.count[f];
@@ -62,26 +59,16 @@ void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& 
 
 /// Blocks keep their order, so the slots stay where they are; only bounds are numbered anew.
 template <int Dim>
-void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const std::vector<Key>& old_keys,
-                       const std::vector<std::uint32_t>& first) {
+void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream) {
     old_cell_first_.swap(cell_first_);
-    make_room(tables);
+    make_room(tables, stream);
     make_room(slot_.size());
-    std::vector<std::uint32_t> next(own_ + 1, 0);
-    std::vector<std::int32_t> old(own_, -1);
-    std::size_t i = 0;
-    for (std::size_t b = 0; b < old_keys.size(); ++b) {
-        if (first[b + 1] == first[b]) continue;
-        while (tables.own[i] < old_keys[b]) next[i + 1] = first[b], ++i;
-        old[i] = static_cast<std::int32_t>(b);
-    }
-    for (; i < own_; ++i) next[i + 1] = first.back();
-    first_.assign(next);
-    old_.assign(old);
-    renumber(static_cast<std::uint32_t>(own_), bounds, old_.data(), old_cell_first_.data(), cell_first_.data(),
-             nullptr);
-    number_blocks(filing(table), nullptr);
-    check(cudaDeviceSynchronize(), "Numbering blocks anew");
+    const auto own = static_cast<std::uint32_t>(own_);
+    renumber(own + 1, 1, tables_.from.data(), first_.data(), next_first_.data(), stream);
+    first_.swap(next_first_);
+    next_first_.resize(own_ + 1);
+    renumber(own, bounds, tables_.same.data(), old_cell_first_.data(), cell_first_.data(), stream);
+    number_blocks(filing(table), stream);
 }
 
 template <int Dim>
@@ -96,8 +83,8 @@ Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
             view(),
             moves_.data(),
             changed_.data(),
-            is_boundary_.data(),
-            rim_.data(),
+            tables_.is_boundary.data(),
+            tables_.rim.data(),
             table.ghosts,
             {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(), ghost_start_.data()},
             {tile_of_.data(), boundary_.data(), interior_.data(), occupied_.data(), occupied_.data() + 2, tiles_,

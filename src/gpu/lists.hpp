@@ -10,6 +10,7 @@
 #include "comm/patch.hpp"
 #include "gpu/array.hpp"
 #include "gpu/filing.hpp"
+#include "gpu/list_tables.hpp"
 #include "gpu/view.hpp"
 
 namespace moraine::gpu {
@@ -19,14 +20,14 @@ class Lists {
   public:
     static constexpr std::size_t bounds = Block<Dim>::cells + 1;
 
+    /// What an epoch brings; install() or renew() follows.
+    void swap(ListTables& tables) { tables_.swap(tables); }
     /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
     /// `most` particles. The cells' bounds are left to whoever knows the places. Synchronous.
     void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
                  std::size_t most);
-    /// The same particles under other tables; `first` and `old_keys` were the lists' starts and the own blocks.
-    /// Synchronous.
-    void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const std::vector<Key>& old_keys,
-               const std::vector<std::uint32_t>& first);
+    /// The same particles under other tables. Asynchronous.
+    void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream);
     /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
     void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
@@ -46,7 +47,8 @@ class Lists {
     std::uint32_t* slots() const { return slot_.data(); }
 
     std::vector<std::uint32_t> first() const { return first_.host(); }
-    std::vector<std::uint32_t> cell_first() const { return cell_first_.host(); }
+    std::vector<std::uint32_t> first(cudaStream_t stream) const { return first_.host(stream); }
+    std::vector<std::uint32_t> cell_first(cudaStream_t stream) const { return cell_first_.host(stream); }
 
     Filing<Dim> filing(const BlockTable<Dim>& table) const;
     /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
@@ -57,15 +59,15 @@ class Lists {
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
-    void make_room(const EpochTables<Dim>& tables);
+    void make_room(const EpochTables<Dim>& tables, cudaStream_t stream);
     void make_room(std::size_t most);
 
     std::size_t own_ = 0;
     std::uint32_t tiles_ = ~0u;
+    ListTables tables_;
     Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
-    Array<std::int32_t> tile_of_, boundary_, interior_, old_;
-    Array<std::uint64_t> rim_;
-    Array<std::uint8_t> is_boundary_, leaver_cell_;
+    Array<std::int32_t> tile_of_, boundary_, interior_;
+    Array<std::uint8_t> leaver_cell_;
     Array<std::uint16_t> moves_;
     Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;
     Array<Tally> tally_;

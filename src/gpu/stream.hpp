@@ -79,6 +79,8 @@ class Stopwatch {
         if (part == 0) laps_[now_ = 1 - now_].ended = 0;
         laps_[now_].event[2 * part].record(stream);
     }
+    /// Part 0 begins here after all.
+    void begin_again(cudaStream_t stream) { laps_[now_].event[0].record(stream); }
     /// It ends here; of several calls the last counts.
     void end(int part, cudaStream_t stream) {
         laps_[now_].event[2 * part + 1].record(stream);

@@ -84,6 +84,22 @@ TEST_CASE("the planned rule waits until the growth of the loss has cost as much 
     CHECK(first == 40);
 }
 
+TEST_CASE("no plan is made before the growth of the loss has cost what the smallest migration takes") {
+    const auto planned = made(spec_of(Trigger::planned));
+    TriggerInput in = loads(1100, 1000);
+    in.step = 100;
+    in.loses = 1e-4;  // 10 ms since the start, at this rate
+    in.lost = 1e-2 - 0.99 * host_moves.start;
+    CHECK_FALSE(planned.may_pay(in));
+    in.migration = host_moves.start;  // of a plan that moves next to nothing
+    CHECK_FALSE(planned.decide(in).repartition);
+    in.lost = 1e-2 - 1.01 * host_moves.start;
+    CHECK(planned.may_pay(in));
+    CHECK(planned.decide(in).repartition);
+    in.lost = 1e-2;
+    CHECK(made(spec_of(Trigger::threshold)).may_pay(in));
+}
+
 TEST_CASE("the planned rule never answers to a loss that does not grow") {
     const auto trigger = made(spec_of(Trigger::planned));
     TriggerInput in = loads(1300, 1200);
