@@ -238,13 +238,13 @@ class Simulation {
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
     GatherBeside<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
-    bool beside_ = false;  ///< epochs are made beside the steps
-    bool unfiled_ = true;  ///< nothing was filed yet by the tables of this epoch
-    bool at_rim_ = false;  ///< somebody was in the rim one step ago
-    double wandered_ = 0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
-    double foreseen_ = 0;  ///< the same, since the next epoch was begun to be made
-    double computed_ = 0;  ///< computing time up to the last step [s]
-    double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
+    bool beside_ = false;     ///< epochs are made beside the steps
+    bool unfiled_ = true;     ///< nothing was filed yet by the tables of this epoch
+    bool at_rim_ = false;     ///< somebody was in the rim one step ago
+    double wandered_ = 0;     ///< since somebody is: sum of the largest displacements up to the step before [cells]
+    double foreseen_ = 0;     ///< the same, since the next epoch was begun to be made
+    double computed_ = 0;     ///< computing time up to the last step [s]
+    double looked_ = 0;       ///< the same up to the last look, and the steps of that moment
     std::int64_t looked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition

@@ -9,7 +9,7 @@ structure_interval = 0.02
 [[structure]]
 name = "slope"
 shape = "plane"
-point = [1.0, 0.42]
+point = [1.0, 0.45]
 normal = [0.1, 1.0]
 contact = { law = "coulomb", friction = 0.3 }
 [[structure]]
