@@ -35,6 +35,7 @@ inline BodySpec box(const Triple& min, const Triple& max, int of_material) {
 /// A slurry that collapses in 2-D and flows out through an open wall.
 inline Scene slurry() {
     Scene s;
+    s.transfer = Transfer::flip;
     s.dimensions = 2;
     s.max = {4.1, 2, 0};
     s.cell = 0.1;
@@ -55,6 +56,7 @@ inline Scene slurry() {
 /// Two soils in 3-D between friction and free-slip walls, periodic across.
 inline Scene column() {
     Scene s;
+    s.transfer = Transfer::flip;
     s.dimensions = 3;
     s.max = {8, 8, 7};
     s.cell = 1;

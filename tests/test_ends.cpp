@@ -19,6 +19,7 @@ constexpr Shape every_shape[] = {Shape::linear, Shape::gimp, Shape::gimp_contigu
 /// A block that slides up along the smooth wall x = max, its last column of particles exactly on the wall.
 Scene sliding() {
     Scene s;
+    s.transfer = Transfer::flip;
     s.dimensions = 2;
     s.max = {4, 8, 0};
     s.cell = 0.5;

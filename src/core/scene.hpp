@@ -15,6 +15,13 @@ using Triple = std::array<double, 3>;
 
 enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
 enum class Transfer { flip, pic, apic, tpic, fmpm };  ///< pic is flip with blend 0
+
+/// The transfer of a scene that names none: what reaches 1 % of error soonest in most problems (docs/accuracy.md); hats
+/// have no affine one.
+constexpr Transfer standard_transfer(Shape shape) {
+    return shape == Shape::linear ? Transfer::flip : Transfer::apic;
+}
+
 enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
@@ -128,7 +135,7 @@ struct Scene {
     double cfl = 0.5;                                ///< dt = cfl h / (c + |v|)
     double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
     Shape shape = Shape::quadratic;
-    Transfer transfer = Transfer::flip;
+    Transfer transfer = Transfer::apic;
     double flip = 1;  ///< share of FLIP against PIC
     int order = 2;    ///< terms of FMPM's series
     StressUpdate stress_update = StressUpdate::usl;

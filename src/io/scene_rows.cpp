@@ -86,9 +86,11 @@ const std::vector<KeyRow<Scene>> rows{
     {{.table = "numerics",
       .name = "transfer",
       .type = choice,
-      .standard = "\"flip\"",
+      .standard = "",
       .choices = {"flip", "pic", "apic", "tpic", "fmpm"},
-      .meaning = "How velocity goes between particles and grid."},
+      .meaning =
+          "How velocity goes between particles and grid; left out: apic, or flip with linear shapes "
+          "(docs/accuracy.md)."},
      [](S& s, const V& v) { s.transfer = static_cast<Transfer>(v.choice); }},
     {{.table = "numerics",
       .name = "flip",

@@ -166,6 +166,7 @@ class Crowd {
 
 inline Scene periodic_scene(int dim, int blocks_x, int blocks_y, int blocks_z) {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = dim;
     scene.cell = 1;
     scene.periodic = {true, true, dim == 3};

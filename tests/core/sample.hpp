@@ -26,6 +26,7 @@ inline void widen(double& worst, double difference) {
 /// 8 x 10 (x 7) cells of 0.5 m: no-slip below, free slip above, axis 0 periodic if wanted.
 inline Scene sample_scene(int dim, moraine::Shape shape, bool periodic) {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = dim;
     scene.cell = 0.5;
     scene.max = {4, 5, dim == 3 ? 3.5 : 0};

@@ -12,6 +12,7 @@ namespace {
 /// A plane through `point`, with what a field needs of a scene.
 Scene plane_scene(moraine::Shape shape, const Triple& normal, const Triple& point = {0, 0, 0}) {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = 2;
     scene.min = {-4, -4, 0};
     scene.max = {4, 4, 0};

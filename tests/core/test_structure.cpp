@@ -16,6 +16,7 @@ constexpr double pi = 3.14159265358979323846;
 /// A scene that holds one structure and what a set needs besides.
 Scene scene_with(int dimensions, const StructureSpec& structure) {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = dimensions;
     scene.min = {-5, -5, -5};
     scene.max = {5, 5, 5};

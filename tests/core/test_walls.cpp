@@ -173,6 +173,7 @@ TEST_CASE_TEMPLATE("walls hold the nodes on them and behind them", Real, float, 
 
 TEST_CASE("only closed walls of stencils that reach a ghost are folded, and only when the scene wants it") {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = 2;
     scene.max = {2, 1, 0};
     scene.cell = 0.25;

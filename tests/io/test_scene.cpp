@@ -31,6 +31,16 @@ TEST_CASE("a scene is read into its fields") {
     CHECK(s.walls[0][1].kind == WallKind::none);
 }
 
+TEST_CASE("a scene that names no transfer takes APIC, or FLIP with linear shapes, and the step of that method") {
+    const std::string text = replaced(good_scene, "cfl = 0.4\n", "");
+    const Scene wide = read_text(text), linear = read_text(text, {"numerics.shape=linear"});
+    CHECK(wide.transfer == Transfer::apic);
+    CHECK(wide.cfl == doctest::Approx(0.8 * stable_courant(Shape::quadratic, Transfer::apic, StressUpdate::usl)));
+    CHECK(linear.transfer == Transfer::flip);
+    CHECK(linear.cfl == standard_courant(linear));
+    CHECK(read_text(text, {"numerics.transfer=flip"}).transfer == Transfer::flip);
+}
+
 TEST_CASE("what a scene leaves out is as in core/scene.hpp") {
     const Scene s = read_text(replaced(replaced(good_scene, "cfl = 0.4\n", ""), "fields = [\"velocity\"]\n", ""));
     const Scene standard;

@@ -26,6 +26,7 @@ inline Triple turned(double along, double up, double angle) {
 
 inline Scene block_scene(const Brick& b, InterfaceLaw law) {
     Scene scene;
+    scene.transfer = Transfer::flip;
     scene.dimensions = 2;
     scene.cell = b.h;
     scene.min = {-80 * b.h, -80 * b.h, 0};
