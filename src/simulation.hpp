@@ -12,10 +12,9 @@
 #include <optional>
 
 #include "balance/calibration.hpp"
+#include "balance/look.hpp"
 #include "balance/pace.hpp"
 #include "balance/partitioner.hpp"
-#include "balance/room.hpp"
-#include "balance/trigger.hpp"
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
@@ -82,20 +81,13 @@ inline constexpr double epoch_reach = 1;
 /// its rim at once, and beyond 4 it would not be theirs.
 inline constexpr double epoch_stale = 1.25;
 
-/// Steps from the decision to repartition to when blocks move, where tables are made beside the steps: about 10 ms on
-/// devices, as long as the tables of 50 000 blocks take. At most half of an interval.
-inline constexpr std::int64_t most_steps_to_move = 16;
+/// A look at the balance begins so many steps before it is due where plans and tables are made beside the steps: about
+/// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval.
+inline constexpr std::int64_t most_steps_ahead = 16;
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
 inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
 inline constexpr std::uint32_t ask_checkpoint = 2;  ///< the wall clock: checkpoint
-
-/// What the last look at the balance found, for the records.
-struct BalanceLook {
-    bool repartitioned = false;
-    std::string reason;
-    TriggerInput terms;
-};
 
 template <class Real, int Dim>
 class Simulation {
@@ -193,6 +185,7 @@ class Simulation {
     }
 
     bool weighs_cells() const { return weight_.is_cost(); }
+    std::vector<BlockLoad> loads_of(const BlockCounts& mine) const;
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
@@ -203,11 +196,12 @@ class Simulation {
     bool is_balanced();
     void take_times(TriggerInput& terms) const;
     void rest();
-    void repartition_if_worth_it();
-    std::vector<std::int32_t> plan(std::vector<BlockLoad>& loads);
-    std::vector<Option> options_that_fit(const std::vector<BlockLoad>& loads);
-    void begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners);
-    void repartition();
+    bool must_wait() const { return !(beside_ && engine_->leaves_host_free()); }
+    std::int64_t steps_ahead() const;
+    void begin_look();
+    void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
+    void go_on_looking();
+    void repartition(EpochTables<Dim> tables);
     FiledBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);
     Sym<Real, Dim> geostatic_stress(const BodySpec& body, const Seed& seed) const;
@@ -235,22 +229,24 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
+    bool looking_ = false;  ///< a look is under way
+    LookInput look_input_;
+    Look planned_;  ///< by the thread that makes the next epoch, when a look is under way
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
-    GatherBeside<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
-    bool beside_ = false;     ///< epochs are made beside the steps
-    bool unfiled_ = true;     ///< nothing was filed yet by the tables of this epoch
-    bool at_rim_ = false;     ///< somebody was in the rim one step ago
-    double wandered_ = 0;     ///< since somebody is: sum of the largest displacements up to the step before [cells]
-    double foreseen_ = 0;     ///< the same, since the next epoch was begun to be made
-    double computed_ = 0;     ///< computing time up to the last step [s]
-    double looked_ = 0;       ///< the same up to the last look, and the steps of that moment
+    GatherBeside<BlockLoad> loads_;  ///< of all ranks, for the look under way
+    GatherBeside<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
+    bool beside_ = false;            ///< epochs are made beside the steps
+    bool unfiled_ = true;            ///< nothing was filed yet by the tables of this epoch
+    bool at_rim_ = false;            ///< somebody was in the rim one step ago
+    double wandered_ = 0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
+    double foreseen_ = 0;  ///< the same, since the next epoch or a look was begun
+    double computed_ = 0;  ///< computing time up to the last step [s]
+    double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
     std::int64_t looked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition
     std::int64_t last_repartition_ = 0;
-    std::optional<std::int64_t> moves_at_;  ///< a repartition is under way: the step after which blocks move
-    double reckoned_ = 0;                   ///< what it was reckoned to take [s]
     std::uint32_t asked_ = 0;
     bool unbooked_ = false;  ///< a step's report is still with the engine
 };

@@ -2,19 +2,22 @@
 
 namespace moraine {
 
-/// Occupied blocks of all ranks, in key order; a block held by several ranks (seeding) is one entry.
 template <class Real, int Dim>
-std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mine) const {
+std::vector<BlockLoad> Simulation<Real, Dim>::loads_of(const BlockCounts& mine) const {
     std::vector<BlockLoad> rows;
+    rows.reserve(mine.key.size());
     for (std::size_t b = 0; b < mine.key.size(); ++b) {
         const std::int64_t cells = mine.cells.empty() ? 0 : mine.cells[b];
         rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
     }
-    std::vector<std::int64_t> counts;
-    const std::vector<BlockLoad> all = comm_.all_gather(rows, &counts);
+    return rows;
+}
+
+/// A block held by several ranks (seeding) is one entry.
+inline std::vector<BlockLoad> merged(const std::vector<BlockLoad>& rows) {
     std::vector<BlockLoad> loads;
-    loads.reserve(all.size());
-    for (const BlockLoad& row : in_key_order(all, counts)) {
+    loads.reserve(rows.size());
+    for (const BlockLoad& row : rows) {
         if (!loads.empty() && loads.back().key == row.key) {
             loads.back().particles += row.particles;
             loads.back().weight += row.weight;
@@ -23,6 +26,14 @@ std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mi
         }
     }
     return loads;
+}
+
+/// Occupied blocks of all ranks, in key order.
+template <class Real, int Dim>
+std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mine) const {
+    std::vector<std::int64_t> counts;
+    const std::vector<BlockLoad> all = comm_.all_gather(loads_of(mine), &counts);
+    return merged(in_key_order(all, counts));
 }
 
 /// Refines the weights by the computing time since the last look.
@@ -118,17 +129,11 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    look_.repartitioned = false;
-    const bool look = trigger_.is_due(clock_.step) && !alone && !moves_at_ && !is_balanced();
+    if (trigger_.is_due(clock_.step + steps_ahead()) && !alone) begin_look();
+    if (looking_) go_on_looking();
+    if (looking_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
-    const bool waits = !(beside_ && engine_->leaves_host_free());
-    if (waits && (look || used_up || (beside_ && at_rim_))) rest();
-    if (look) phases_.time(Phase::balance, [&] { repartition_if_worth_it(); });
-    if (moves_at_) {
-        if (clock_.step < *moves_at_ && !used_up && foreseen_ < epoch_reach) return;
-        rest();
-        return phases_.time(Phase::balance, [&] { repartition(); });
-    }
+    if (must_wait() && (used_up || (beside_ && at_rim_))) rest();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         look_ahead();
@@ -142,17 +147,6 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::rest() {
     file();
     phases_.time(Phase::agree, [&] { engine_->settle(); });
-}
-
-/// The next epoch is then a repartition.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::repartition_if_worth_it() {
-    const BlockCounts mine = engine_->block_counts(weighs_cells());
-    if (weighs_cells()) calibrate(mine);
-    if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
-    std::vector<BlockLoad> loads = gather_loads(mine);
-    const std::vector<std::int32_t> owners = plan(loads);
-    if (look_.repartitioned) begin_repartition(std::move(loads), owners);
 }
 
 /// By what the agreements say of the ranks, before anything is filed or sent: no plan is worth making. Costs may say
@@ -180,64 +174,74 @@ void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
     terms.lost = time_lost_;
 }
 
-/// Looks at the balance; if it is worth it, the owners to be.
+/// Ranks that plan together do so when they meet.
 template <class Real, int Dim>
-std::vector<std::int32_t> Simulation<Real, Dim>::plan(std::vector<BlockLoad>& loads) {
-    const int ranks = comm_.size();
-    TriggerInput& terms = look_.terms;
-    terms = TriggerInput{};
-    terms.now = summary_of(loads_of_ranks(loads, present_owners(loads), ranks));
-    look_.reason = "balanced";
-    if (!trigger_.needs_plan(terms.now)) return {};
-    take_times(terms);
-    std::vector<Option> options = options_that_fit(loads);
-    if (options.empty()) {
-        look_.reason = "memory";
-        return {};
-    }
-    const Plan plan = best_plan(std::move(options), loads, ranks, trigger_.costs(terms, weight_.seconds()));
-    terms.take(plan);
-    const Decision decision = trigger_.decide(terms);
-    look_.repartitioned = decision.repartition;
-    look_.reason = decision.reason;
-    return plan.owners;
+std::int64_t Simulation<Real, Dim>::steps_ahead() const {
+    if (!beside_ || partitioner_->is_collective()) return 0;
+    return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
 }
 
-/// By weight; where a rank cannot hold its part of that, by particles; none where it cannot hold that either.
+/// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
-std::vector<Option> Simulation<Real, Dim>::options_that_fit(const std::vector<BlockLoad>& loads) {
-    const auto most = static_cast<std::int64_t>(comm_.min(static_cast<double>(engine_->capacity())));
-    std::vector<Option> options = that_fit(partitioner_->options(loads, clock_.round), loads, comm_.size(), most);
-    if (!options.empty() || !(weight_.is_cost() || weight_.is_time())) return options;
-    std::vector<BlockLoad> by_particles = loads;
-    for (BlockLoad& load : by_particles) load.weight = load.particles;
-    return that_fit(partitioner_->options(by_particles, clock_.round), loads, comm_.size(), most);
+void Simulation<Real, Dim>::begin_look() {
+    look_ = {};
+    if (is_balanced()) return;
+    if (must_wait()) rest();
+    phases_.time(Phase::balance, [&] {
+        const BlockCounts mine = engine_->block_counts(weighs_cells());
+        if (weighs_cells()) calibrate(mine);
+        if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
+        look_input_ = {{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
+        take_times(look_input_.times);
+        keys_.finish();  // what would have been the next epoch
+        loads_.start(loads_of(mine));
+        foreseen_ = 0;
+        looking_ = true;
+    });
 }
 
-/// Tables for the owners to be are made from now on; where that is beside the steps, blocks move some steps later.
+/// Plans, and makes the tables of what was planned, on a thread of its own where epochs are made beside the steps.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::begin_repartition(std::vector<BlockLoad> loads, const std::vector<std::int32_t>& owners) {
-    std::vector<OccupiedBlock> occupied;
-    for (std::size_t b = 0; b < loads.size(); ++b) occupied.push_back({loads[b].key, owners[b]});
-    keys_.finish();  // what would have been
-    next_epoch_.start_repartition(std::move(occupied), beside_);
-    foreseen_ = 0;
-    reckoned_ = look_.terms.migration;
-    const std::int64_t steps = std::min<std::int64_t>(most_steps_to_move, scene_.balance.interval / 2);
-    moves_at_ = clock_.step + (beside_ ? steps : 0);
+void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts) {
+    const auto owners = [this, blocks = std::move(blocks), counts = std::move(counts)] {
+        const std::vector<BlockLoad> loads = merged(in_key_order(blocks, counts));
+        planned_ = look_at(loads, look_input_, comm_.size(), *partitioner_, trigger_);
+        std::vector<OccupiedBlock> occupied;
+        for (std::size_t b = 0; b < planned_.owners.size(); ++b) occupied.push_back({loads[b].key, planned_.owners[b]});
+        return occupied;
+    };
+    next_epoch_.start_repartition(blocks.size(), owners, steps_ahead() > 0);
 }
 
-/// Takes the epoch that was begun, and brings blocks to their owners in it: also those that were empty then.
+/// The look is taken when it is due, or when the epoch is used up.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::repartition() {
+void Simulation<Real, Dim>::go_on_looking() {
+    const bool ends = trigger_.is_due(clock_.step) || wandered_ > epoch_reach || foreseen_ >= epoch_reach;
+    std::optional<EpochTables<Dim>> tables;
+    phases_.time(Phase::balance, [&] {
+        if (loads_.under_way())
+            if (auto all = ends ? loads_.finish() : loads_.advance())
+                plan(std::move(all->rows), std::move(all->counts));
+        if (ends) tables = next_epoch_.take();
+    });
+    if (!ends) return;
+    looking_ = false;
+    look_ = planned_.found;
+    if (!tables) return;
+    rest();
+    phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });
+}
+
+/// Begins the epoch that was planned, and brings blocks to their owners in it: also those that were empty then.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const auto start = std::chrono::steady_clock::now();
-    EpochTables<Dim> tables = std::move(*next_epoch_.take());
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
     const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
-    moves_at_.reset();
     wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
     unfiled_ = true;
+    at_rim_ = false;
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;
@@ -246,7 +250,7 @@ void Simulation<Real, Dim>::repartition() {
     time_lost_ = 0;
     pace_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    trigger_.learn(reckoned_, move_seconds_);
+    trigger_.learn(look_.terms.migration, move_seconds_);
 }
 
 }  // namespace moraine

@@ -32,6 +32,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
               return partitioner_->owner_at(position);
           },
           [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }),
+      loads_(comm),
       keys_(comm) {
     if (make_engine)
         engine_ = make_engine(method_);

@@ -19,6 +19,7 @@ class OneRank final : public Partitioner {
     OneRank(std::unique_ptr<Partitioner> computed, const Comm& comm) : computed_(std::move(computed)), comm_(comm) {}
 
     const char* name() const override { return computed_->name(); }
+    bool is_collective() const override { return true; }
 
     /// Collective.
     std::vector<std::int32_t> owners(std::span<const BlockLoad> blocks, std::int64_t round) const override {

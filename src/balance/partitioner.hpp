@@ -44,6 +44,9 @@ class Partitioner {
     /// The place decides, for the whole run: repartitioning changes nothing and is not tried.
     virtual bool is_static() const { return false; }
 
+    /// Ranks compute owners() and options() together, on the thread that speaks MPI; else each for itself, on any.
+    virtual bool is_collective() const { return false; }
+
     /// The blocks at the start of the run, once before owners(); not after a successful restore().
     /// Not collective.
     virtual void start(std::span<const BlockLoad>) {}

@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "comm/key_order.hpp"
 
@@ -18,6 +19,12 @@ int threads_beside(std::size_t blocks) {
 
 bool before(const OccupiedBlock& a, const OccupiedBlock& b) {
     return a.key < b.key;
+}
+
+/// A thread of its own does it, or did.
+template <class T>
+bool is_running(const std::future<T>& work) {
+    return work.valid() && work.wait_for(std::chrono::seconds(0)) != std::future_status::deferred;
 }
 
 std::vector<OccupiedBlock> blocks_of(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts) {
@@ -44,6 +51,7 @@ EpochTables<Dim> NextEpoch<Dim>::make(std::vector<OccupiedBlock> occupied) {
 template <int Dim>
 typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock> occupied, bool stays,
                                                       std::int64_t serial) const {
+    if (!stays && occupied.empty()) return {};
     if (stays && std::includes(occupied_.begin(), occupied_.end(), occupied.begin(), occupied.end(), before)) return {};
     Made made;
     made.topology = make_topology<Dim>(domain_, occupied, owner_at_, stays ? &topology_ : nullptr);
@@ -62,8 +70,8 @@ void NextEpoch<Dim>::launch(bool beside, bool stays, std::size_t count, Blocks b
     made_ = std::async(
         beside ? std::launch::async : std::launch::deferred,
         [this, beside, stays, threads, serial, blocks = std::move(blocks), forgotten = std::move(made_)]() mutable {
-            if (forgotten.valid() && beside) forgotten.wait();  // prepare_() is of one thread at a time
-            if (beside) omp_set_num_threads(threads);           // of this thread
+            if (is_running(forgotten)) forgotten.wait();  // prepare_() is of one thread at a time
+            if (beside) omp_set_num_threads(threads);     // of this thread
             return made_of(blocks(), stays, serial);
         });
 }
@@ -76,9 +84,9 @@ void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> coun
 }
 
 template <int Dim>
-void NextEpoch<Dim>::start_repartition(std::vector<OccupiedBlock> occupied, bool beside) {
-    const std::size_t count = occupied.size();
-    launch(beside, false, count, [occupied = std::move(occupied)]() mutable { return std::move(occupied); });
+void NextEpoch<Dim>::start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied,
+                                       bool beside) {
+    launch(beside, false, count, std::move(occupied));
 }
 
 template <int Dim>

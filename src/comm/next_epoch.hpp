@@ -37,12 +37,13 @@ class NextEpoch {
     /// counts: of each rank. beside: by a thread of its own, else by take().
     void start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside);
 
-    /// The same of a repartition: in key order, with the owners to be.
-    void start_repartition(std::vector<OccupiedBlock> occupied, bool beside);
+    /// The same of a repartition. occupied(): in key order, with the owners to be; none: all stays, and take() has
+    /// nothing. Called by the thread that makes the tables; count: about how many.
+    void start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied, bool beside);
     bool under_way() const { return made_.valid(); }
 
-    /// What was started; waits for it. None: no block is occupied that was not when the present epoch was made, and its
-    /// tables serve on.
+    /// What was started; waits for it. None: no block is occupied that was not when the present epoch was made, or all
+    /// stays where it is; the present tables serve on.
     std::optional<EpochTables<Dim>> take();
 
     /// Of blocks of the present epoch, own or not, in any order.

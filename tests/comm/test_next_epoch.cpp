@@ -108,7 +108,8 @@ TEST_CASE("tables that are begun to be made while others still are come after th
     const EpochTables<2> first = next.make(world.occupied);
     for (int round = 0; round < 3; ++round) {
         next.start(first.own, {static_cast<std::int64_t>(first.own.size()), 0, 0, 0}, true);
-        next.start_repartition(world.occupied, true);
+        next.start_repartition(
+            world.occupied.size(), [&] { return world.occupied; }, true);
         const auto tables = next.take();
         REQUIRE(tables.has_value());
         CHECK(tables->serial == last);

@@ -1,0 +1,47 @@
+#include "balance/look.hpp"
+
+#include <utility>
+
+#include "balance/imbalance.hpp"
+#include "balance/planner.hpp"
+#include "balance/room.hpp"
+
+namespace moraine {
+namespace {
+
+std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const LookInput& in, int ranks,
+                                     const Partitioner& partitioner) {
+    std::vector<Option> options = that_fit(partitioner.options(blocks, in.round), blocks, ranks, in.most);
+    if (!options.empty()) return options;
+    std::vector<BlockLoad> by_particles(blocks.begin(), blocks.end());
+    for (BlockLoad& block : by_particles) block.weight = block.particles;
+    return that_fit(partitioner.options(by_particles, in.round), blocks, ranks, in.most);
+}
+
+}  // namespace
+
+Look look_at(std::span<const BlockLoad> blocks, const LookInput& in, int ranks, const Partitioner& partitioner,
+             const RepartitionTrigger& trigger) {
+    Look look;
+    look.found.reason = "balanced";
+    TriggerInput& terms = look.found.terms;
+    const LoadSummary now = summary_of(loads_of_ranks(blocks, present_owners(blocks), ranks));
+    terms.now = now;
+    if (!trigger.needs_plan(now)) return look;
+    terms = in.times;
+    terms.now = now;
+    std::vector<Option> options = options_that_fit(blocks, in, ranks, partitioner);
+    if (options.empty()) {
+        look.found.reason = "memory";
+        return look;
+    }
+    Plan plan = best_plan(std::move(options), blocks, ranks, trigger.costs(terms, in.unit));
+    terms.take(plan);
+    const Decision decision = trigger.decide(terms);
+    look.found.repartitioned = decision.repartition;
+    look.found.reason = decision.reason;
+    if (decision.repartition) look.owners = std::move(plan.owners);
+    return look;
+}
+
+}  // namespace moraine
