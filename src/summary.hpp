@@ -50,6 +50,33 @@ struct BalanceRow {
     }
 };
 
+/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles; seconds.
+struct RankShare {
+    std::array<std::int64_t, 6> counts{};
+    std::array<double, Phases::count> seconds{};
+};
+
+inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
+    const auto size = static_cast<double>(ranks.size());
+    std::array<std::int64_t, 6> sums{};
+    std::int64_t least = ranks.front().counts[0], most = least;
+    for (const RankShare& rank : ranks) {
+        least = std::min(least, rank.counts[0]), most = std::max(most, rank.counts[0]);
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += rank.counts[k];
+        for (std::size_t k = 0; k < Phases::count; ++k) {
+            row.seconds_mean[k] += rank.seconds[k] / size;
+            row.seconds_max[k] = std::max(row.seconds_max[k], rank.seconds[k]);
+        }
+    }
+    row.particles_min = static_cast<double>(least);
+    row.particles_max = static_cast<double>(most);
+    row.particles_mean = static_cast<double>(sums[0]) / size;
+    row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
+    double* const totals[] = {&row.blocks, &row.halo_bytes, &row.migrated_particles, &row.migrated_blocks,
+                              &row.crossed_particles};
+    for (std::size_t k = 0; k < std::size(totals); ++k) *totals[k] = static_cast<double>(sums[k + 1]);
+}
+
 /// `reported` and `reported_seconds` are the counts of the row before, and are moved on. Collective.
 template <class Real, int Dim>
 BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& reported,
@@ -59,25 +86,15 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
     row.step = static_cast<double>(sim.clock().step);
     row.time = sim.clock().time;
     const Census census = sim.engine().census();
-    const double mine = static_cast<double>(census.particles);
-    row.particles_min = comm.min(mine);
-    row.particles_max = comm.max(mine);
-    row.particles_mean = static_cast<double>(comm.sum(census.particles)) / comm.size();
-    row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
-    std::vector<std::int64_t> sums{
-        census.blocks, now.halo_bytes - reported.halo_bytes, now.migrated_particles - reported.migrated_particles,
-        now.migrated_blocks - reported.migrated_blocks, now.crossed_particles - reported.crossed_particles};
-    comm.sum(sums);
-    row.blocks = static_cast<double>(sums[0]);
-    row.halo_bytes = static_cast<double>(sums[1]);
-    row.migrated_particles = static_cast<double>(sums[2]);
-    row.migrated_blocks = static_cast<double>(sums[3]);
-    row.crossed_particles = static_cast<double>(sums[4]);
-    for (std::size_t k = 0; k < Phases::count; ++k) {
-        const double seconds = sim.phases().all()[k] - reported_seconds[k];
-        row.seconds_mean[k] = comm.sum(seconds) / comm.size();
-        row.seconds_max[k] = comm.max(seconds);
-    }
+    RankShare mine;
+    mine.counts = {census.particles,
+                   census.blocks,
+                   now.halo_bytes - reported.halo_bytes,
+                   now.migrated_particles - reported.migrated_particles,
+                   now.migrated_blocks - reported.migrated_blocks,
+                   now.crossed_particles - reported.crossed_particles};
+    for (std::size_t k = 0; k < Phases::count; ++k) mine.seconds[k] = sim.phases().all()[k] - reported_seconds[k];
+    take_shares(row, comm.all_gather(std::vector<RankShare>{mine}));
     const BalanceLook& look = sim.last_look();
     row.repartitioned = look.repartitioned;
     row.planned_imbalance = look.terms.plan.total > 0 ? look.terms.plan.imbalance() : 0;

@@ -11,40 +11,42 @@
 
 namespace moraine {
 
-/// Largest stable step of a method, adrift; of FMPM before the factor of courant_number(). 0: not measured.
+/// Largest stable step of a method, adrift; of FMPM before the factor of courant_number(). 0: there is no such method.
 constexpr double stable_courant(Shape shape, Transfer transfer, StressUpdate update) {
-    const bool usl = update == StressUpdate::usl;
-    if (shape == Shape::gimp) return usl && transfer == Transfer::flip ? 0.61 : 0;
-    if (shape == Shape::quadratic) switch (transfer) {
-            case Transfer::flip:
-                return usl ? 0.76 : update == StressUpdate::usf ? 0.73 : 0.78;
-            case Transfer::apic:
-                return usl ? 0.86 : 1.0;
-            case Transfer::tpic:
-                return usl ? 0.91 : 1.0;
-            case Transfer::fmpm:
-                return usl ? 0.78 : 0;
-            case Transfer::pic:
-                return 0;
-        }
-    if (shape == Shape::cubic) switch (transfer) {
-            case Transfer::flip:
-                return usl ? 0.95 : 1.16;
-            case Transfer::pic:
-                return usl ? 0.99 : 1.89;
-            case Transfer::apic:
-                return usl ? 1.18 : 1.37;
-            case Transfer::tpic:
-            case Transfer::fmpm:
-                return 0;
-        }
+    struct Limits {
+        double flip[3], pic[3], apic[3], tpic[3];  // USL, USF, MUSL
+        double fmpm;
+    };
+    constexpr Limits linear{{0.14, 0.31, 0.32}, {0.16, 1.27, 1.27}, {}, {}, 0.13};
+    constexpr Limits gimp{{0.61, 0.47, 0.58}, {0.62, 1.46, 1.29}, {0.66, 0.90, 0.68}, {0.67, 0.92, 0.71}, 0.64};
+    constexpr Limits quadratic{{0.76, 0.73, 0.78}, {0.76, 1.69, 1.69}, {0.86, 1.0, 1.0}, {0.91, 1.0, 1.0}, 0.78};
+    constexpr Limits cubic{{0.95, 1.16, 1.16}, {0.99, 1.89, 1.89}, {1.18, 1.37, 1.37}, {1.20, 1.37, 1.37}, 1.07};
+    const Limits& limits = shape == Shape::linear      ? linear
+                           : shape == Shape::quadratic ? quadratic
+                           : shape == Shape::cubic     ? cubic
+                                                       : gimp;  // of either kind
+    const auto k = static_cast<std::size_t>(update);
+    switch (transfer) {
+        case Transfer::flip:
+            return limits.flip[k];
+        case Transfer::pic:
+            return limits.pic[k];
+        case Transfer::apic:
+            return limits.apic[k];
+        case Transfer::tpic:
+            return limits.tpic[k];
+        case Transfer::fmpm:
+            return update == StressUpdate::usl ? limits.fmpm : 0;
+    }
     return 0;
 }
 
-/// The step of a scene that does not say its own: 0.8 of the limit, or 0.5 where that is not known.
+/// A scene may say this much with any method: what stands still is stable there, and scenes have long said so.
+inline constexpr double accepted_courant = 0.5;
+
+/// The step of a scene that does not say its own: 0.8 of the limit.
 constexpr double standard_courant(const Scene& scene) {
-    const double limit = stable_courant(scene.shape, scene.transfer, scene.stress_update);
-    return limit > 0 ? 0.8 * limit : 0.5;
+    return 0.8 * stable_courant(scene.shape, scene.transfer, scene.stress_update);
 }
 
 /// cfl for the scene's method: k terms of FMPM make the stiffest motion of the nodes up to k times as stiff as it is

@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "core/position.hpp"
-#include "gpu/array.hpp"
 #include "gpu/block_moves.hpp"
 #include "gpu/records.cuh"
 #include "gpu/warp.cuh"
@@ -13,14 +12,11 @@ namespace {
 constexpr int threads = 256;
 constexpr std::size_t most_bytes = std::size_t(64) << 20;  ///< of a message: rounds of 64 MiB fill any wire
 
-/// A stretch on the device.
-struct Copy {
-    std::uint32_t start, count, to;
-};
-
-__global__ void __launch_bounds__(threads) list_kernel(const Copy* copies, std::uint32_t* slot) {
-    const Copy c = copies[blockIdx.x];
-    for (std::uint32_t i = threadIdx.x; i < c.count; i += threads) slot[c.to + i] = c.start + i;
+__global__ void __launch_bounds__(threads)
+    list_kernel(const ListCopy* copies, const std::uint32_t* lists, std::uint32_t* to) {
+    const ListCopy c = copies[blockIdx.x];
+    for (std::uint32_t i = threadIdx.x; i < c.count; i += threads)
+        to[c.to + i] = c.arrived ? c.start + i : lists[c.start + i];
 }
 
 /// n records of the particles in slot[0 ...], with their head, as the message to peer k.
@@ -87,57 +83,76 @@ unsigned grid_for(std::uint64_t items) {
     return static_cast<unsigned>(std::clamp<std::uint64_t>((items + threads - 1) / threads, 1, 4096));
 }
 
-std::vector<Stretch> leaving_of(const BlockPlan& plan) {
+std::vector<Stretch> leaving_of(const std::vector<BlockPlan::Partner>& partners) {
     std::vector<Stretch> all;
-    for (const BlockPlan::Partner& p : plan.partners) all.insert(all.end(), p.leaving.begin(), p.leaving.end());
+    for (const BlockPlan::Partner& p : partners) all.insert(all.end(), p.leaving.begin(), p.leaving.end());
     return all;
 }
 
 }  // namespace
 
-void list_stretches(const std::vector<Stretch>& stretches, std::uint32_t* slot, cudaStream_t stream) {
+void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* lists, Array<ListCopy>& copies,
+                    std::uint32_t* to, cudaStream_t stream) {
     if (stretches.empty()) return;
-    std::vector<Copy> copies;
-    std::uint32_t to = 0;
-    for (const Stretch& s : stretches) copies.push_back({s.start, s.count, to}), to += s.count;
-    Array<Copy> there;
-    there.assign(copies);
-    list_kernel<<<static_cast<unsigned>(copies.size()), threads, 0, stream>>>(there.data(), slot);
-    check(cudaStreamSynchronize(stream), "Listing blocks");
+    std::vector<ListCopy> all;
+    all.reserve(stretches.size());
+    std::uint32_t at = 0;
+    for (const Stretch& s : stretches) all.push_back({s.start, s.count, at, s.arrived}), at += s.count;
+    copies.assign(all, stream);
+    list_kernel<<<static_cast<unsigned>(all.size()), threads, 0, stream>>>(copies.data(), lists, to);
+    check(cudaGetLastError(), "Listing blocks");
 }
 
-void move_records(const Comm& comm, Wire& wire, const BlockPlan& plan, const RecordLayout& layout,
-                  std::uint32_t first_free, const Stream& stream) {
-    std::size_t most = 0, leaving = 0;
-    for (const BlockPlan::Partner& p : plan.partners) most = std::max({most, p.in, p.out}), leaving += p.out;
-    most = static_cast<std::size_t>(comm.max(static_cast<std::int64_t>(most)));
-    const std::size_t chunk = std::min(std::max<std::size_t>(most, 1), most_bytes / layout.bytes());
-    std::vector<WirePeer> peers;
-    for (const BlockPlan::Partner& p : plan.partners)
-        peers.push_back({p.rank, sizeof(MessageHead) + std::min(p.out, chunk) * layout.bytes(),
-                         sizeof(MessageHead) + std::min(p.in, chunk) * layout.bytes()});
-    wire.open(peers);
+/// Both sides know what goes between them, so both keep the same rooms.
+std::vector<BlockPlan::Partner> BlockMoves::open(const BlockPlan& plan, std::size_t chunk, std::size_t record) {
+    for (const Partner& p : plan.partners) {
+        const auto rank_below = [](const WirePeer& peer, int rank) { return peer.rank < rank; };
+        auto at = std::lower_bound(peers_.begin(), peers_.end(), p.rank, rank_below);
+        if (at == peers_.end() || at->rank != p.rank) at = peers_.insert(at, {p.rank, 0, 0});
+        const auto widen = [&](std::size_t& room, std::size_t particles) {
+            const std::size_t needed = sizeof(MessageHead) + std::min(particles, chunk) * record;
+            if (needed > room) room = needed + needed / 2;
+        };
+        widen(at->room_out, p.out);
+        widen(at->room_in, p.in);
+    }
+    wire_->open(peers_);
+    std::vector<Partner> partners;
+    auto next = plan.partners.begin();
+    for (const WirePeer& peer : peers_)
+        if (next != plan.partners.end() && next->rank == peer.rank)
+            partners.push_back(*next++);
+        else
+            partners.push_back({peer.rank, {}, {}, 0, 0});
+    return partners;
+}
 
-    Array<std::uint32_t> slot;
-    slot.resize(leaving);
-    list_stretches(leaving_of(plan), slot.data(), stream);
+void BlockMoves::move(const BlockPlan& plan, const std::uint32_t* lists, const RecordLayout& layout,
+                      std::uint32_t first_free, const Stream& stream) {
+    std::size_t most = 0, leaving = 0;
+    for (const Partner& p : plan.partners) most = std::max({most, p.in, p.out}), leaving += p.out;
+    most = static_cast<std::size_t>(comm_.max(static_cast<std::int64_t>(most)));
+    const std::size_t chunk = most_bytes / layout.bytes();
+    const std::vector<Partner> partners = open(plan, chunk, layout.bytes());
+    slots_.resize(leaving);
+    list_stretches(leaving_of(partners), lists, copies_, slots_.data(), stream);
     const auto part = [&](std::size_t all, std::size_t round) {
         return static_cast<std::uint32_t>(std::min(chunk, all - std::min(all, round * chunk)));
     };
     for (std::size_t round = 0; round * chunk < most; ++round) {
         std::size_t out = round * chunk, in = first_free + round * chunk;
-        for (std::size_t k = 0; k < peers.size(); out += plan.partners[k++].out) {
-            const std::uint32_t n = part(plan.partners[k].out, round);
+        for (std::size_t k = 0; k < partners.size(); out += partners[k++].out) {
+            const std::uint32_t n = part(partners[k].out, round);
             pack_kernel<<<grid_for(std::uint64_t(n) * layout.units), threads, 0, stream>>>(
-                n, slot.data() + (n > 0 ? out : 0), layout, wire.outgoing(), static_cast<int>(k));
+                n, slots_.data() + (n > 0 ? out : 0), layout, wire_->outgoing(), static_cast<int>(k));
         }
-        wire.start(stream);
-        wire.post();
-        wire.finish(stream);
-        for (std::size_t k = 0; k < peers.size(); in += plan.partners[k++].in) {
-            const std::uint32_t n = part(plan.partners[k].in, round);
+        wire_->start(stream);
+        wire_->post();
+        wire_->finish(stream);
+        for (std::size_t k = 0; k < partners.size(); in += partners[k++].in) {
+            const std::uint32_t n = part(partners[k].in, round);
             unpack_kernel<<<grid_for(std::uint64_t(n) * layout.units), threads, 0, stream>>>(
-                n, static_cast<std::uint32_t>(in), layout, wire.incoming(), static_cast<int>(k));
+                n, static_cast<std::uint32_t>(in), layout, wire_->incoming(), static_cast<int>(k));
         }
         check(cudaGetLastError(), "Moving blocks");
     }

@@ -9,12 +9,12 @@ namespace moraine::gpu {
 
 namespace {
 
-std::string device_name() {
+cudaDeviceProp properties_of_device() {
     int device = 0;
     cudaDeviceProp properties{};
     check(cudaGetDevice(&device), "Asking for the device");
-    check(cudaGetDeviceProperties(&properties, device), "Asking the device for its name");
-    return properties.name;
+    check(cudaGetDeviceProperties(&properties, device), "Asking the device what it is");
+    return properties;
 }
 
 }  // namespace
@@ -24,7 +24,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
                                       const WireMaker* wires)
     : scene_(scene),
       method_(method),
-      name_(device_name()),
+      name_(properties_of_device().name),
+      memory_(properties_of_device().totalGlobalMem),
       share_(method.needs, method.stencil.width),
       particles_(method.needs) {
     check(cudaGetDevice(&device_), "Asking for the device");

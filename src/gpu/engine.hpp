@@ -84,6 +84,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     const Scene& scene_;
     const Method<Host, Real, Dim>& method_;
     std::string name_;
+    std::size_t memory_;  ///< of the device [bytes]
     Stream stream_;
     Event reported_;
 

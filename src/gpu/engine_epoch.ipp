@@ -15,8 +15,6 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
 /// wires' and what moves pass through.
 template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
-    std::size_t free = 0, total = 0;
-    check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
     if (census_.particles == 0) return this->unlimited;
     const double rows = static_cast<double>(record_layout(particles_.view()).bytes() + sizeof(Row<Real>) + 10);
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
@@ -25,7 +23,7 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
         4.0 * (Lists<Dim>::bounds + leaver_bounds<Dim> + 2 * Block<Dim>::offsets);
     const double each =
         rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
-    return static_cast<std::int64_t>(0.9 * static_cast<double>(total) / each);
+    return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
 }
 
 /// Copies tables beside the steps under way.
@@ -121,7 +119,7 @@ void DeviceEngine<Real, Dim>::change_tables() {
     share_is_of_now_ = false;
 }
 
-/// Occupied blocks; memory must be in list order.
+/// Occupied blocks.
 template <class Real, int Dim>
 std::vector<Stretch> DeviceEngine<Real, Dim>::stretches() const {
     const std::vector<std::uint32_t> first = lists_.first();
@@ -138,36 +136,38 @@ void DeviceEngine<Real, Dim>::find_cells() {
                            particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
 }
 
-/// Blocks keep their lists wherever they go. Arrivals stand behind what is here until memory is put in order.
+/// Blocks keep their lists wherever they go. Arrivals stand behind all that is stored until memory is put in order.
 template <class Real, int Dim>
 BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     if (moving_) throw std::logic_error("blocks move in the filed state alone");
     take_census();
-    refresh();
     stream_.wait();
     if (!exchange_) {  // alone: all stays
         install(std::move(tables), stretches());
         return {};
     }
+    BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
     const auto here = static_cast<std::size_t>(census_.particles);
-    const BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
+    if (stored_ + plan.arrivals > particles_.room()) refresh();
     if (here + plan.arrivals > particles_.room()) refresh_and_grow(here + plan.arrivals);
-    move_records(exchange_->comm, *exchange_->moves, plan, record_layout(particles_.view()),
-                 static_cast<std::uint32_t>(here), stream_);
+    const auto first_free = static_cast<std::uint32_t>(stored_);
+    exchange_->moves.move(plan, lists_.slots(), record_layout(particles_.view()), first_free, stream_);
 
     BlockMoveCount moved;
-    std::vector<Stretch> next = plan.kept;
+    std::vector<Stretch> next = std::move(plan.kept);
     for (const BlockPlan::Partner& p : plan.partners) {
         moved.particles += static_cast<std::int64_t>(p.out);
         moved.blocks += static_cast<std::int64_t>(p.leaving.size());
-        for (const Stretch& s : p.coming) next.push_back({s.key, static_cast<std::uint32_t>(here) + s.start, s.count});
+        const auto kept = static_cast<std::ptrdiff_t>(next.size());
+        for (const Stretch& s : p.coming) next.push_back({s.key, first_free + s.start, s.count, true});
+        std::inplace_merge(next.begin(), next.begin() + kept, next.end(),
+                           [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
     }
-    std::sort(next.begin(), next.end(), [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
     install(std::move(tables), next);
     return moved;
 }
 
-/// Begins an epoch with the particles of these slots.
+/// Begins an epoch with these blocks.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks) {
     FiledBlocks filed;
@@ -178,13 +178,13 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
         census_.particles += s.count;
     }
     take_tables(std::move(tables));
-    lists_.install(epoch_, tables_.view(), filed, particles_.room());
-    list_stretches(blocks, lists_.slots(), stream_);
+    lists_.rearrange(epoch_, tables_.view(), filed, blocks, stream_);
+    refresh();
     find_cells();
     open_epoch();
+    stream_.wait();
     count_boundary();
     if (timed_) watch_.begin_again(stream_);
-    refresh();
     share_is_of_now_ = false;
 }
 

@@ -11,7 +11,7 @@ template <class Real, int Dim>
 struct Exchange {
     /// Collective.
     Exchange(const Comm& c, const WireMaker& wires)
-        : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(wires.make(13)) {}
+        : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(c, wires.make(13)) {}
 
     /// For an epoch whose routes are there, between two rounds. Collective.
     void open(const EpochTables<Dim>& tables) {
@@ -23,7 +23,7 @@ struct Exchange {
     Routes routes;
     DeviceHalo<Real, Dim> halo;
     DeviceMigration<Dim> migration;
-    std::unique_ptr<Wire> moves;  ///< of whole blocks
+    BlockMoves moves;
 
     Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
     Event filed, boundary_summed, halo_here, solved, boundary_moved, arrived;

@@ -47,16 +47,32 @@ template <int Dim>
 void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
                          std::size_t most) {
     make_room(tables, nullptr);
-    std::vector<std::uint32_t> first(own_ + 1, 0);
+    first_.assign(first_of(tables, filed));
+    grow(most);
+    number_blocks(filing(table), nullptr);
+    check(cudaDeviceSynchronize(), "Taking lists in");
+}
+
+template <int Dim>
+void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                           const std::vector<Stretch>& blocks, cudaStream_t stream) {
+    make_room(tables, stream);
+    make_room(slot_.size());
+    first_.assign(first_of(tables, filed), stream);
+    list_stretches(blocks, slot_.data(), copies_, next_slot_.data(), stream);
+    slot_.swap(next_slot_);
+    number_blocks(filing(table), stream);
+}
+
+template <int Dim>
+std::vector<std::uint32_t> Lists<Dim>::first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const {
+    std::vector<std::uint32_t> first(tables.own.size() + 1, 0);
     for (std::size_t f = 0, b = 0; f < filed.key.size(); ++f) {  // both ascend
         while (tables.own[b] < filed.key[f]) ++b;
         first[b + 1] = filed.count[f];
     }
     std::partial_sum(first.begin(), first.end(), first.begin());
-    first_.assign(first);
-    grow(most);
-    number_blocks(filing(table), nullptr);
-    check(cudaDeviceSynchronize(), "Taking lists in");
+    return first;
 }
 
 /// Blocks keep their order, so the slots stay where they are; only bounds are numbered anew.

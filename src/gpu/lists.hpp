@@ -9,6 +9,7 @@
 #include "comm/epoch.hpp"
 #include "comm/patch.hpp"
 #include "gpu/array.hpp"
+#include "gpu/block_moves.hpp"
 #include "gpu/filing.hpp"
 #include "gpu/list_tables.hpp"
 #include "gpu/view.hpp"
@@ -28,6 +29,10 @@ class Lists {
                  std::size_t most);
     /// The same particles under other tables. Asynchronous.
     void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream);
+    /// The state of `filed`, whose particles are those of `blocks`; room as before. The cells' bounds are left to
+    /// whoever knows the places. Asynchronous.
+    void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                   const std::vector<Stretch>& blocks, cudaStream_t stream);
     /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
     void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
@@ -61,6 +66,7 @@ class Lists {
   private:
     void make_room(const EpochTables<Dim>& tables, cudaStream_t stream);
     void make_room(std::size_t most);
+    std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const;
 
     std::size_t own_ = 0;
     std::uint32_t tiles_ = ~0u;
@@ -71,6 +77,7 @@ class Lists {
     Array<std::uint16_t> moves_;
     Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;
     Array<Tally> tally_;
+    Array<ListCopy> copies_;
 };
 
 }  // namespace moraine::gpu

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,10 +28,11 @@ void check_fixed(const Scene& scene, const Places& places, double wave, double b
 
 void check_courant(const Scene& scene, const Places& places) {
     const double stable = stable_courant(scene.shape, scene.transfer, scene.stress_update);
-    if (scene.dt > 0 || stable == 0 || scene.cfl <= stable) return;
+    const double most = std::max(stable, accepted_courant);
+    if (scene.dt > 0 || stable == 0 || scene.cfl <= most) return;
     refuse(places.of("time.cfl"), fmt::format("time.cfl = {:.6g} is more than is stable", scene.cfl),
            fmt::format("{:.3g} with this shape, transfer and stress update", stable),
-           fmt::format("At most {:.2g}, or leave it out?", stable));
+           fmt::format("At most {:.2g}, or leave it out?", most));
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ const std::vector<KeyRow<Scene>> rows{
       .range = {0, 1.5, true, false},
       .meaning =
           "dt = cfl h / (c + |v|), the least over all particles; left out: 0.8 of what is stable with the method "
-          "(docs/stability.md), or 0.5 where that is not known. Not together with dt."},
+          "(docs/stability.md). Not together with dt."},
      [](S& s, const V& v) { s.cfl = v.real; }},
     {{.table = "time",
       .name = "dt",
@@ -88,9 +88,8 @@ const std::vector<KeyRow<Scene>> rows{
       .type = choice,
       .standard = "",
       .choices = {"flip", "pic", "apic", "tpic", "fmpm"},
-      .meaning =
-          "How velocity goes between particles and grid; left out: apic, or flip with linear shapes "
-          "(docs/accuracy.md)."},
+      .meaning = "How velocity goes between particles and grid; left out: apic, or flip with linear shapes "
+                 "(docs/accuracy.md)."},
      [](S& s, const V& v) { s.transfer = static_cast<Transfer>(v.choice); }},
     {{.table = "numerics",
       .name = "flip",
