@@ -76,6 +76,7 @@ void find_limits(const Wanted& wanted, const Report& report);
 void find_lone_limits(const Wanted& wanted, const Report& report);
 void find_edges(const Wanted& wanted, const Report& report);
 void drift_slab(const Wanted& wanted, const Report& report);
+void drift_on(const Wanted& wanted, const Report& report);
 void meet_contrasts(const Wanted& wanted, const Report& report);
 void vary_seeds(const Wanted& wanted, const Report& report);
 void pull_apart(const Wanted& wanted, const Report& report);
