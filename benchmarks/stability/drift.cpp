@@ -2,7 +2,8 @@
 // turns 100 times (E7).
 //
 // Each at the program's step and, a tenth as long, at a quarter of it: what PIC and its like take is taken per step, so
-// at a quarter of the step four times as much goes in the same time. The bar has 64 cells per wave and so small an
+// at a quarter of the step four times as much goes in the same time. What grows adrift is looked at with half of the
+// step as well. The bar has 64 cells per wave and so small an
 // amplitude that waves do not steepen. The square is that of the test of E7, ten cells along a side, but softer (fewer
 // steps per turn) and drifts by 113 cells in 100 turns. E19 (a million steps at rest) is S15; E12 is in S16.
 
@@ -47,6 +48,14 @@ constexpr std::initializer_list<Method> methods = {
     {contiguous_tpic_usl},
 };
 
+/// Those that gain energy adrift at the program's step, after some hundred periods.
+constexpr std::initializer_list<Method> growing = {
+    {quadratic_flip_usl},
+    {{"quadratic FLIP USL, 0.99 of FLIP", Shape::quadratic, Transfer::flip, StressUpdate::usl}, 0.99},
+    {quadratic_apic_usl},
+    {quadratic_tpic_usl},
+};
+
 /// A problem at a share of the program's step.
 struct Bars {
     const char* name;
@@ -67,6 +76,8 @@ const Bars bars[] = {
     {"E1 adrift", faint_adrift, 1, {100, 1000}},
     {"E1 adrift, a quarter of the step", faint_adrift, 0.25, {100}},
 };
+
+const Bars halved[] = {{"E1 adrift, half of the step", faint_adrift, 0.5, {100, 1000}}};
 
 const Squares squares[] = {{"E7", 1, {10, 100}}, {"E7, a quarter of the step", 0.25, {10}}};
 
@@ -121,6 +132,7 @@ void turn_on(Finding& finding, const Squares& story, const Method& method) {
 
 void drift_on(const Wanted& wanted, const Report& report) {
     tell(wanted, report, bars, methods, ring_on);
+    tell(wanted, report, halved, growing, ring_on);
     tell(wanted, report, squares, methods, turn_on);
 }
 
