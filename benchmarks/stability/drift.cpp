@@ -3,9 +3,9 @@
 //
 // Each at the program's step and, a tenth as long, at a quarter of it: what PIC and its like take is taken per step, so
 // at a quarter of the step four times as much goes in the same time. What grows adrift is looked at with half of the
-// step as well. The bar has 64 cells per wave and so small an
-// amplitude that waves do not steepen. The square is that of the test of E7, ten cells along a side, but softer (fewer
-// steps per turn) and drifts by 113 cells in 100 turns. E19 (a million steps at rest) is S15; E12 is in S16.
+// step as well. The bar has 64 cells per wave and so small an amplitude that waves do not steepen. The square is that
+// of the test of E7, ten cells along a side, but softer (fewer steps per turn), and drifts by 113 cells in 100 turns.
+// E19 (a million steps at rest) is S15; E12 is in S16.
 
 #include <fmt/format.h>
 
