@@ -2,12 +2,16 @@
 // What benchmark_stability measures: cases S1 to S22 of the verification plan, each a function that reports one line
 // per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
 
+#include <fmt/format.h>
+
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/error.hpp"
 #include "verification/run.hpp"
 
 namespace moraine {
@@ -35,6 +39,30 @@ struct Wanted {
     }
 };
 
+/// Does `work`; an error of the physics that ends it is the finding's reason.
+template <class Work>
+void attempt(Finding& finding, const Work& work) {
+    try {
+        work();
+    } catch (const PhysicsError& e) {
+        finding.why = e.what();
+    }
+}
+
+/// One finding per story and method, if its name is wanted: what measure(finding, story, method) puts in it. All have
+/// goals, so one that ends with an error fails.
+template <class Stories, class Method, class Measure>
+void tell(const Wanted& wanted, const Report& report, const Stories& stories, std::initializer_list<Method> methods,
+          const Measure& measure) {
+    for (const auto& story : stories)
+        for (const Method& method : methods) {
+            Finding finding{fmt::format("{}: {}", story.name, method.name), {}, false, ""};
+            if (!wanted.names(finding.configuration)) continue;
+            attempt(finding, [&] { measure(finding, story, method); });
+            report(finding);
+        }
+}
+
 struct StabilityCase {
     const char* name;
     const char* words;
@@ -48,6 +76,7 @@ void find_limits(const Wanted& wanted, const Report& report);
 void find_lone_limits(const Wanted& wanted, const Report& report);
 void find_edges(const Wanted& wanted, const Report& report);
 void drift_slab(const Wanted& wanted, const Report& report);
+void drift_on(const Wanted& wanted, const Report& report);
 void meet_contrasts(const Wanted& wanted, const Report& report);
 void vary_seeds(const Wanted& wanted, const Report& report);
 void pull_apart(const Wanted& wanted, const Report& report);

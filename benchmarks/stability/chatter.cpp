@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
 #include "stability/cases.hpp"
 #include "verification/contact_block.hpp"
 
@@ -58,7 +57,7 @@ Finding chatter(const Choice& choice, double lift) {
     choose(scene, choice);
     scene.cfl = standard_courant(scene);
     Finding finding{fmt::format("{}, plane {} h over a node", choice.name, lift), {}, false, ""};
-    try {
+    attempt(finding, [&] {
         const Rest r = rest(b, scene);
         finding.numbers = {{"largest kinetic energy / m g height", r.energy},
                            {"at the end", r.last},
@@ -69,9 +68,7 @@ Finding chatter(const Choice& choice, double lift) {
         if (!(std::fabs(r.drift) <= drift_goal)) finding.why += fmt::format("it drifts by {:.1e} h; ", r.drift);
         if (!(std::fabs(r.sunk) <= sunk_goal)) finding.why += "it sinks; ";
         finding.pass = finding.why.empty();
-    } catch (const PhysicsError& e) {
-        finding.why = e.what();
-    }
+    });
     return finding;
 }
 

@@ -43,6 +43,11 @@ constexpr StabilityCase cases[] = {
      "PIC, "
      "APIC, TPIC and FMPM: 1e-3 after 100 steps, at a loss of the drift's energy of at most 1e-4",
      follow_null_mode},
+    {"S6",
+     "a bar that rings (E1, 64 cells per wave, v0 = c / 10 000), at rest and adrift at Mach 0.05, and a square that "
+     "turns (E7, 10 cells along a side, E = 1e5 Pa), at the program's step and at a quarter of it; goal: the energy "
+     "within 1 % after 100 periods, or at the end of the turns",
+     drift_on},
     {"S8",
      "a pulse in a strip meets a bonded block of other stiffness or density (2-D, one block wide): what comes back of "
      "momentum and energy, and stress and velocity at the interface, over the pulse's; goal 2 % at ratios to 1000",

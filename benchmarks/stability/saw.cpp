@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_flow.hpp"
 
@@ -99,39 +98,31 @@ Followed follow(const Story& story, Scene scene, Steps kind, double fixed) {
     return out;
 }
 
-Finding compare(const Story& story, const Choice& choice) {
+void compare(Finding& finding, const Story& story, const Choice& choice) {
     const Scene scene = story.scene(choice);
-    Finding finding{fmt::format("{}: {}", story.name, choice.name), {}, false, ""};
-    try {
-        const Followed rule = follow(story, scene, Steps::rule, 0), saw = follow(story, scene, Steps::saw, 0);
-        const Followed fine = follow(story, scene, Steps::fixed, rule.least_dt / finer);
-        const Followed same = follow(story, scene, Steps::fixed, story.until / rule.steps);
-        const double off = rule.way / fine.way - 1, saw_off = saw.way / fine.way - 1;
-        finding.numbers = {{"steps by the rule", rule.steps},
-                           {"steps of the saw", saw.steps},
-                           {"fixed fine steps", fine.steps},
-                           {"share of the stable step, rule", rule.share},
-                           {"saw", saw.share},
-                           {"way of the centre [m]", fine.way},
-                           {"off by the rule", off},
-                           {"off by the saw", saw_off},
-                           {"off by as many fixed steps as the rule's", same.way / fine.way - 1}};
-        if (std::max(rule.share, saw.share) > share_goal) finding.why += "a step is above 0.9 of the stable one; ";
-        if (!(std::fabs(off) <= goal)) finding.why += fmt::format("the rule's steps are off by {:.1e}; ", off);
-        if (!(std::fabs(saw_off) <= goal)) finding.why += fmt::format("the saw's are off by {:.1e}; ", saw_off);
-        finding.pass = finding.why.empty();
-    } catch (const PhysicsError& e) {
-        finding.why = e.what();
-    }
-    return finding;
+    const Followed rule = follow(story, scene, Steps::rule, 0), saw = follow(story, scene, Steps::saw, 0);
+    const Followed fine = follow(story, scene, Steps::fixed, rule.least_dt / finer);
+    const Followed same = follow(story, scene, Steps::fixed, story.until / rule.steps);
+    const double off = rule.way / fine.way - 1, saw_off = saw.way / fine.way - 1;
+    finding.numbers = {{"steps by the rule", rule.steps},
+                       {"steps of the saw", saw.steps},
+                       {"fixed fine steps", fine.steps},
+                       {"share of the stable step, rule", rule.share},
+                       {"saw", saw.share},
+                       {"way of the centre [m]", fine.way},
+                       {"off by the rule", off},
+                       {"off by the saw", saw_off},
+                       {"off by as many fixed steps as the rule's", same.way / fine.way - 1}};
+    if (std::max(rule.share, saw.share) > share_goal) finding.why += "a step is above 0.9 of the stable one; ";
+    if (!(std::fabs(off) <= goal)) finding.why += fmt::format("the rule's steps are off by {:.1e}; ", off);
+    if (!(std::fabs(saw_off) <= goal)) finding.why += fmt::format("the saw's are off by {:.1e}; ", saw_off);
+    finding.pass = finding.why.empty();
 }
 
 }  // namespace
 
 void vary_steps(const Wanted& wanted, const Report& report) {
-    for (const Story& story : stories)
-        for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, quadratic_apic_musl})
-            if (wanted.names(fmt::format("{}: {}", story.name, choice.name))) report(compare(story, choice));
+    tell(wanted, report, stories, {quadratic_flip_usl, quadratic_apic_usl, quadratic_apic_musl}, compare);
 }
 
 }  // namespace moraine

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
 #include "stability/cases.hpp"
 #include "verification/run.hpp"
 
@@ -77,7 +76,7 @@ Finding stretch(const Choice& choice, int per_cell) {
     double lambda = 1, before = 0, lost = longest, torn = longest;
     Finding finding{fmt::format("stretch: {}, {} per cell", choice.name, per_cell), {}, std::nullopt, ""};
     Volumes now;
-    try {
+    attempt(finding, [&] {
         while (lambda * step < longest) {
             const int steps = static_cast<int>(std::lround((lambda * step - 1) / rate - run.time()));
             run.steps(steps);
@@ -88,9 +87,7 @@ Finding stretch(const Choice& choice, int per_cell) {
             if (now.least < 0.5 * std::log(next) || now.most > 1.5 * std::log(next)) torn = std::min(torn, lambda);
             lambda = next, before = now.mean;
         }
-    } catch (const PhysicsError& e) {
-        finding.why = e.what();
-    }
+    });
     finding.numbers = {{"one off by half from lambda", torn},   {"half of the growth from lambda", lost},
                        {"lambda at the end", lambda},           {"mean ln J / ln lambda", now.mean / std::log(lambda)},
                        {"least", now.least / std::log(lambda)}, {"most", now.most / std::log(lambda)}};
@@ -116,7 +113,7 @@ Finding shear(const Choice& choice, const char* law) {
     Finding finding{fmt::format("shear: {}, {}", choice.name, law), {}, std::nullopt, ""};
     const auto inside = [](const auto& X) { return std::fabs(X[1] - 8) < 2; };
     double stress = 0, volume = 0;
-    try {
+    attempt(finding, [&] {
         for (int gamma = 1; gamma <= 50; ++gamma) {
             run.steps(static_cast<int>(1 / rate));
             stress = run.largest([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
@@ -130,9 +127,7 @@ Finding shear(const Choice& choice, const char* law) {
                 finding.numbers.emplace_back(fmt::format("ln J at gamma {}", gamma), volume);
             }
         }
-    } catch (const PhysicsError& e) {
-        finding.why = e.what();
-    }
+    });
     return finding;
 }
 

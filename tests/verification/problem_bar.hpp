@@ -3,6 +3,8 @@
 // energy over whole periods. The velocity starts half a step before, the stress of USF a whole one: at t = 0 the
 // error would be of first order in dt.
 
+#include <vector>
+
 #include "verification/exact_bar.hpp"
 #include "verification/run.hpp"
 
@@ -58,32 +60,46 @@ void pluck(Run<Real>& run, const Bar& bar, double drift) {
     });
 }
 
-template <class Real>
-Ringing ring(Run<Real>& run, const Bar& bar, double periods, const Motion& motion) {
+/// Rings on to each of the moments [periods], in their order, and then calls heard(moment, Ringing).
+template <class Real, class F>
+void ring(Run<Real>& run, const Bar& bar, const std::vector<double>& moments, const Motion& motion, const F& heard) {
     const Scene& scene = run.sim.scene();
     const double drift = motion.drift;
     pluck(run, bar, drift);
     const double steps_per_period = bar.period() / scene.dt;
-    const auto last = static_cast<std::int64_t>(std::lround(periods * steps_per_period));
-    double before = 1, crossings = 0, first_crossing = 0, last_crossing = 0, energy = 0;
-    for (std::int64_t step = 1; step <= last; ++step) {
-        run.steps(1);
-        const double amplitude = run.sum([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
-            return p.mass[s] * (p.velocity[s][0] - drift) * bar.shape(X[0]);
-        });
-        const double t = (static_cast<double>(step) - 0.5) * scene.dt;
-        if ((before < 0) != (amplitude < 0)) {
-            last_crossing = t - scene.dt * amplitude / (amplitude - before);
-            if (crossings++ == 0) first_crossing = last_crossing;
-        }
-        before = amplitude;
-        if (static_cast<double>(last - step) >= steps_per_period - 0.5) continue;
-        const auto totals = run.sim.totals();
-        energy += totals.kinetic + totals.strain - drift * totals.momentum[0] + 0.5 * drift * drift * totals.mass;
-    }
-    const double frequency = pi * (crossings - 1) / (last_crossing - first_crossing);
     const double volume = (motion.periodic ? 4 : 1) * bar.length * scene.max[1];
-    return {frequency / bar.frequency() - 1, energy / std::round(steps_per_period) / bar.energy(volume)};
+    double before = 1, crossings = 0, first_crossing = 0, last_crossing = 0;
+    std::int64_t step = 0;
+    for (double periods : moments) {
+        const auto last = static_cast<std::int64_t>(std::lround(periods * steps_per_period));
+        double energy = 0;
+        while (++step <= last) {
+            run.steps(1);
+            const double amplitude = run.sum([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
+                return p.mass[s] * (p.velocity[s][0] - drift) * bar.shape(X[0]);
+            });
+            const double t = (static_cast<double>(step) - 0.5) * scene.dt;
+            if ((before < 0) != (amplitude < 0)) {
+                last_crossing = t - scene.dt * amplitude / (amplitude - before);
+                if (crossings++ == 0) first_crossing = last_crossing;
+            }
+            before = amplitude;
+            if (static_cast<double>(last - step) >= steps_per_period - 0.5) continue;
+            const auto totals = run.sim.totals();
+            energy += totals.kinetic + totals.strain - drift * totals.momentum[0] + 0.5 * drift * drift * totals.mass;
+        }
+        --step;
+        const double frequency = pi * (crossings - 1) / (last_crossing - first_crossing);
+        heard(periods,
+              Ringing{frequency / bar.frequency() - 1, energy / std::round(steps_per_period) / bar.energy(volume)});
+    }
+}
+
+template <class Real>
+Ringing ring(Run<Real>& run, const Bar& bar, double periods, const Motion& motion) {
+    Ringing at_end;
+    ring(run, bar, {periods}, motion, [&](double, const Ringing& r) { at_end = r; });
+    return at_end;
 }
 
 }  // namespace moraine::verification

@@ -1,6 +1,6 @@
 // E7: a free square turns for 20 s and keeps its angular momentum, to rounding with APIC, and its energy.
 #include "verification/drive.hpp"
-#include "verification/exact_rotation.hpp"
+#include "verification/problem_rotation.hpp"
 
 using namespace moraine;
 using namespace moraine::verification;
@@ -23,59 +23,14 @@ struct Turning {
     double stress = 0;     ///< largest component at the end over E
 };
 
-Scene spin_scene(const Spin& spin, const Choice& choice, double cell) {
-    Scene scene;
-    scene.dimensions = 2;
-    scene.cell = cell;
-    scene.max = {14, 14, 0};
-    choose(scene, choice);
-    scene.cfl = 0.4;
-    scene.materials.push_back(material("linear-elastic", spin.density, {{"young", young}, {"poisson", 0.3}}));
-    BodySpec body;
-    body.min = {1, 1, 0};
-    body.max = {1 + spin.side, 1 + spin.side, 0};
-    scene.bodies.push_back(body);
-    return scene;
-}
-
-void turn(Run<>& run, const Spin& spin) {
-    const double centre = 1 + spin.side / 2;
-    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
-        p.velocity[s][0] = spin.drift - spin.rate * (X[1] - centre);
-        p.velocity[s][1] = spin.drift + spin.rate * (X[0] - centre);
-        if (p.affine) p.affine[s](0, 1) = -spin.rate, p.affine[s](1, 0) = spin.rate;
-    });
-}
-
-/// Angular momentum about the domain's corner: of the particles, and with the affine part.
-std::array<double, 2> angular_momentum(Run<>& run, double D) {
-    const double particles = run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto& x) {
-        return p.mass[s] * (x[0] * p.velocity[s][1] - x[1] * p.velocity[s][0]);
-    });
-    const double affine = run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
-        return p.affine ? p.mass[s] * D * (p.affine[s](1, 0) - p.affine[s](0, 1)) : 0;
-    });
-    return {particles, particles + affine};
-}
-
-double energy(Run<>& run, double D) {
-    const auto totals = run.sim.totals();
-    return totals.kinetic + totals.strain + run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
-        double square = 0;
-        for (int a = 0; p.affine && a < 2; ++a)
-            for (int b = 0; b < 2; ++b) square += p.affine[s](a, b) * p.affine[s](a, b);
-        return 0.5 * p.mass[s] * D * square;
-    });
-}
-
 Turning rotate(const Choice& choice, double cell) {
     const Spin spin;
-    const Scene scene = spin_scene(spin, choice, cell);
-    const double D = scene.cell * scene.cell / (choice.shape == Shape::cubic ? 3 : 4);
+    const Scene scene = spin_scene(spin, choice, cell, young);
+    const double D = affine_moment(scene);
     Run<> run(scene);
     turn(run, spin);
     const auto start = angular_momentum(run, D);
-    const double start_energy = energy(run, D);
+    const double start_energy = spin_energy(run, D);
     Turning r;
     for (int part = 1; part <= 20; ++part) {
         while (run.time() < duration() * part / 20) run.steps(20);
@@ -83,7 +38,7 @@ Turning rotate(const Choice& choice, double cell) {
         r.particles = std::max(r.particles, std::fabs(now[0] / start[0] - 1));
         r.momentum = std::max(r.momentum, std::fabs(now[1] / start[1] - 1));
     }
-    r.loss = 1 - energy(run, D) / start_energy;
+    r.loss = 1 - spin_energy(run, D) / start_energy;
     r.stress = run.largest([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
         double most = 0;
         for (int k = 0; k < 4; ++k) most = std::max(most, std::fabs(p.stress[s][k]) / young);
