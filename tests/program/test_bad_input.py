@@ -19,7 +19,7 @@ FAULTS = {
     "a wrong type": ("cell = 0.25", 'cell = "fine"', ["domain.cell is a string", "a number [m]"], "cell ="),
     "a negative density": ("density = 1000.0", "density = -1000.0", ["material.jelly.density", "-1000"], "density"),
     "a Poisson ratio of 0.6": ("poisson = 0.3", "poisson = 0.6", ["material.jelly.poisson", "0.6", "0.5"], "poisson"),
-    "a step that is not stable": ("cfl = 0.5", "cfl = 0.9", ["time.cfl", "0.76", "leave it out"], "cfl"),
+    "a step that is not stable": ("cfl = 0.5", "cfl = 0.9", ["time.cfl", "0.86", "leave it out"], "cfl"),
     "a CFL number out of range": ("cfl = 0.5", "cfl = 3.0", ["time.cfl", "1.5"], "cfl"),
     "a body outside the domain": ("max = [2.0, 1.5]", "max = [5.0, 1.5]", ["body.block", "domain"], "[[body]]"),
     "overlapping bodies": ("[[wall]]", SECOND_BODY + "[[wall]]", ["body.other overlaps body.block"], None),
