@@ -126,6 +126,7 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     motion.trial = v;
     const bool touched = touch(v);
     if (round.damping > Real(0) && solves(round.task) && !touched) damp_node(round, force, inverse, v);
+    if (node && round.task == NodeTask::velocity) walls.hold(node, former.first, v);
     if (node) walls.constrain(node, v);
     motion.end = v;
     return motion;

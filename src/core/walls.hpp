@@ -38,6 +38,20 @@ struct Walls {
         }
     }
 
+    /// A second velocity of a node, mapped from the particles (MUSL, USF), stays at a wall with friction where the
+    /// first was pressed against it, and sticks where that stuck: stresses follow a motion that the forces saw.
+    MORAINE_HD void hold(const int* node, const Vec<Real, Dim>& first, Vec<Real, Dim>& v) const {
+        for (int a = 0; a < Dim; ++a) {
+            const bool lower = node[a] <= plane[a][0] && kind[a][0] == WallKind::friction;
+            const bool upper = node[a] >= plane[a][1] && kind[a][1] == WallKind::friction;
+            if (!(lower || upper) || first[a] != Real(0)) continue;
+            bool stuck = true;
+            for (int c = 0; c < Dim; ++c) stuck = stuck && first[c] == Real(0);
+            for (int c = 0; c < Dim; ++c)
+                if (c == a || stuck) v[c] = Real(0);
+        }
+    }
+
     /// Ghosts that a stencil of `width` nodes from `base` on reaches along axis a: bit 0 for the lower one, which is
     /// its first node, above it the place of the upper one, or 0. At most 3 bits.
     MORAINE_HD unsigned ghosts(int a, int base, int width) const {

@@ -171,9 +171,31 @@ TEST_CASE_TEMPLATE("walls hold the nodes on them and behind them", Real, float, 
     CHECK(leaving[0] == 3);
 }
 
+TEST_CASE("a second velocity stays at a wall with friction where the first was pressed against it") {
+    Walls<double, 2> walls{};
+    walls.plane[0][1] = walls.plane[1][1] = 8;
+    walls.kind[1][0] = WallKind::friction;
+    walls.kind[1][1] = WallKind::free_slip;
+    const auto second = [&](int x, int y, Vec<double, 2> first) {
+        const int node[2] = {x, y};
+        Vec<double, 2> v{{3, 4}};
+        walls.hold(node, first, v);
+        return v;
+    };
+    const Vec<double, 2> slides{{2, 0}}, sticks{{0, 0}}, leaves{{2, 1}};
+    for (int y : {0, -1}) {  // on the wall, and the ghost behind it
+        CHECK(second(4, y, slides)[0] == 3);
+        CHECK(second(4, y, slides)[1] == 0);
+        CHECK(second(4, y, sticks)[0] == 0);
+        CHECK(second(4, y, sticks)[1] == 0);
+        CHECK(second(4, y, leaves)[1] == 4);
+    }
+    CHECK(second(4, 1, sticks)[1] == 4);  // inside
+    CHECK(second(4, 8, sticks)[1] == 4);  // the other wall has no friction
+}
+
 TEST_CASE("only closed walls of stencils that reach a ghost are folded, and only when the scene wants it") {
     Scene scene;
-    scene.transfer = Transfer::flip;
     scene.dimensions = 2;
     scene.max = {2, 1, 0};
     scene.cell = 0.25;
