@@ -35,7 +35,7 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
         case StressUpdate::usf:
             return {{NodeTask::velocity, gather_gradient}, {NodeTask::solve, gather_velocity | gather_motion}};
         case StressUpdate::musl:
-            return {{NodeTask::solve, gather_velocity}, {NodeTask::velocity, gather_gradient | gather_second_motion}};
+            return {{NodeTask::solve, gather_velocity}, {NodeTask::again, gather_gradient | gather_second_motion}};
         default:
             return {{NodeTask::solve, gather_velocity | gather_motion | gather_gradient}};
     }

@@ -29,7 +29,8 @@ namespace moraine {
 /// What a round asks of the nodes.
 enum class NodeTask {
     solve,     ///< v' and dv from all sums
-    velocity,  ///< v of the momentum; the former v' moves to the second quad (MUSL, USF)
+    velocity,  ///< v of the momentum, before the forces (USF); the former v' moves to the second quad
+    again,     ///< the same after the forces (MUSL): what they press against a wall with friction stays there
     begin,     ///< v_1 = v' of a series, and the sum so far
     extend,    ///< v_l+1 from v_l and the momentum of S v_l, and the sum so far
     conclude,  ///< the sum, with its last term
@@ -41,7 +42,7 @@ MORAINE_HD constexpr bool solves(NodeTask task) {
 }
 /// Whether the particles keep what walls and structures give the nodes.
 MORAINE_HD constexpr bool counts(NodeTask task) {
-    return task != NodeTask::velocity;
+    return task != NodeTask::velocity && task != NodeTask::again;
 }
 /// Whether the node's values of the round before are needed.
 MORAINE_HD constexpr bool remembers(NodeTask task) {
@@ -80,7 +81,7 @@ MORAINE_HD NodeValues<Real, Dim> values_after(NodeTask task, const NodeMotion<Re
     NodeValues<Real, Dim> now{motion.end, motion.end};
     for (int a = 0; a < Dim; ++a) {
         if (task == NodeTask::solve) now.second[a] = motion.end[a] - motion.start[a];
-        if (task == NodeTask::velocity) now.second[a] = former.first[a];
+        if (!counts(task)) now.second[a] = former.first[a];
         if (task == NodeTask::extend) now.first[a] = motion.end[a] - former.second[a];
     }
     return now;
@@ -121,12 +122,12 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     Vec<Real, Dim> v = motion.start;
     if (solves(round.task))
         for (int a = 0; a < Dim; ++a) v[a] += round.dt * (force[a] * inverse + round.gravity[a]);
-    else if (round.task != NodeTask::velocity)
+    else if (counts(round.task))
         for (int a = 0; a < Dim; ++a) v[a] = former.second[a] + (former.first[a] - motion.start[a]);
     motion.trial = v;
     const bool touched = touch(v);
     if (round.damping > Real(0) && solves(round.task) && !touched) damp_node(round, force, inverse, v);
-    if (node && round.task == NodeTask::velocity) walls.hold(node, former.first, v);
+    if (node && round.task == NodeTask::again) walls.hold(node, former.first, v);
     if (node) walls.constrain(node, v);
     motion.end = v;
     return motion;

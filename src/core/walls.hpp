@@ -38,8 +38,9 @@ struct Walls {
         }
     }
 
-    /// A second velocity of a node, mapped from the particles (MUSL, USF), stays at a wall with friction where the
-    /// first was pressed against it, and sticks where that stuck: stresses follow a motion that the forces saw.
+    /// A second velocity of a node, mapped from the particles after the forces (MUSL), stays at a wall with friction
+    /// where the first was pressed against it, and sticks where that stuck: stresses follow a motion that the forces
+    /// saw.
     MORAINE_HD void hold(const int* node, const Vec<Real, Dim>& first, Vec<Real, Dim>& v) const {
         for (int a = 0; a < Dim; ++a) {
             const bool lower = node[a] <= plane[a][0] && kind[a][0] == WallKind::friction;
