@@ -21,6 +21,9 @@ struct DeviceChoice {
     std::string transport = "host";
 };
 
+/// Whether choose_device() would take CUDA: says so before anything is tried. Collective.
+bool wants_device(const std::string& wanted, const Comm& comm);
+
 /// `wanted` is --device: cpu, cuda, or auto (CUDA where every rank finds a device). The ranks of a machine are given
 /// its devices in turn. `transport` is --transport: auto, host, peer, nccl or mpi; tried before it is chosen. Throws
 /// InputError, the same on all ranks, where what is wanted cannot be had. Collective.

@@ -21,6 +21,10 @@ int devices_here() {
 
 }  // namespace
 
+bool wants_device(const std::string& wanted, const Comm& comm) {
+    return wanted == "cuda" || (wanted == "auto" && comm.min(devices_here() > 0 ? 1.0 : 0.0) > 0);
+}
+
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport) {
     const auto host = [&](const char* why) {
         if (transport != "auto" && transport != "host")

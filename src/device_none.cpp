@@ -5,6 +5,10 @@
 
 namespace moraine {
 
+bool wants_device(const std::string& wanted, const Comm&) {
+    return wanted == "cuda";
+}
+
 DeviceChoice choose_device(const std::string& wanted, const Comm&, const std::string& transport) {
     if (wanted == "cuda")
         throw InputError("This program was built without CUDA (--device cuda needs it). Use --device cpu?");

@@ -50,7 +50,7 @@ class Driver {
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
-    std::unique_ptr<ParticleSeries> series_;
+    std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
     double start_wall_ = 0;  ///< [s]
     double stepping_ = 0;    ///< wall time of the steps alone [s]

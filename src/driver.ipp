@@ -85,6 +85,7 @@ void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume_time ? std::optional(resume_step) : std::nullopt);
+    if (options_.no_particles) return;
     series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
     if (resume_time) series_->truncate_to(*resume_time);
 }
@@ -152,7 +153,7 @@ void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
         history_->row(observe(sim_, comm_).values());
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        Picture<Real, Dim>(sim_).append_to(*series_);
+        if (series_) Picture<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);

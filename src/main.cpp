@@ -40,8 +40,11 @@ int tell(const Comm& comm, int code, const std::string& words) {
 
 /// Where the scene is to run; `check --ranks P` tells of other machines, whose memory is not known here. Collective.
 Machine machine_of(const Comm& comm, const Options& options) {
-    if (options.command == "check") return {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
-    return {comm.size(), comm.on_this_machine().size, host_memory()};
+    Machine machine{comm.size(), comm.on_this_machine().size, host_memory()};
+    if (options.command == "check") machine = {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
+    machine.devices = wants_device(options.device, comm);
+    machine.writes_particles = !options.no_particles;
+    return machine;
 }
 
 /// Input is read by every rank on its own; they agree on the first thing wrong. Collective.
@@ -76,7 +79,7 @@ void keep_freed_memory() {
 void execute(const Options& options, const Comm& comm) {
     const Scene scene = read_agreed(comm, options);
     if (options.command == "check") {
-        if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks));
+        if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;
     }
     choose_threads(comm);

@@ -13,8 +13,7 @@ template <class Real, int Dim>
 class Picture {
   public:
     /// Filed state only. Not collective.
-    explicit Picture(Simulation<Real, Dim>& sim)
-        : sim_(sim), filed_(sim.patch().filed()), view_(sim.patch().particles.view()) {
+    explicit Picture(Simulation<Real, Dim>& sim) : sim_(sim) {
         stored("id", "id");
         for (const std::string& field : sim.scene().output.fields) add(field);
     }
@@ -24,20 +23,27 @@ class Picture {
         Column position = {"position", "m", Column::Type::f64, Dim};
         position.make = [this](std::byte* rows) {
             auto* at = reinterpret_cast<double*>(rows);
-            sim_.each_particle(
-                [&](std::uint32_t, const std::array<double, Dim>& x) { at = std::copy(x.begin(), x.end(), at); });
+            sim_.each_piece({"position"}, [&](const SharePiece<Real, Dim>& piece) {
+                for (int b = piece.begin; b < piece.end; ++b)
+                    for (std::uint32_t s : piece.slots(b)) {
+                        const std::array<double, Dim> x = sim_.place_of(piece, b, s);
+                        at = std::copy(x.begin(), x.end(), at);
+                    }
+            });
         };
-        series.append(sim_.clock().time, block_rows(filed_), position, fields_);
+        series.append(sim_.clock().time, block_rows(sim_), position, fields_);
     }
 
   private:
     void add(const std::string& field) {
-        const ParticleView<Real, Dim> p = view_;
+        using View = ParticleView<Real, Dim>;
         if (field == "pressure") {
-            derived(field, "Pa", [p](std::uint32_t s) { return -static_cast<double>(p.stress[s].trace()) / 3; });
+            derived(field, "Pa", {"stress"},
+                    [](const View& p, std::uint32_t s) { return -static_cast<double>(p.stress[s].trace()) / 3; });
         } else if (field == "density") {
-            derived(field, "kg/m3",
-                    [p](std::uint32_t s) { return static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]); });
+            derived(field, "kg/m3", {"mass", "volume"}, [](const View& p, std::uint32_t s) {
+                return static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]);
+            });
         } else {
             for (const MaterialSpec& m : sim_.scene().materials) {
                 const LawInfo& law = *find_law(m.law);
@@ -48,28 +54,29 @@ class Picture {
         }
     }
 
+    /// f(particles, slot), of the columns that it needs.
     template <class F>
-    void derived(const std::string& field, const std::string& unit, const F& f) {
+    void derived(const std::string& field, const std::string& unit, const std::vector<std::string>& needs, const F& f) {
         Column column = {field, unit, Column::Type::f64};
-        column.make = [this, f](std::byte* rows) {
+        column.make = [this, needs, f](std::byte* rows) {
             auto* at = reinterpret_cast<double*>(rows);
-            for (std::uint32_t s : filed_.slot) *at++ = f(s);
+            sim_.each_piece(needs, [&](const SharePiece<Real, Dim>& piece) {
+                for (std::uint32_t s : piece.slots()) *at++ = f(piece.p, s);
+            });
         };
         fields_.push_back(std::move(column));
     }
 
     /// A column of the particles under another name.
     void stored(const std::string& field, const std::string& name) {
-        for (const ColumnBytes& c : sim_.patch().particles.columns())
+        for (const ColumnBytes& c : sim_.columns())
             if (c.name == name) {
-                fields_.push_back(listed_column(c, filed_.slot));
+                fields_.push_back(listed_column(sim_, c));
                 fields_.back().name = field;
             }
     }
 
     Simulation<Real, Dim>& sim_;
-    FiledBlocks filed_;
-    ParticleView<Real, Dim> view_;
     std::vector<Column> fields_;
 };
 

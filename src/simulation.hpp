@@ -26,9 +26,11 @@
 #include "core/hash.hpp"
 #include "core/method.hpp"
 #include "core/totals.hpp"
-#include "io/seed.hpp"
+#include "io/lattice_seeds.hpp"
+#include "io/seed_state.hpp"
 #include "io/structure_seeds.hpp"
 #include "phases.hpp"
+#include "run_clock.hpp"
 
 namespace moraine {
 
@@ -55,23 +57,6 @@ struct RunCounts {
     double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
-};
-
-/// Where a run stands, apart from its particles; the same on all ranks, and what a checkpoint keeps.
-template <int Dim>
-struct RunClock {
-    std::int64_t step = 0;
-    double time = 0;                 ///< [s]
-    double dt = 0;                   ///< of the last step [s]
-    double signal = 0;               ///< largest c + |v|, for the next step [m/s]
-    std::array<double, Dim> pull{};  ///< integral of gravity over time [m/s]
-    double mass_cutoff = 0;          ///< nodes below take no part [kg]
-    double quantum_scale = 1;        ///< of the exact sums
-    double start_strain = 0;         ///< stored energy at the start [J]
-    std::array<double, Dim> start_momentum{};
-    double start_mass = 0;
-    double start_energy = 0;  ///< kinetic, stored and potential [J]
-    std::int64_t round = 0;   ///< partitions made
 };
 
 /// An epoch is used up when particles may have moved this far in the rim by the step before [cells]. With less than one
@@ -101,6 +86,11 @@ class Simulation {
 
     /// Fills the ranks with the scene's bodies. Collective; throws InputError where a body is wrong.
     void seed();
+
+    /// Whether a scene of lattices alone (io/lattice_seeds.hpp) is made where it will be stepped, each block by its
+    /// owner, and not on the host, by rows of its bodies. The particles are the same to the bit. By itself it is where
+    /// the engine leaves the host free. Before seed().
+    void seed_in_place(bool in_place) { in_place_ = in_place; }
 
     /// Takes over what a checkpoint held: `blocks` of all ranks, in key order, and a reader of rows.
     /// read(first row, count, slots) fills the slots of this rank. Collective.
@@ -158,6 +148,20 @@ class Simulation {
 
     /// Calls f(slot, x [m]) for this rank's particles in list order, block by block. Filed state only.
     void each_particle(const std::function<void(std::uint32_t slot, const std::array<double, Dim>& x)>& f) const;
+    /// Calls f(piece) for this rank's share, piece by piece (comm/engine.hpp). Filed state only. Not collective.
+    template <class F>
+    void each_piece(const std::vector<std::string>& columns, const F& f) const {
+        engine_->each_piece(f, columns);
+    }
+    /// The columns of its particles, without rows.
+    std::vector<ColumnBytes> columns() const { return Particles<Host, Real, Dim>(method_.needs).columns(); }
+    /// Occupied blocks of this rank. Filed state only. Not collective.
+    BlockCounts block_counts() { return engine_->block_counts(false); }
+    /// Place of a particle of a piece [m].
+    std::array<double, Dim> place_of(const SharePiece<Real, Dim>& piece, int block, std::uint32_t slot) const {
+        return place_in<Real, Dim>(scene_, method_.stencil, piece.tables.position[static_cast<std::size_t>(block)],
+                                   piece.p.position[slot]);
+    }
 
     /// Totals of the whole run. Filed state only. Collective.
     Totals<Dim> totals() const;
@@ -202,11 +206,13 @@ class Simulation {
     void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
     void go_on_looking();
     void repartition(EpochTables<Dim> tables);
+    void seed_rows();
+    void seed_lattice();
     FiledBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);
-    Sym<Real, Dim> geostatic_stress(const BodySpec& body, const Seed& seed) const;
     void sort_blocks(FiledBlocks& filed) const;
     void set_scales();
+    Totals<Dim> totals_of(const SharePiece<Real, Dim>& piece, int block) const;
 
     const Scene& scene_;
     const Comm& comm_;
@@ -236,6 +242,7 @@ class Simulation {
     NextEpoch<Dim> next_epoch_;
     GatherBeside<BlockLoad> loads_;  ///< of all ranks, for the look under way
     GatherBeside<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
+    bool in_place_ = false;          ///< lattices are seeded by the engine
     bool beside_ = false;            ///< epochs are made beside the steps
     bool unfiled_ = true;            ///< nothing was filed yet by the tables of this epoch
     bool at_rim_ = false;            ///< somebody was in the rim one step ago

@@ -32,26 +32,38 @@ std::vector<StructureSums<Dim>> Simulation<Real, Dim>::sum_of(const std::vector<
     return sums;
 }
 
+/// Of one block, in list order.
+template <class Real, int Dim>
+Totals<Dim> Simulation<Real, Dim>::totals_of(const SharePiece<Real, Dim>& piece, int block) const {
+    Totals<Dim> sums;
+    for (std::uint32_t s : piece.slots(block))
+        add_particle<Real, Dim>(sums, piece.p, s, place_of(piece, block, s), method_.law_of(piece.p.body[s]));
+    return sums;
+}
+
 template <class Real, int Dim>
 Totals<Dim> Simulation<Real, Dim>::totals() const {
-    Share& share = engine_->share();
-    const ListView<Dim> list = share.list();
-    const BlockTable<Dim> table = share.table();
-    const ParticleView<Real, Dim> p = share.particles.view();
     std::array<ExactSum, Totals<Dim>::sums> sums{};
     Totals<Dim> extremes;
-    for (int b = 0; b < table.own; ++b) {
-        Totals<Dim> block;
-        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
-            const std::uint32_t s = list.slot[k];
-            add_particle<Real, Dim>(block, p, s,
-                                    place_in<Real, Dim>(scene_, method_.stencil, table.position[b], p.position[s]),
-                                    method_.law_of(p.body[s]));
+    each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel
+        {
+            std::array<ExactSum, Totals<Dim>::sums> mine{};
+            Totals<Dim> widest;
+#pragma omp for schedule(dynamic, 64) nowait
+            for (int b = piece.begin; b < piece.end; ++b) {
+                const Totals<Dim> block = totals_of(piece, b);
+                const auto parts = block.additive();
+                for (std::size_t q = 0; q < parts.size(); ++q) mine[q].add(quantum().of(parts[q]));
+                widest.widen(block);
+            }
+#pragma omp critical
+            {
+                for (std::size_t q = 0; q < sums.size(); ++q) sums[q].add(mine[q]);
+                extremes.widen(widest);
+            }
         }
-        const auto parts = block.additive();
-        for (std::size_t q = 0; q < parts.size(); ++q) sums[q].add(quantum().of(parts[q]));
-        extremes.widen(block);
-    }
+    });
     std::array<double, Totals<Dim>::sums> whole{};
     for (std::size_t q = 0; q < sums.size(); ++q) whole[q] = sum_of(sums[q]);
     extremes.set_additive(whole);
@@ -75,12 +87,22 @@ std::vector<double> Simulation<Real, Dim>::column_volumes() const {
     const double cell_volume = std::pow(scene_.cell, Dim);
     const double quanta = std::ldexp(1.0, 30);  // per cell volume: 2^33 full cells fit in a column
     std::vector<std::int64_t> columns(static_cast<std::size_t>(domain_.nodes[0]) + 1, 0);
-    const ParticleView<Real, Dim> p = engine_->share().particles.view();
-    each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) {
-        const double at = std::floor((x[0] - scene_.min[0]) / scene_.cell);
-        const auto column = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(columns.size() - 1)));
-        const double volume = static_cast<double>(p.volume[s]) / cell_volume;
-        if (volume < 1e6) columns[column] += std::llround(volume * quanta);
+    const auto add = [&](std::vector<std::int64_t>& to, double x, double volume) {
+        const double at = std::floor((x - scene_.min[0]) / scene_.cell);
+        const auto column = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(to.size() - 1)));
+        if (volume / cell_volume < 1e6) to[column] += std::llround(volume / cell_volume * quanta);
+    };
+    each_piece({"position", "volume"}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel
+        {
+            std::vector<std::int64_t> mine(columns.size(), 0);
+#pragma omp for schedule(dynamic, 64) nowait
+            for (int b = piece.begin; b < piece.end; ++b)
+                for (std::uint32_t s : piece.slots(b))
+                    add(mine, place_of(piece, b, s)[0], static_cast<double>(piece.p.volume[s]));
+#pragma omp critical
+            for (std::size_t c = 0; c < columns.size(); ++c) columns[c] += mine[c];
+        }
     });
     comm_.sum(columns);
     std::vector<double> volumes;
@@ -90,17 +112,19 @@ std::vector<double> Simulation<Real, Dim>::column_volumes() const {
 
 template <class Real, int Dim>
 std::uint64_t Simulation<Real, Dim>::state_hash(bool with_lists) const {
-    Share& share = engine_->share();
-    const ListView<Dim> list = share.list();
-    const std::vector<ColumnBytes> columns = share.particles.columns();
     std::uint64_t sum = 0;
-    for (int b = 0; b < share.own(); ++b)
-        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
-            std::uint64_t h = mix(share.tables().own[static_cast<std::size_t>(b)]);
-            if (with_lists) h = mix(h ^ (k - list.first[b]));
-            for (const ColumnBytes& c : columns) h = mix_bytes(h, c.data + list.slot[k] * c.row_bytes, c.row_bytes);
-            sum += h;
+    each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : sum)
+        for (int b = piece.begin; b < piece.end; ++b) {
+            std::uint64_t place = 0;
+            for (std::uint32_t s : piece.slots(b)) {
+                std::uint64_t h = mix(piece.tables.own[static_cast<std::size_t>(b)]);
+                if (with_lists) h = mix(h ^ place++);
+                for (const ColumnBytes& c : piece.columns) h = mix_bytes(h, c.data + s * c.row_bytes, c.row_bytes);
+                sum += h;
+            }
         }
+    });
     std::uint64_t all = 0;
     MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, comm_.handle());
     return all;
@@ -108,10 +132,12 @@ std::uint64_t Simulation<Real, Dim>::state_hash(bool with_lists) const {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::refresh_signal() {
-    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     double signal = 0;
-    each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
-        signal = std::max(signal, method_.law_of(p.body[s]).signal(p, s));
+    each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+        const std::span<const std::uint32_t> slots = piece.slots();
+#pragma omp parallel for schedule(static) reduction(max : signal)
+        for (std::size_t k = 0; k < slots.size(); ++k)
+            signal = std::max(signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]));
     });
     own_.signal = clock_.signal = comm_.max(signal);
 }

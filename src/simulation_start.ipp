@@ -38,7 +38,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
-    beside_ = engine_->leaves_host_free();
+    beside_ = in_place_ = engine_->leaves_host_free();
 }
 
 template <class Real, int Dim>
@@ -56,8 +56,8 @@ Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
     BlockPosition<Dim> block{};
     for (int a = 0; a < Dim; ++a) {
         const auto i = static_cast<std::size_t>(a);
-        Place<Real> at = place<Real>((seed.x[i] - scene_.min[i]) / scene_.cell + method_.stencil.offset());
-        block[i] = at.block + file_below(method_.ends.cell[a][1], method_.ends.fraction[a][1], at.block, at.u);
+        const Place<Real> at = place_along(scene_, method_, a, seed.x[i]);
+        block[i] = at.block;
         p.position[slot][a] = at.u;
         p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
     }
@@ -66,30 +66,12 @@ Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
     p.body[slot] = static_cast<std::uint16_t>(seed.body);
     p.mass[slot] = static_cast<Real>(seed.mass);
     p.volume[slot] = static_cast<Real>(seed.mass / scene_.materials[static_cast<std::size_t>(body.material)].density);
-    p.ln_J[slot] = Real(0);
-    p.stress[slot] = geostatic_stress(body, seed);
-    for (int k = 0; k < method_.needs.history; ++k) p.history[k][slot] = Real(0);
-    if (p.affine) p.affine[slot] = zero_mat<Real, Dim>();
-    if (p.left_stretch) p.left_stretch[slot] = undeformed_stretch<Real, Dim>();
-    if (p.log_stretch) p.log_stretch[slot] = zero_vec<Real, Dim>();
-    if (p.body_force) p.body_force[slot] = zero_vec<Real, Dim>();
+    p.stress[slot] = zero_sym<Real, Dim>();
+    const double height = seed.x[static_cast<std::size_t>(up_axis(scene_))];
+    const Vec<Real, 3> stress = geostatic_stress<Real>(scene_, body, height);
+    for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
+    clear_rest(p, slot);
     return Morton<Dim>::encode(block);
-}
-
-/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v, along gravity's main axis.
-template <class Real, int Dim>
-Sym<Real, Dim> Simulation<Real, Dim>::geostatic_stress(const BodySpec& body, const Seed& seed) const {
-    Sym<Real, Dim> stress = zero_sym<Real, Dim>();
-    if (!body.geostatic) return stress;
-    std::size_t up = 0;
-    for (std::size_t a = 1; a < Dim; ++a)
-        if (std::fabs(scene_.gravity[a]) > std::fabs(scene_.gravity[up])) up = a;
-    const double weight =
-        scene_.materials[static_cast<std::size_t>(body.material)].density * std::fabs(scene_.gravity[up]);
-    const double depth = std::max(0.0, body.geostatic_surface - seed.x[up]);
-    for (std::size_t a = 0; a < 3; ++a)
-        stress[static_cast<int>(a)] = static_cast<Real>(-weight * depth * (a == up ? 1 : body.geostatic_k0));
-    return stress;
 }
 
 /// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
@@ -143,8 +125,9 @@ void Simulation<Real, Dim>::sort_blocks(FiledBlocks& filed) const {
     }
 }
 
+/// Every rank makes rows of the bodies, whoever will own them, and blocks travel to their owners.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::seed() {
+void Simulation<Real, Dim>::seed_rows() {
     const FiledBlocks share = seed_share();
     std::vector<BlockLoad> loads = gather_loads(counts_of(patch(), share, weighs_cells()));
     for (BlockLoad& load : loads) load.owner = -1;
@@ -155,6 +138,28 @@ void Simulation<Real, Dim>::seed() {
     sort_blocks(filed);
     begin_epoch(filed);
     engine_->refresh_memory(true);
+}
+
+/// Every rank knows all blocks and what they hold, and makes its own ones where they stay: nothing travels, and no
+/// memory of the host grows with the particles.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::seed_lattice() {
+    const LatticeTables<Real, Dim> lattice = lattice_tables(scene_, method_, domain_);
+    std::vector<BlockLoad> loads;
+    for (const LatticeBlock& b : lattice_blocks(lattice, weighs_cells()))
+        loads.push_back({b.key, b.particles, weight_(b.particles, b.cells), -1});
+    partitioner_->start(loads);
+    const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
+    for (std::size_t b = 0; b < loads.size(); ++b) loads[b].owner = owners[b];
+    engine_->adopt(next_epoch(loads), lattice);
+}
+
+template <class Real, int Dim>
+void Simulation<Real, Dim>::seed() {
+    if (in_place_ && is_lattice(scene_))
+        seed_lattice();
+    else
+        seed_rows();
     set_scales();
     refresh_signal();
     const Totals<Dim> start = totals();
@@ -167,17 +172,19 @@ void Simulation<Real, Dim>::seed() {
 /// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::set_scales() {
-    const ParticleView<Real, Dim> p = engine_->share().particles.view();
     double lightest = std::numeric_limits<double>::infinity();
     double heaviest = 0;
-    each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
-        lightest = std::min(lightest, static_cast<double>(p.mass[s]));
-        heaviest = std::max(heaviest, static_cast<double>(p.mass[s]));
+    each_piece({"mass"}, [&](const SharePiece<Real, Dim>& piece) {
+        for (std::uint32_t s : piece.slots()) {
+            lightest = std::min(lightest, static_cast<double>(piece.p.mass[s]));
+            heaviest = std::max(heaviest, static_cast<double>(piece.p.mass[s]));
+        }
     });
     lightest = comm_.min(lightest);
     heaviest = comm_.max(heaviest);
     clock_.mass_cutoff = lightest * (sizeof(Real) == 8 ? 1e-18 : 1e-12);
-    clock_.quantum_scale = Quantum::for_largest(heaviest * static_cast<double>(comm_.sum(patch().count()))).scale;
+    const auto particles = static_cast<double>(comm_.sum(engine_->census().particles));
+    clock_.quantum_scale = Quantum::for_largest(heaviest * particles).scale;
 }
 
 template <class Real, int Dim>

@@ -22,18 +22,27 @@ inline Column file_column(const ColumnBytes& c) {
     return column;
 }
 
-/// The same with its rows in list order, made when they are written. `slots` must outlive it.
-inline Column listed_column(const ColumnBytes& c, const std::vector<std::uint32_t>& slots) {
-    Column column = file_column(c);
-    column.make = [c, &slots](std::byte* rows) { gather_column(c, slots, rows); };
+/// The same with its rows in list order, made piece by piece when they are written. `sim` must outlive it.
+template <class Real, int Dim>
+Column listed_column(const Simulation<Real, Dim>& sim, const ColumnBytes& kind) {
+    Column column = file_column(kind);
+    column.make = [&sim, name = kind.name](std::byte* rows) {
+        sim.each_piece({name}, [&](const SharePiece<Real, Dim>& piece) {
+            const ColumnBytes& c = piece.columns.front();
+            gather_column(c, piece.slots(), rows);
+            rows += piece.slots().size() * c.row_bytes;
+        });
+    };
     return column;
 }
 
-/// This rank's blocks as rows of a file, keys ascending.
-inline std::vector<BlockRow> block_rows(const FiledBlocks& filed) {
+/// This rank's blocks as rows of a file, keys ascending. Filed state only. Not collective.
+template <class Real, int Dim>
+std::vector<BlockRow> block_rows(Simulation<Real, Dim>& sim) {
+    const BlockCounts counts = sim.block_counts();
     std::vector<BlockRow> rows;
-    for (std::size_t b = 0; b < filed.key.size(); ++b)
-        rows.push_back({filed.key[b], static_cast<std::int64_t>(filed.count[b])});
+    for (std::size_t b = 0; b < counts.key.size(); ++b)
+        rows.push_back({counts.key[b], static_cast<std::int64_t>(counts.count[b])});
     return rows;
 }
 
@@ -156,10 +165,9 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path)
 
     save_structures(sim, comm, header);
 
-    const FiledBlocks filed = sim.patch().filed();
     std::vector<Column> columns;
-    for (const ColumnBytes& c : sim.patch().particles.columns()) columns.push_back(listed_column(c, filed.slot));
-    write_checkpoint(comm, path, header, block_rows(filed), columns);
+    for (const ColumnBytes& c : sim.columns()) columns.push_back(listed_column(sim, c));
+    write_checkpoint(comm, path, header, block_rows(sim), columns);
 }
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.

@@ -6,11 +6,13 @@
 // per step, by take_report(): on a device that is the only moment at which the host waits for it.
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "comm/block_move.hpp"
-#include "comm/patch.hpp"
+#include "comm/share_piece.hpp"
+#include "core/lattice.hpp"
 #include "core/method.hpp"
 #include "core/structure_set.hpp"
 #include "core/totals.hpp"
@@ -82,6 +84,12 @@ class Engine {
     /// The share in the memory of the host; in the filed state it is that of now. What is changed in it counts after
     /// adopt(). Not collective.
     virtual Share& share() = 0;
+    /// Calls f for the share piece by piece, in list order, so that the host need not have room for all of a device's;
+    /// `only`: the columns that are wanted, all if empty. Filed state only. Not collective.
+    using PieceReader = std::function<void(const SharePiece<Real, Dim>&)>;
+    virtual void each_piece(const PieceReader& f, const std::vector<std::string>& only = {}) {
+        f(whole_of(share(), only));
+    }
     virtual Census census() const = 0;
     /// Particles that the memory of this rank can hold, by what those of now take. Not collective.
     virtual std::int64_t capacity() const { return unlimited; }
@@ -92,6 +100,8 @@ class Engine {
 
     /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Collective.
     virtual void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) = 0;
+    /// Begins an epoch with what the lattice has in the blocks of tables.own. Collective.
+    virtual void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) = 0;
     /// Tables that renew() or repartition() will get, if any: may be called by another thread, beside a step. Not
     /// collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}

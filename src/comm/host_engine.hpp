@@ -5,6 +5,7 @@
 
 #include "comm/engine.hpp"
 #include "comm/halo.hpp"
+#include "comm/lattice_fill.hpp"
 #include "comm/migration.hpp"
 
 namespace moraine {
@@ -23,6 +24,7 @@ class HostEngine final : public Engine<Real, Dim> {
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
     void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.filed()); }
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }

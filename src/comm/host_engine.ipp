@@ -27,6 +27,28 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& fi
 }
 
 template <class Real, int Dim>
+void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
+    FiledBlocks filed;
+    std::vector<std::uint32_t> first{0};
+    std::vector<Vec<std::int32_t, Dim>> position;
+    for (std::size_t b = 0; b < tables.own.size(); ++b) {
+        const std::uint32_t count = lattice.view().count(tables.position[b]);
+        if (count == 0) continue;
+        filed.key.push_back(tables.own[b]);
+        filed.count.push_back(count);
+        position.push_back(tables.position[b]);
+        first.push_back(first.back() + count);
+    }
+    filed.slot = patch_.start_over(first.back());
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    Host::launch(static_cast<std::int64_t>(position.size()), [&](int b) {
+        const auto i = static_cast<std::size_t>(b);
+        fill_block(lattice.view(), position[i], first[i], p);
+    });
+    adopt(std::move(tables), filed);
+}
+
+template <class Real, int Dim>
 BlockMoveCount HostEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     BlockMoveCount moved;
     const FiledBlocks next = move_blocks(comm_, patch_, patch_.filed(), {owner.begin(), owner.end()}, moved);

@@ -71,6 +71,7 @@ View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
 }  // namespace moraine::gpu
 
 #include "gpu/engine_epoch.ipp"
+#include "gpu/engine_share.ipp"
 #include "gpu/engine_step.ipp"
 
 namespace moraine::gpu {

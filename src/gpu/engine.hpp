@@ -42,7 +42,11 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void settle() override { stream_.wait(); }
     BlockCounts block_counts(bool with_cells) override;
 
+    using PieceReader = typename Engine<Real, Dim>::PieceReader;
+    void each_piece(const PieceReader& f, const std::vector<std::string>& only) override;
+
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
     void prepare(const EpochTables<Dim>& tables) override;
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;

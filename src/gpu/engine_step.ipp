@@ -177,15 +177,19 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
 template <class Real, int Dim>
 std::vector<Offence<Dim>> DeviceEngine<Real, Dim>::offences() {
     if (!faults_) return {};
-    const Share& here = share();
-    const ListView<Dim> list = here.list();
-    const ParticleView<Real, Dim> p = share_.particles.view();
-    for (int b = 0; b < here.own(); ++b)
-        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k)
-            if (p.id[list.slot[k]] == offender_)
-                return {
-                    {offender_, faults_,
-                     place_in<Real, Dim>(scene_, method_.stencil, here.table().position[b], p.position[list.slot[k]])}};
+    std::vector<Offence<Dim>> found;
+    each_piece(
+        [&](const SharePiece<Real, Dim>& piece) {
+            for (int b = piece.begin; b < piece.end && found.empty(); ++b)
+                for (std::uint32_t s : piece.slots(b)) {
+                    if (piece.p.id[s] != offender_) continue;
+                    const auto& block = piece.tables.position[static_cast<std::size_t>(b)];
+                    found = {
+                        {offender_, faults_, place_in<Real, Dim>(scene_, method_.stencil, block, piece.p.position[s])}};
+                }
+        },
+        {"id", "position"});
+    if (!found.empty()) return found;
     return {{offender_, faults_, {}}};
 }
 

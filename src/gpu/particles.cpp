@@ -57,6 +57,13 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
     spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
 }
 
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::clear(std::size_t n) {
+    resize(n);
+    if (needs_.history > 1) check(cudaMemset(second_history_.data(), 0, n * sizeof(Real)), "Clearing particles");
+    check(cudaDeviceSynchronize(), "Clearing particles");
+}
+
 /// Calls f(first row, rows, their places in the chunk) for parts that fit into the staging memory.
 template <class Real, int Dim>
 template <class F>

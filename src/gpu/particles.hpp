@@ -18,6 +18,8 @@ class DeviceParticles {
     std::size_t room() const { return id_.size(); }  ///< slots
     Columns<Real, Dim> view() const;
 
+    /// Room for n particles, all of them zeros. Synchronous.
+    void clear(std::size_t n);
     /// Takes the host's particles: slot k is what slots[k] is there; room for `most`. Synchronous.
     void upload(const std::vector<ColumnBytes>& columns, const std::vector<std::uint32_t>& slots, std::size_t most);
     /// Room for `most`; the first n slots keep what they hold. Synchronous.

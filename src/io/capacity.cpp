@@ -55,6 +55,12 @@ double rounded_up(double x) {
     return std::ceil(x / unit) * unit;
 }
 
+/// Of the host, for one rank [B].
+double bytes_of(const Scene& scene, const Prediction& p, const Machine& machine) {
+    if (machine.devices) return host_bytes_beside_device(scene, p, machine.ranks, machine.writes_particles);
+    return bytes_per_rank(scene, p, machine.ranks);
+}
+
 /// The cell with which a need that is `excess` times too large would fit.
 std::string coarser(const Scene& scene, double excess) {
     return fmt::format("domain.cell of {:.4g} m", rounded_up(scene.cell * std::pow(excess, 1.0 / scene.dimensions)));
@@ -90,15 +96,16 @@ void check_capacity(const Scene& scene, const Machine& machine) {
             "{}: {:.3g} particles on {} rank{} (a rank numbers at most {:.0f}). Use {:.0f} ranks, or a {}?", scene.path,
             particles, machine.ranks, machine.ranks == 1 ? "" : "s", most_slots,
             std::ceil(1.1 * particles / most_slots), coarser(scene, particles / most_slots / machine.ranks)));
-    const double bytes = bytes_per_rank(scene, p, machine.ranks) * machine.ranks_here;
+    const double bytes = machine.ranks_here * bytes_of(scene, p, machine);
     if (machine.memory <= 0 || bytes <= machine.memory) return;
     const double excess = bytes / machine.memory;
     throw InputError(fmt::format(
         "{}: {:.3g} particles need {:.3g} GB of memory for {} rank{} here (this machine has {:.3g} GB). Use {:.0f} "
-        "such machines with {} rank{} each, or a {}?",
+        "such machines with {} rank{} each, or a {}?{}",
         scene.path, particles, bytes / 1e9, machine.ranks_here, machine.ranks_here == 1 ? "" : "s",
         machine.memory / 1e9, std::ceil(1.05 * excess * machine.ranks / machine.ranks_here), machine.ranks_here,
-        machine.ranks_here == 1 ? "" : "s", coarser(scene, excess)));
+        machine.ranks_here == 1 ? "" : "s", coarser(scene, excess),
+        machine.devices && machine.writes_particles ? " Or --no-particles?" : ""));
 }
 
 }  // namespace moraine

@@ -11,9 +11,11 @@ namespace moraine {
 
 /// Where a scene is to run.
 struct Machine {
-    int ranks = 1;       ///< of the run
-    int ranks_here = 1;  ///< of them on this host
-    double memory = 0;   ///< of this host [B]; 0: not known, and not checked
+    int ranks = 1;                 ///< of the run
+    int ranks_here = 1;            ///< of them on this host
+    double memory = 0;             ///< of this host [B]; 0: not known, and not checked
+    bool devices = false;          ///< its ranks compute on GPUs: what counts is the memory of the host beside them
+    bool writes_particles = true;  ///< particles.vtkhdf
 };
 
 /// Memory of this host, or what its control group allows [B]; 0: not known. Not collective.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "comm/growth.hpp"
 #include "comm/topology.hpp"
 #include "core/block.hpp"
 #include "core/material/laws.hpp"
@@ -13,6 +14,8 @@
 #include "core/morton.hpp"
 #include "core/place_step.hpp"
 #include "core/shape.hpp"
+#include "io/lattice_prediction.hpp"
+#include "io/lattice_seeds.hpp"
 #include "io/scene_keys.hpp"
 #include "io/seed.hpp"
 #include "io/structure_seeds.hpp"
@@ -108,22 +111,6 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
     return speed;
 }
 
-/// Blocks with the nodes of `keys`: those at their upper corners too.
-template <int Dim>
-std::vector<Key> node_blocks_of(const DomainBlocks<Dim>& domain, std::vector<Key> keys) {
-    for (std::size_t a = 0; a < Dim; ++a) {
-        const std::size_t n = keys.size();
-        for (std::size_t i = 0; i < n; ++i) {
-            BlockPosition<Dim> up = Morton<Dim>::decode(keys[i]);
-            ++up[a];
-            domain.wrap(up);
-            keys.push_back(Morton<Dim>::encode(up));
-        }
-        sort_unique(keys);
-    }
-    return keys;
-}
-
 template <int Dim>
 void count_blocks_in(const Scene& scene, const std::vector<Key>& occupied, Prediction& p) {
     const DomainBlocks<Dim> domain(scene);
@@ -132,7 +119,7 @@ void count_blocks_in(const Scene& scene, const std::vector<Key>& occupied, Predi
     const Topology<Dim> topology = make_topology<Dim>(domain, blocks, [](const BlockPosition<Dim>&) { return 0; });
     p.blocks = static_cast<std::int64_t>(occupied.size());
     p.epoch_blocks = static_cast<std::int64_t>(topology.keys.size());
-    p.node_blocks = static_cast<std::int64_t>(node_blocks_of<Dim>(domain, topology.keys).size());
+    p.node_blocks = static_cast<std::int64_t>(grown(topology.index, domain, Reach::upwards).keys().size());
 }
 
 std::string bytes_text(double bytes) {
@@ -158,105 +145,27 @@ Prediction predict(const Scene& scene) {
     Prediction p;
     std::vector<Key> keys;
     p.dt = std::numeric_limits<double>::infinity();
+    LatticePrediction lattice;
+    if (is_lattice(scene)) {
+        lattice = predict_lattice(scene);
+        p.particles = lattice.particles;
+        p.mass = lattice.mass;
+        keys = std::move(lattice.occupied);
+    }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-        const double speed = add_body(scene, static_cast<int>(b), p, keys);
+        const double speed =
+            b < lattice.speed.size() ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(scene.bodies[b].material)];
         const double wave = wave_speed(material);
         p.dt = std::min(p.dt, courant_number(scene) * scene.cell / (wave + speed));
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);
     }
-    sort_unique(keys);
+    if (lattice.speed.empty()) sort_unique(keys);
     count_blocks(scene, keys, p);
     if (scene.dt > 0) p.dt = scene.dt;
     p.steps = std::ceil(scene.end / p.dt);
     return p;
-}
-
-namespace {
-
-/// What the scene's materials and transfer ask to be remembered, in reals per particle.
-struct Remembered {
-    int stress, history = 0, stretch = 0, affine = 0, box = 0;
-};
-
-Remembered remembered(const Scene& scene) {
-    const int d = scene.dimensions;
-    Remembered r{d == 2 ? 4 : 6};
-    for (const MaterialSpec& material : scene.materials) {
-        const LawInfo& law = *find_law(material.law);
-        r.history = std::max(r.history, law.history);
-        if (law.uses_left_stretch) r.stretch = r.stress;
-    }
-    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) r.affine = d * d;
-    if (scene.shape == Shape::gimp_contiguous) r.box = d;
-    return r;
-}
-
-double real_bytes(const Scene& scene) {
-    return scene.precision == Precision::single_ ? 4 : 8;
-}
-
-/// Blocks of a compact body of `blocks` with `layers` more along each axis.
-double grown(const Scene& scene, double blocks, int layers) {
-    return std::pow(std::pow(blocks, 1.0 / scene.dimensions) + layers, scene.dimensions);
-}
-
-double tile_bytes(const Scene& scene) {
-    return std::pow(tile_side(stencil_of(scene.shape).width), scene.dimensions) * node_reals * real_bytes(scene);
-}
-
-double node_block_bytes(const Scene& scene) {
-    return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
-}
-
-}  // namespace
-
-double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
-    const int d = scene.dimensions;
-    const Remembered r = remembered(scene);
-    const int reals = 2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box;
-    const double lists = 10;
-    const double picture = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
-    const double particle = reals * real_bytes(scene) + 8 + 2 + lists + picture;
-    const double mine = static_cast<double>(p.blocks) / ranks;
-    const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
-    return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
-           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables;
-}
-
-namespace {
-
-/// Reals of a particle on the device: rows of four and one spare row, the second scalar and its spare.
-int device_reals(const Scene& scene, const Remembered& r) {
-    const int d = scene.dimensions;
-    int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
-    if (r.affine) rows += d == 3 ? 3 : 1;
-    if (r.stretch) rows += d == 3 ? 2 : 1;
-    return 4 * rows + (r.history > 1 ? 2 : 0) + (fuses(scene) ? 0 : d * d);
-}
-
-/// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
-double device_tables(const Scene& scene, const Prediction& p) {
-    const int d = scene.dimensions;
-    const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
-    const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2;
-    const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
-    return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
-}
-
-}  // namespace
-
-double bytes_on_device(const Scene& scene, const Prediction& p) {
-    const Remembered r = remembered(scene);
-    const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
-    const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
-    const double particle = device_reals(scene, r) * real_bytes(scene) + ids + lists;
-    const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
-    // One column of a million particles on its way from or to the host.
-    const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
-    const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
-    return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
 
 /// "structure  pipe: sphere, velocity, rough"
@@ -275,7 +184,7 @@ std::string structure_lines(const Scene& scene) {
     return text;
 }
 
-std::string check_report(const Scene& scene, int ranks) {
+std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
     const Prediction p = predict(scene);
     std::string text = fmt::format("{}: good\n", scene.path);
     if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
@@ -292,6 +201,9 @@ std::string check_report(const Scene& scene, int ranks) {
                         ranks == 1 ? "" : "s");
     text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
                         bytes_text(bytes_on_device(scene, p)));
+    text += fmt::format("           {} of the host for each of {} rank{} on GPUs\n",
+                        bytes_text(host_bytes_beside_device(scene, p, ranks, writes_particles)), ranks,
+                        ranks == 1 ? "" : "s");
     return text;
 }
 

@@ -45,10 +45,16 @@ double bytes_per_rank(const Scene& scene, const Prediction& prediction, int rank
 /// gpu/particles.hpp, gpu/lists.hpp, gpu/tables.hpp and gpu/engine.hpp; a test holds it to what was measured.
 double bytes_on_device(const Scene& scene, const Prediction& p);
 
+/// Of the host, for one of `ranks` ranks that compute on GPUs [B]: 1 GB allowed for CUDA, MPI and the wires; blocks,
+/// which every rank knows, and the tables of its own ones, twice while a next epoch is made; a piece of the particles;
+/// where `writes_particles`, one column of them for particles.vtkhdf. Scenes that are not is_lattice() are seeded on
+/// the host: there all particles are in its memory at the start. Checkpoints need a column too, and are not counted.
+double host_bytes_beside_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
+
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.
 void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p);
 
 /// What `moraine check` prints.
-std::string check_report(const Scene& scene, int ranks);
+std::string check_report(const Scene& scene, int ranks, bool writes_particles = true);
 
 }  // namespace moraine

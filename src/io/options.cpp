@@ -46,6 +46,7 @@ po::options_description run_options(Options& o) {
         "transport", po::value(&o.transport)->value_name("NAME"), "auto, host, nccl, peer, mpi (default: auto)")(
         "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
         "restart", po::value(&o.restart)->value_name("FILE"), "go on from a checkpoint")(
+        "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
         "quiet", po::bool_switch(&o.quiet), "no progress");
     return options;
 }
@@ -53,6 +54,9 @@ po::options_description run_options(Options& o) {
 po::options_description check_options(Options& o) {
     po::options_description options("check");
     options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
+        "device", po::value(&o.device)->value_name("NAME"),
+        "as in run: with a device, the host's memory is that beside it")(
+        "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
         "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
     return options;
 }

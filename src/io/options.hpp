@@ -19,7 +19,8 @@ struct Options {
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start
     bool quiet = false;
-    int ranks = 1;  ///< check: to predict memory for
+    bool no_particles = false;  ///< outputs are the records alone, without particles.vtkhdf
+    int ranks = 1;              ///< check: to predict memory for
     ReplayOptions replay;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/lattice_prediction.hpp"
 #include "io/scene_check.hpp"
 #include "io/seed.hpp"
 
@@ -99,19 +100,29 @@ bool may_touch(const Extent& a, const Extent& b, int dimensions) {
     return true;
 }
 
+/// A particle of body a in body b. Two boxes are asked axis by axis, whatever their particles.
+std::optional<Triple> overlap(const Scene& scene, std::size_t a, std::size_t b) {
+    const BodySpec &mine = scene.bodies[a], &other = scene.bodies[b];
+    if (mine.shape == BodyShape::box && mine.seeding == Seeding::lattice && other.shape == BodyShape::box)
+        return first_inside(scene, mine, other);
+    std::optional<Triple> found;
+    each_part(scene, a, [&](const std::vector<Seed>& seeds) {
+        const auto at = std::find_if(seeds.begin(), seeds.end(),
+                                     [&](const Seed& s) { return is_inside(other, scene.dimensions, s.x); });
+        if (at != seeds.end()) found = at->x;
+        return found.has_value();
+    });
+    return found;
+}
+
 /// Refuses a particle of body a in body b.
 void check_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b) {
-    each_part(scene, a, [&](const std::vector<Seed>& seeds) {
-        const auto found = std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) {
-            return is_inside(scene.bodies[b], scene.dimensions, s.x);
-        });
-        if (found == seeds.end()) return false;
-        const std::string& name = scene.bodies[std::max(a, b)].name;
-        refuse(
-            places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
-            fmt::format("both have ({:.6g})", fmt::join(found->x.begin(), found->x.begin() + scene.dimensions, ", ")),
-            "Move or shrink one of them?");
-    });
+    const std::optional<Triple> found = overlap(scene, a, b);
+    if (!found) return;
+    const std::string& name = scene.bodies[std::max(a, b)].name;
+    refuse(places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+           fmt::format("both have ({:.6g})", fmt::join(found->begin(), found->begin() + scene.dimensions, ", ")),
+           "Move or shrink one of them?");
 }
 
 /// Each pair, both ways: a thin body may pass between the other's particles.

@@ -16,6 +16,15 @@ double uniform(std::uint64_t seed, std::uint64_t id, std::uint64_t axis) {
 
 }  // namespace
 
+Triple start_velocity(const BodySpec& body, const Triple& x) {
+    Triple v = body.velocity;
+    const WaveSpec& wave = body.wave;
+    if (!(wave.wavelength > 0)) return v;
+    const double phase = (x[static_cast<std::size_t>(wave.axis)] - wave.origin) / wave.wavelength;
+    for (std::size_t a = 0; a < 3; ++a) v[a] += wave.velocity[a] * std::sin(2 * std::numbers::pi * phase);
+    return v;
+}
+
 BodySeeds::BodySeeds(const Scene& scene, int body)
     : scene_(scene), body_(scene.bodies[static_cast<std::size_t>(body)]), index_(body) {
     if (body_.shape == BodyShape::table)
@@ -63,7 +72,7 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
     each_point(first, last, [&](std::int64_t point, const Triple& lattice_x) {
         const std::uint64_t id = base | static_cast<std::uint64_t>(point);
         const Triple x = body_.seeding == Seeding::jittered ? jittered(id, lattice_x) : lattice_x;
-        out.push_back({id, index_, x, mass, volume, velocity_at(x)});
+        out.push_back({id, index_, x, mass, volume, start_velocity(body_, x)});
     });
 }
 
@@ -74,7 +83,7 @@ Seed BodySeeds::table_seed(std::int64_t row) const {
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene_.dimensions); ++a)
         volume *= scene_.cell / body_.particles_per_cell[a];
     if (!table_.mass.empty()) volume = table_.mass[r] / density;
-    Triple velocity = velocity_at(table_.x[r]);
+    Triple velocity = start_velocity(body_, table_.x[r]);
     for (std::size_t a = 0; a < 3; ++a) velocity[a] += table_.velocity[r][a];
     const std::uint64_t id = static_cast<std::uint64_t>(index_) << 48 | static_cast<std::uint64_t>(row);
     return {id, index_, table_.x[r], density * volume, volume, velocity};
@@ -85,15 +94,6 @@ Triple BodySeeds::jittered(std::uint64_t id, const Triple& x) const {
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene_.dimensions); ++a)
         moved[a] += body_.jitter * lattice_.spacing[a] * uniform(scene_.seed, id, a);
     return is_inside(body_, scene_.dimensions, moved) ? moved : x;
-}
-
-Triple BodySeeds::velocity_at(const Triple& x) const {
-    Triple v = body_.velocity;
-    const WaveSpec& wave = body_.wave;
-    if (!(wave.wavelength > 0)) return v;
-    const double phase = (x[static_cast<std::size_t>(wave.axis)] - wave.origin) / wave.wavelength;
-    for (std::size_t a = 0; a < 3; ++a) v[a] += wave.velocity[a] * std::sin(2 * std::numbers::pi * phase);
-    return v;
 }
 
 }  // namespace moraine

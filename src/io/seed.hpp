@@ -29,6 +29,9 @@ struct Seed {
     Triple velocity;  ///< at the start: of the body, its wave and its table [m/s]
 };
 
+/// Velocity of a body's particle at x at the start, that of its table left out [m/s].
+Triple start_velocity(const BodySpec& body, const Triple& x);
+
 /// Makes the particles of one body; a table is read once, by the constructor. Nothing is collective.
 class BodySeeds {
   public:
@@ -46,7 +49,6 @@ class BodySeeds {
     void each_point(std::int64_t first, std::int64_t last, const F& f) const;
     Seed table_seed(std::int64_t row) const;
     Triple jittered(std::uint64_t id, const Triple& x) const;
-    Triple velocity_at(const Triple& x) const;
 
     const Scene& scene_;
     const BodySpec& body_;

@@ -51,6 +51,15 @@ TEST_CASE("a scene that needs more memory than the machine has is refused with w
     CHECK(said("0.02", {1, 1, 0}).empty());
 }
 
+TEST_CASE("of a run on devices the memory of the host beside them counts") {
+    Machine four{4, 4, 128e9};
+    CHECK(said("0.008", four).find("1.95e+09 particles need 40") != std::string::npos);  // in all ranks
+    four.devices = true;
+    CHECK(said("0.008", four).find("Or --no-particles?") != std::string::npos);
+    four.writes_particles = false;
+    CHECK(said("0.008", four).empty());
+}
+
 TEST_CASE("more particles than a rank can number are refused at once, whatever the memory") {
     const auto start = std::chrono::steady_clock::now();
     CHECK(said("0.001", {64, 1, 0}) ==

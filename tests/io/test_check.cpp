@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "io/check.hpp"
@@ -49,6 +50,41 @@ TEST_CASE("memory follows particles, precision and ranks") {
     CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
     const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
     CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
+}
+
+TEST_CASE("boxes on a lattice are predicted in closed form as particle by particle, and in no time") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    for (const char* precision : {"single", "double"})
+        for (const char* size : {"[5.0, 5.0, 5.0]", "[4.97, 3.31, 2.05]"}) {
+            CAPTURE(size);
+            Scene scene = read_scene(path, {std::string("body.reservoir.max=") + size, "domain.cell=0.2",
+                                            std::string("numerics.precision=") + precision});
+            scene.bodies[0].wave = {{0, 0.5, 1}, 1, 0.3, 0.7};
+            const Prediction closed = predict(scene);
+            scene.bodies[0].seeding = Seeding::jittered;  // by nothing
+            const Prediction counted = predict(scene);
+            CHECK(closed.particles == counted.particles);
+            CHECK(closed.blocks == counted.blocks);
+            CHECK(closed.node_blocks == counted.node_blocks);
+            CHECK(closed.dt == counted.dt);
+            CHECK(closed.mass == doctest::Approx(counted.mass).epsilon(1e-12));
+        }
+    const auto start = std::chrono::steady_clock::now();
+    CHECK(predict(read_scene(path, {"domain.cell=0.01"})).particles == 1000000000);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30));
+}
+
+TEST_CASE("beside devices the host's memory follows blocks where a lattice is made there, else particles") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    Scene scene = read_scene(path, {"domain.cell=0.01", "numerics.precision=single"});
+    Prediction p = predict(scene);
+    const double quarter = host_bytes_beside_device(scene, p, 4, false);
+    CHECK(quarter < 4e9);
+    CHECK(host_bytes_beside_device(scene, p, 4, true) > quarter + 10e9);
+    p.particles *= 10;
+    CHECK(host_bytes_beside_device(scene, p, 4, false) == quarter);
+    scene.bodies[0].seeding = Seeding::jittered;
+    CHECK(host_bytes_beside_device(scene, p, 4, false) > 0.25 * 100 * static_cast<double>(p.particles));
 }
 
 TEST_CASE("the report names all that a run will need") {

@@ -78,6 +78,15 @@ TEST_CASE("a thin body between the particles of another is an overlap") {
          "overlaps");
 }
 
+TEST_CASE("the first particle of a box that is in another box is named") {
+    says(said_of("shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5",
+                 "shape = \"box\"\nmin = [0.52, 0.3]\nmax = [2.0, 0.4]"),
+         "body.disk overlaps body.block (both have (0.544667, 0.325))");
+    CHECK(said_of("shape = \"sphere\"\ncenter = [2.0, 1.0]\nradius = 0.5",
+                  "shape = \"box\"\nmin = [0.0, 1.0]\nmax = [1.0, 1.5]")
+              .empty());
+}
+
 TEST_CASE("the order of the bodies does not hide an overlap") {
     const std::string thin_first =
         replaced(good_scene, "min = [0.0, 0.0]\nmax = [1.0, 1.0]", "min = [0.5, 0.0]\nmax = [0.51, 1.0]");

@@ -65,6 +65,15 @@ class Outputs(moraine.ProgramTest):
         self.assertRegex(ended.err, f"lost to imbalance +{percent:.1f} %")
         self.assertRegex(ended.err, r"lost to balancing +\d+\.\d %  looks, plans, \d+ repartition")
 
+    def test_a_run_without_particles_leaves_the_same_records_and_checkpoints(self):
+        every = {"output__checkpoint_interval": END / 2}
+        whole, without = self.run_slurry(**every), self.run_slurry("--no-particles", **every)
+        self.assertTrue((whole / "particles.vtkhdf").exists())
+        self.assertFalse((without / "particles.vtkhdf").exists())
+        self.assertEqual(summary(whole)["state_hash"], summary(without)["state_hash"])
+        self.assertEqual((whole / "history.csv").read_text(), (without / "history.csv").read_text())
+        self.assertEqual([c.name for c in checkpoints(whole)], [c.name for c in checkpoints(without)])
+
     def test_block_loads_are_recorded_only_where_the_scene_asks_for_them(self):
         without = self.run_slurry(balance__interval=10)
         self.assertFalse((without / "block_loads.bin").exists())

@@ -1,0 +1,45 @@
+#pragma once
+// Particles of a lattice (core/lattice.hpp) into the host's columns: what begins as zero is made zero.
+
+#include "core/lattice.hpp"
+#include "core/material/left_stretch.hpp"
+#include "core/particles.hpp"
+
+namespace moraine {
+
+/// What no particle begins with.
+template <class Real, int Dim>
+void clear_rest(const ParticleView<Real, Dim>& p, std::uint32_t slot) {
+    p.ln_J[slot] = Real(0);
+    for (Real* history : p.history)
+        if (history) history[slot] = Real(0);
+    if (p.affine) p.affine[slot] = zero_mat<Real, Dim>();
+    if (p.left_stretch) p.left_stretch[slot] = undeformed_stretch<Real, Dim>();
+    if (p.log_stretch) p.log_stretch[slot] = zero_vec<Real, Dim>();
+    if (p.body_force) p.body_force[slot] = zero_vec<Real, Dim>();
+}
+
+template <class Real, int Dim>
+void put_particle(const LatticeParticle<Real, Dim>& from, const ParticleView<Real, Dim>& p, std::uint32_t slot) {
+    p.id[slot] = from.id;
+    p.body[slot] = from.body;
+    p.position[slot] = from.u;
+    p.velocity[slot] = from.velocity;
+    p.mass[slot] = from.mass;
+    p.volume[slot] = from.volume;
+    p.stress[slot] = zero_sym<Real, Dim>();
+    for (int k = 0; k < 3; ++k) p.stress[slot][k] = from.stress[k];
+    clear_rest(p, slot);
+}
+
+/// The block at `at`, into slots first, first + 1, ..., in the order (cell, id).
+template <class Real, int Dim>
+void fill_block(const LatticeView<Real, Dim>& lattice, const Vec<std::int32_t, Dim>& at, std::uint32_t first,
+                const ParticleView<Real, Dim>& p) {
+    for (int cell = 0; cell < Block<Dim>::cells; ++cell) {
+        const std::uint32_t count = lattice.count(at, cell);
+        for (std::uint32_t k = 0; k < count; ++k) put_particle(lattice.particle(at, cell, k), p, first++);
+    }
+}
+
+}  // namespace moraine
