@@ -2,9 +2,9 @@
 // What benchmark_accuracy measures: the cases with their ladders of cells, and the configurations that run them.
 //
 // B0 is the method paper's scheme: gimp, FLIP, USL, fixed dt = 0.3 h/c. All others take the same dt, so that at equal
-// cells a difference is the scheme's; the last ones take twice that dt and more, which B0's stability limit (about 0.74 h/c)
-// hardly allows. What a run needs of the simulation is compiled once per precision (measure.ipp); this header knows
-// nothing of it.
+// cells a difference is the scheme's; the last ones take twice that dt and more, which B0's stability limit (about 0.74
+// h/c) hardly allows. What a run needs of the simulation is compiled once per precision (measure.ipp); this header
+// knows nothing of it.
 
 #include <string>
 #include <utility>
