@@ -57,7 +57,7 @@ def machines(lines):
 def write(lines, cases, folder):
     text = ["# Validation", "", "Made by `benchmarks/validation/run CASE`; every run, with its command, is a line of [results.jsonl](results.jsonl), and "
             "[cases/](cases/) say how figures and goals are made of it. Measured on: " + machines(lines) + ". Wall times are of whole "
-            "runs with their output, on a host that may have been shared; those of commit ddaba4cd5dd4 shared one GPU with seven others.", ""]
+            "runs with their output, on a host that may have been shared, many side by side on one GPU.", ""]
     drawn = []
     for name, case in cases.items():
         mine = [x for x in lines if x["case"] == name]

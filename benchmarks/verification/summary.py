@@ -98,7 +98,7 @@ def failing(lines):
             continue
         if x["case"] == "S22":
             kinds = {"inside out": "a particle is turned inside out (linear shapes)", "energy": "energy grows (USF, MUSL, linear shapes)",
-                     "is not": "a particle is not a number (linear shapes)", "closed domain": "a particle passes a wall (plain ghosts)"}
+                     "is not": "a particle is not a number (linear shapes)", "closed domain": "a particle passes a wall (plain ghosts, linear shapes)"}
             scenes[next((words for part, words in kinds.items() if part in x["why"]), f"another fault ({x['why'][:60]})")] += 1
         else:
             why = x["why"].strip("; ") or "beyond its goal: " + ", ".join(f"{name} {number(value)}" for name, value in x["numbers"].items())

@@ -9,7 +9,7 @@ Creep: what the front does in the last tenth of the time. Seeds: particles moved
 Why goals are missed:
 
 * Most columns still run further as cells get smaller: at L0/20, 40, 80 mu-i gives 0.41, 0.47, 0.53 for a = 0.5, 1.04, 1.22, 1.38 for a = 1, 2.52, 2.82, 2.81 for a = 2 and 3.47, 3.75, 3.61 for a = 2.7, at L0/20, 40 5.92 and 5.92
-  for a = 5, 9.27 and 8.77 for a = 10. So runouts are settled within 4 % from a = 2 on (a = 10: 6 %), not below. What the transfer takes falls with the cells (a = 1: 4.6, 2.7, 1.5 % of the potential energy), and a tail thinner than the bulk runs
+  for a = 5, 9.27 and 8.77 for a = 10. So its runouts are settled within 4 % from a = 2 on (a = 10: 6 %), not below, and those of drucker-prager from a = 5 on. What the transfer takes falls with the cells (a = 1: 4.6, 2.7, 1.5 % of the potential energy), and a tail thinner than the bulk runs
   ahead: where 1 % of the volume lies ahead, a = 1 is at 0.84, 0.95, 1.03 and a = 2 at 2.15, 2.38, 2.34.
 * a = 0.5 and 1: a low column ends as a wedge at its angle of repose, whose runout is a / (2 mu) = 0.42 at a = 0.5; 99 % of the volume stays within 0.39 (L0/80). 1.2 a is that of mu = 0.42. With beads of such friction (`beads`: 0.404 to 0.667)
   columns of a = 0.5 to 2.7 run 41 to 94 % too far at L0/40, and so no single friction fits them all. What plane strain lacks are the side walls of the experiments, whose friction grows with the depth of the flow over its width.

@@ -11,9 +11,9 @@ Why goals are missed:
 
 * Noise: each particle's own volume drifts, and nu = 0.495 makes 1 % of volume 113 % of rho g H0. With nu = 0.45, a tenth of the bulk modulus, it is 21 % instead of
   100 % at H0/25 (APIC, host: `--variants APIC --levels 25 --set material.slurry.poisson=0.45 --label nu-0.45`), and the creep 0.2 instead of 1.1 % of H0. It falls by
-  0.6 to 0.7 from rung to rung, too slowly for 2 %. Means of cells leave 7 to 11 %, which does not fall: the means of neighbouring cells still differ.
+  0.5 to 0.75 from rung to rung, too slowly for 2 %. Means of cells leave 7 to 11 %, which does not fall: the means of neighbouring cells still differ.
 * The runout has two errors that both fall with h and pull in opposite directions. What the transfer takes (17, 18, 13, 9 % of the potential energy with APIC) makes it
-  shorter; noise makes it longer: nu = 0.45 at H0/25 shortens it by 1.6 m, and means of cells shorten it by 3 to 8 m at every rung. So it is not monotone, there is no
+  shorter; noise makes it longer: nu = 0.45 at H0/25 shortens it by 1.6 m, and means of cells shorten it by 3 to 8 m at every rung, with FLIP by 5 to 12 m. So it is not monotone, there is no
   Richardson value, and the finest rung, which stands in for it, still has 25 % of noise.
 """
 import math
