@@ -137,8 +137,8 @@ def failures(lines):
     return (["", f"Failing ({len(rows)} of {len(lines)} rungs):", ""] + rows) if rows else ["", "No rung fails."]
 
 
-def case_page(case, words, lines, suffix):
-    text = [f"## {case}: {words}", "", f"![{case}]({case}{suffix}.svg)", ""]
+def case_page(case, words, lines):
+    text = [f"## {case}: {words}", "", f"![{case}]({case}.svg)", ""]
     text += ["Double:", ""] + table(lines, "double")
     best = [x for x in lines if x["precision"] == "double"]
     text += ["", "Pareto front in double: " + "; ".join(
@@ -159,23 +159,23 @@ def second_norms(lines):
     return text + [""]
 
 
-def results(lines, words, suffix=""):
+def results(lines, words):
     machines = {}
     for x in lines:
         about = f"{x['machine']}, {x['cores']} cores, one of them used; {x['compiler']}, -march={x['march']}; commit {x['commit']}"
         machines.setdefault(about, {})[x["case"]] = None
     text = ["# Run time against error on one core", "",
-            f"Made by `nice -n 10 benchmarks/accuracy/run`; every line is in [results{suffix}.jsonl](results{suffix}.jsonl), and `page.py` says how the figures are made of them.", "",
+            f"Made by `benchmarks/accuracy/run`; every line is in [results.jsonl](results.jsonl), and `page.py` says how the figures are made of them.", "",
             *[f"* {about}: {', '.join(cases)}" for about, cases in machines.items()], "",
-            "**The machine was shared and heavily loaded**: wall times are several times what they would be alone and mean little. Times "
-            "here are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
+            "**The machines were shared.** Times "
+            "are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
             "particle-steps. A run below 0.2 s is the median of up to five. p: order over the last two rungs. `B0 / this`: how many times sooner than the method paper's "
             "scheme (gimp FLIP USL, fixed dt = 0.3 h/c) the error is reached; `-`: not on this ladder. All take dt = 0.3 h/c, those with @ that share of h/c. "
             "With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
     for case, about in words.items():
         mine = [x for x in lines if x["case"] == case]
         if mine:
-            text += case_page(case, about, mine, suffix) + second_norms(mine)
+            text += case_page(case, about, mine) + second_norms(mine)
     return "\n".join(text).rstrip() + "\n"
 
 
