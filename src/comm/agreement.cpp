@@ -1,7 +1,5 @@
 #include "comm/agreement.hpp"
 
-#include <algorithm>
-
 namespace moraine {
 
 namespace {
@@ -15,9 +13,10 @@ void combine(void* in, void* in_out, int* n, MPI_Datatype*) {
         b[k].seconds_sum += a[k].seconds_sum;
         b[k].count = std::max(a[k].count, b[k].count);
         b[k].count_sum += a[k].count_sum;
-        b[k].crowd = std::max(a[k].crowd, b[k].crowd);
+        b[k].crowd.take_most(a[k].crowd);
         b[k].faults |= a[k].faults;
         b[k].at_rim |= a[k].at_rim;
+        b[k].making |= a[k].making;
         b[k].stop |= a[k].stop;
     }
 }

@@ -4,11 +4,23 @@
 // Only minima, maxima, bit-ors and integer sums feed back into the run, so it is the same on any
 // number of ranks. Faults and requests to stop travel along: all ranks learn of them together.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "comm/comm.hpp"
 
 namespace moraine {
+
+/// Most particles that can leave in one step, where devices must have room for them before they do.
+struct Crowd {
+    std::int64_t block = 0;  ///< out of one block to one peer
+    std::int64_t pair = 0;   ///< from one rank to another
+
+    void take_most(const Crowd& other) {
+        block = std::max(block, other.block);
+        pair = std::max(pair, other.pair);
+    }
+};
 
 struct Agreement {
     double signal = 0;           ///< max: c + |v| [m/s]
@@ -17,9 +29,10 @@ struct Agreement {
     double seconds_sum = 0;      ///< sum; reported only
     std::int64_t count = 0;      ///< max: particles of a rank
     std::int64_t count_sum = 0;  ///< sum
-    std::int64_t crowd = 0;      ///< max: particles of a block that some peer needs (devices)
+    Crowd crowd;                 ///< max
     std::uint32_t faults = 0;    ///< or: bits of Fault
     std::uint32_t at_rim = 0;    ///< or: 1 some particle could leave the topology soon (comm/rim.hpp)
+    std::uint32_t making = 0;    ///< or: 1 the next epoch is still being made
     std::uint32_t stop = 0;      ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
 #include "comm/share_piece.hpp"
 #include "core/lattice.hpp"
@@ -61,7 +62,7 @@ struct BlockCounts {
 struct Census {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;  ///< occupied
-    std::int64_t crowd = 0;   ///< on a device: most particles of a block that some peer needs
+    Crowd crowd;              ///< on a device
 };
 
 /// What this rank has sent since the run began.
@@ -119,8 +120,8 @@ class Engine {
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;
-    /// Before the gather: no block that some peer needs holds more particles than `crowd`. Collective.
-    virtual void expect_leavers(std::int64_t /*crowd*/) {}
+    /// Before the gather: no more leave than `crowd`, the same on all ranks. Collective.
+    virtual void expect_leavers(const Crowd& /*crowd*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;

@@ -28,6 +28,15 @@ struct Block {
     }
     static constexpr MORAINE_HD int opposite(int code) { return offsets - 1 - code; }
     static constexpr MORAINE_HD int corner(int code, int axis) { return (code >> axis) & 1; }
+    /// Bit per offset code: where a particle in `cell` can be after a step, in which nothing goes a whole cell.
+    static constexpr MORAINE_HD std::uint32_t reach(int cell) {
+        std::uint32_t reached = 1;
+        for (int axis = 0, stride = 1; axis < Dim; ++axis, stride *= 3) {
+            const int c = (cell >> (2 * axis)) & 3;
+            reached = reached << stride | (c == 0 ? reached : 0) | (c == side - 1 ? reached << (2 * stride) : 0);
+        }
+        return reached;
+    }
 };
 
 inline constexpr int quad = 4;

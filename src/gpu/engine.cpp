@@ -36,7 +36,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     material_of_.assign(materials);
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *wires);
-    counters_.assign(std::vector<Counters>{{0, 0, 0, 0}});
+    counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
     empty_accounts(accounts_.data(), stream_);
 }

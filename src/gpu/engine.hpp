@@ -57,7 +57,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void send_halo() override;
     void sum_interior() override;
     void receive_halo() override;
-    void expect_leavers(std::int64_t crowd) override;
+    void expect_leavers(const Crowd& crowd) override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_leavers(const StepScales<Dim>&) override;
@@ -72,6 +72,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void change_tables();
     void open_epoch();
     void count_boundary();
+    void count_crowd();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();

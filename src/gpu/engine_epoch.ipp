@@ -70,13 +70,17 @@ void DeviceEngine<Real, Dim>::open_epoch() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::count_boundary() {
     if (!exchange_) return;
-    const std::vector<std::uint32_t> first = lists_.first();
-    census_.crowd = boundary_blocks_ = 0;
-    for (std::int32_t b : epoch_.boundary) {
-        const auto i = static_cast<std::size_t>(b);
-        census_.crowd = std::max<std::int64_t>(census_.crowd, first[i + 1] - first[i]);
-        boundary_blocks_ += first[i + 1] > first[i];
-    }
+    count_crowd();
+    boundary_blocks_ = static_cast<int>(lists_.occupied_boundary(stream_));
+    const Counters counted = counters_.host(stream_).front();
+    census_.crowd = {counted.crowd[0], counted.crowd[1]};
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::count_crowd() {
+    if (!exchange_) return;
+    exchange_->migration.count_crowd(exchange_->routes.send(), tables_.view(), lists_.view(), counters_.data(),
+                                     stream_);
 }
 
 template <class Real, int Dim>
@@ -136,7 +140,8 @@ void DeviceEngine<Real, Dim>::find_cells() {
                            particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
 }
 
-/// Blocks keep their lists wherever they go. Arrivals stand behind all that is stored until memory is put in order.
+/// Blocks keep their lists wherever they go. Arrivals stand behind all that is stored until memory is next put in
+/// order.
 template <class Real, int Dim>
 BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     if (moving_) throw std::logic_error("blocks move in the filed state alone");
@@ -163,6 +168,7 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
         std::inplace_merge(next.begin(), next.begin() + kept, next.end(),
                            [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
     }
+    set_stored(stored_ + plan.arrivals);
     install(std::move(tables), next);
     return moved;
 }
@@ -179,7 +185,6 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
     }
     take_tables(std::move(tables));
     lists_.rearrange(epoch_, tables_.view(), filed, blocks, stream_);
-    refresh();
     find_cells();
     open_epoch();
     stream_.wait();

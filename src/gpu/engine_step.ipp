@@ -36,7 +36,7 @@ void DeviceEngine<Real, Dim>::file() {
         change_tables();
         watch_.begin_again(stream_);
     }
-    if (exchange_) exchange_->migration.count_crowd(exchange_->routes.send(), lists_.view(), counters_.data(), stream_);
+    count_crowd();
     fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.at_rim(), counters_.data(),
                 report_.device(), stream_);
     reported_.record(stream_);
@@ -92,7 +92,7 @@ void DeviceEngine<Real, Dim>::receive_halo() {
 
 /// Room for the messages, and in memory for all that may arrive in this step.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::expect_leavers(std::int64_t crowd) {
+void DeviceEngine<Real, Dim>::expect_leavers(const Crowd& crowd) {
     if (!exchange_) return;
     exchange_->migration.expect(crowd, record_layout(particles_.view()).bytes());
     const std::size_t arrivals = exchange_->migration.most_arrivals();
@@ -198,7 +198,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_census() {
     reported_.wait();
     if (!report_is_of_epoch_) return;
-    census_ = {report_->particles, report_->occupied(), report_->crowd};
+    census_ = {report_->particles, report_->occupied(), {report_->crowd[0], report_->crowd[1]}};
     boundary_blocks_ = static_cast<int>(report_->boundary);
     stored_ = report_->stored;
 }

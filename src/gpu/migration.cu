@@ -13,8 +13,9 @@ namespace {
 constexpr int threads = scan_threads;
 constexpr int warps = threads / 32;
 
-constexpr std::int64_t spare(std::int64_t crowd) {
-    return crowd + crowd / 4 + 32;
+/// What it is to be when it was `had` and is to be at least `least`: a growing crowd does not grow rooms at each step.
+constexpr std::int64_t grown(std::int64_t had, std::int64_t least) {
+    return least > had ? least + least / 4 + 32 : had;
 }
 
 /// Whether leavers of block b at offset `code` go to peer k.
@@ -35,12 +36,45 @@ __device__ __forceinline__ std::uint32_t leavers_to(const Route& route, const Fi
     return n;
 }
 
+/// Of block b, those that stand where less than a cell leads to peer k. A warp's work; the sum is in all lanes.
 template <int Dim>
-__global__ void __launch_bounds__(threads) crowd_kernel(Route route, ListView<Dim> list, Counters* counters) {
-    const int t = static_cast<int>(blockIdx.x * threads + threadIdx.x);
-    const std::uint32_t n = t < route.tiles ? list.count(route.block[t]) : 0;
-    const std::uint32_t most = __reduce_max_sync(all_lanes, n);
-    if (lane_id() == 0 && most > 0) atomicMax(&counters->crowd, most);
+__device__ __forceinline__ std::uint32_t facing_of(const Route& route, const BlockTable<Dim>& table,
+                                                   const ListView<Dim>& list, int k, int b) {
+    const std::uint32_t exits =
+        __ballot_sync(all_lanes, lane_id() < Block<Dim>::offsets && goes_to(route, table, k, b, lane_id()));
+    const std::uint32_t* bound = list.cell_first + std::size_t(b) * (Block<Dim>::cells + 1);
+    std::uint32_t mine = 0;
+    for (int c = lane_id(); c < Block<Dim>::cells; c += 32)
+        if (Block<Dim>::reach(c) & exits) mine += bound[c + 1] - bound[c];
+    const std::uint32_t sum = __reduce_add_sync(all_lanes, mine);
+    return list.count(b) > 0 ? sum : 0;
+}
+
+/// The largest of the sums so far is the largest sum. facing: zeros.
+__device__ __forceinline__ void add_facing(std::uint32_t n, int k, std::uint32_t* facing, Counters* counters) {
+    if (n > 0) atomicMax(&counters->crowd[1], atomicAdd(&facing[k], n) + n);
+}
+
+/// A warp per block that a peer needs. Those of a thread block mostly share a peer: they are added up there first.
+template <int Dim>
+__global__ void __launch_bounds__(threads)
+    crowd_kernel(Route route, BlockTable<Dim> table, ListView<Dim> list, std::uint32_t* facing, Counters* counters) {
+    __shared__ std::uint32_t most, sum;
+    if (threadIdx.x == 0) most = sum = 0;
+    __syncthreads();
+    const int first = static_cast<int>(blockIdx.x) * warps, t = first + static_cast<int>(threadIdx.x) / 32;
+    const int usual = route.peer[first];
+    if (t < route.tiles) {
+        const int k = route.peer[t];
+        const std::uint32_t n = facing_of(route, table, list, k, route.block[t]);
+        if (lane_id() == 0 && n > 0) atomicMax(&most, n);
+        if (lane_id() == 0 && k == usual) atomicAdd(&sum, n);
+        if (lane_id() == 0 && k != usual) add_facing(n, k, facing, counters);
+    }
+    __syncthreads();
+    if (threadIdx.x > 0) return;
+    if (most > 0) atomicMax(&counters->crowd[0], most);
+    add_facing(sum, usual, facing, counters);
 }
 
 /// A thread block per peer: where each source block's records stand, and the head.
@@ -168,8 +202,9 @@ __global__ void __launch_bounds__(threads)
     }
 }
 
-__global__ void stored_kernel(int peers, const std::byte* const* in, Counters* counters) {
+__global__ void stored_kernel(int peers, const std::byte* const* in, Counters* counters, std::uint32_t* facing) {
     counters->stored += arrivals_before(in, peers);
+    for (int k = 0; k < peers; ++k) facing[k] = 0;
 }
 
 unsigned blocks_for(int items, int per_block) {
@@ -187,31 +222,40 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables) {
         tiles += peer.send.block.size();
     }
     place_.resize(tiles);
+    facing_.resize(peers_.size());
+    if (!peers_.empty())
+        check(cudaMemset(facing_.data(), 0, peers_.size() * sizeof(std::uint32_t)), "Beginning an epoch");
     const std::size_t record = std::exchange(record_, 0);
     if (record > 0) expect(crowd_, record);
 }
 
 template <int Dim>
-bool DeviceMigration<Dim>::expect(std::int64_t crowd, std::size_t record) {
-    if (record == record_ && crowd <= crowd_) return false;
-    if (crowd > crowd_) crowd_ = spare(crowd);
+bool DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
+    if (record == record_ && crowd.block <= crowd_.block && crowd.pair <= crowd_.pair) return false;
+    crowd_ = {grown(crowd_.block, crowd.block), grown(crowd_.pair, crowd.pair)};
     record_ = record;
     std::vector<WirePeer> peers;
     most_arrivals_ = 0;
     for (const Peer& p : peers_) {
-        const std::size_t room = static_cast<std::size_t>(crowd_) * record;
-        peers.push_back({p.rank, sizeof(MessageHead) + p.tiles_out * room, sizeof(MessageHead) + p.tiles_in * room});
-        most_arrivals_ += p.tiles_in * static_cast<std::size_t>(crowd_);
+        const std::size_t out = most_from(p.tiles_out), in = most_from(p.tiles_in);
+        peers.push_back({p.rank, sizeof(MessageHead) + out * record, sizeof(MessageHead) + in * record});
+        most_arrivals_ += in;
     }
     wire_->open(peers);
     return true;
 }
 
+/// Leavers of so many blocks to one peer.
 template <int Dim>
-void DeviceMigration<Dim>::count_crowd(const Route& send, const ListView<Dim>& list, Counters* counters,
-                                       cudaStream_t stream) const {
+std::size_t DeviceMigration<Dim>::most_from(std::size_t tiles) const {
+    return std::min(tiles * static_cast<std::size_t>(crowd_.block), static_cast<std::size_t>(crowd_.pair));
+}
+
+template <int Dim>
+void DeviceMigration<Dim>::count_crowd(const Route& send, const BlockTable<Dim>& table, const ListView<Dim>& list,
+                                       Counters* counters, cudaStream_t stream) {
     if (send.tiles == 0) return;
-    crowd_kernel<<<blocks_for(send.tiles, threads), threads, 0, stream>>>(send, list, counters);
+    crowd_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, table, list, facing_.data(), counters);
     check(cudaGetLastError(), "Counting a crowd");
 }
 
@@ -238,7 +282,7 @@ void DeviceMigration<Dim>::finish(const Route& receive, const Filing<Dim>& filin
     ghosts_kernel<<<blocks_for(receive.tiles, warps), threads, 0, stream>>>(
         receive, filing, layout.units, in, const_cast<std::uint32_t*>(filing.leavers.ghost_start));
     unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(filing, layout, in, counters);
-    stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters);
+    stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters, facing_.data());
     check(cudaGetLastError(), "Taking arrivals in");
 }
 

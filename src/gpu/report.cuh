@@ -61,8 +61,9 @@ __global__ void __launch_bounds__(32)
     }
     merge_lanes(sum);
     if (lane_id() > 0) return;
-    *report = {sum, *particles, occupied[0], occupied[1], counters->stored, counters->crowd, *at_rim};
-    counters->crowd = 0;
+    *report = {sum,    *particles, occupied[0], occupied[1], counters->stored, {counters->crowd[0], counters->crowd[1]},
+               *at_rim};
+    counters->crowd[0] = counters->crowd[1] = 0;
 }
 
 template <int Dim>

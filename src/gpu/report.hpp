@@ -18,7 +18,7 @@ struct Report {
     std::uint32_t boundary;   ///< occupied blocks that some peer needs
     std::uint32_t interior;   ///< the other occupied ones
     std::uint32_t stored;     ///< slots in use
-    std::uint32_t crowd;      ///< most particles of a block that some peer needs
+    std::uint32_t crowd[2];   ///< of a block, of a pair (comm/agreement.hpp)
     std::uint32_t at_rim;     ///< 1: some particle is in a cell of the rim
 
     std::uint32_t occupied() const { return boundary + interior; }

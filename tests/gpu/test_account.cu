@@ -189,7 +189,7 @@ TEST_CASE("a report is the fold of all accounts with the counts of the filing, a
     gpu::Array<std::uint32_t> counts;
     counts.assign({12345u, 6u, 7u, 1u});
     gpu::Array<gpu::Counters> counters;
-    counters.assign({{8, 9, 10, 11}});
+    counters.assign({{8, 9, 10, {11, 12}}});
     gpu::Report<3>* report = nullptr;
     gpu::check(cudaHostAlloc(&report, sizeof(*report), cudaHostAllocMapped), "Allocating pinned memory");
     gpu::fold_report(accounts.data(), counts.data(), counts.data() + 1, counts.data() + 3, counters.data(), report,
@@ -201,9 +201,11 @@ TEST_CASE("a report is the fold of all accounts with the counts of the filing, a
     CHECK(report->interior == 7);
     CHECK(report->occupied() == 13);
     CHECK(report->stored == 10);
-    CHECK(report->crowd == 11);
+    CHECK(report->crowd[0] == 11);
+    CHECK(report->crowd[1] == 12);
     CHECK(report->at_rim == 1);
-    CHECK(counters.host().front().crowd == 0);
+    CHECK(counters.host().front().crowd[0] == 0);
+    CHECK(counters.host().front().crowd[1] == 0);
     CHECK(counters.host().front().stored == 10);
     const gpu::Account<3> empty = empty_account();
     for (const gpu::Account<3>& a : accounts.host()) CHECK(std::memcmp(&a, &empty, sizeof(empty)) == 0);
