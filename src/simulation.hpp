@@ -67,7 +67,8 @@ inline constexpr double epoch_reach = 1;
 inline constexpr double epoch_stale = 1.25;
 
 /// A look at the balance begins so many steps before it is due where plans and tables are made beside the steps: about
-/// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval.
+/// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval. A plan that is
+/// not there in time is taken when it is.
 inline constexpr std::int64_t most_steps_ahead = 16;
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
@@ -131,7 +132,8 @@ class Simulation {
     /// With those of the epoch under way.
     RunCounts counts_so_far() const;
     const Ledger<Dim>& ledger() const { return ledger_; }
-    const BalanceLook& last_look() const { return look_; }
+    /// The look that ended since this was asked before, or the one of them that repartitioned; no reason: none did.
+    BalanceLook take_look() { return std::exchange(look_, {}); }
     const Agreement& agreement() const { return agreed_; }
     Phases& phases() { return phases_; }
     Share& patch() { return engine_->share(); }
@@ -197,12 +199,13 @@ class Simulation {
     void foresee_epoch();
     void look_ahead();
     void renew_epoch();
-    bool is_balanced();
+    bool is_balanced(BalanceLook& found) const;
     void take_times(TriggerInput& terms) const;
     void rest();
     bool must_wait() const { return !(beside_ && engine_->leaves_host_free()); }
     std::int64_t steps_ahead() const;
     void begin_look();
+    void end_look(BalanceLook found);
     void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
     void go_on_looking();
     void repartition(EpochTables<Dim> tables);
@@ -235,7 +238,9 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
-    bool looking_ = false;  ///< a look is under way
+    bool looking_ = false;          ///< a look is under way
+    std::int64_t look_due_ = 0;     ///< the step from which it is taken when all ranks have planned
+    std::int64_t look_latest_ = 0;  ///< the step at which they are waited for
     LookInput look_input_;
     Look planned_;  ///< by the thread that makes the next epoch, when a look is under way
     Acceleration body_force_;

@@ -129,7 +129,7 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    if (trigger_.is_due(clock_.step + steps_ahead()) && !alone) begin_look();
+    if (!looking_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) begin_look();
     if (looking_) go_on_looking();
     if (looking_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
@@ -152,16 +152,15 @@ void Simulation<Real, Dim>::rest() {
 /// By what the agreements say of the ranks, before anything is filed or sent: no plan is worth making. Costs may say
 /// otherwise, but only block by block.
 template <class Real, int Dim>
-bool Simulation<Real, Dim>::is_balanced() {
+bool Simulation<Real, Dim>::is_balanced(BalanceLook& found) const {
     if (weighs_cells()) return false;
-    look_.terms = TriggerInput{};
-    look_.terms.now =
+    found.terms.now =
         weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
-    look_.reason = "balanced";
-    if (!trigger_.needs_plan(look_.terms.now)) return true;
-    take_times(look_.terms);
-    look_.reason = "not worth it";
-    return !trigger_.may_pay(look_.terms);
+    found.reason = "balanced";
+    if (!trigger_.needs_plan(found.terms.now)) return true;
+    take_times(found.terms);
+    found.reason = "not worth it";
+    return !trigger_.may_pay(found.terms);
 }
 
 /// What steps took by the last agreement.
@@ -184,8 +183,12 @@ std::int64_t Simulation<Real, Dim>::steps_ahead() const {
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_look() {
-    look_ = {};
-    if (is_balanced()) return;
+    BalanceLook found;
+    if (is_balanced(found)) return end_look(std::move(found));
+    look_due_ = clock_.step + steps_ahead();
+    look_latest_ = look_due_;
+    if (steps_ahead() > 0 && scene_.balance.trigger != Trigger::every)
+        look_latest_ += scene_.balance.interval - steps_ahead() - 1;  // one more, and the next look begins
     if (must_wait()) rest();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());
@@ -213,10 +216,18 @@ void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std:
     next_epoch_.start_repartition(blocks.size(), owners, steps_ahead() > 0);
 }
 
-/// The look is taken when it is due, or when the epoch is used up.
+/// What is told of looks until somebody asks: the last one, unless one before it repartitioned.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::end_look(BalanceLook found) {
+    if (found.repartitioned || !look_.repartitioned) look_ = std::move(found);
+}
+
+/// The look is taken when it is due and nobody has to wait for a plan, or when the epoch is used up.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::go_on_looking() {
-    const bool ends = trigger_.is_due(clock_.step) || wandered_ > epoch_reach || foreseen_ >= epoch_reach;
+    const bool all_have_planned = !loads_.under_way() && !agreed_.making;
+    const bool ends = (clock_.step >= look_due_ && all_have_planned) || clock_.step >= look_latest_ ||
+                      wandered_ > epoch_reach || foreseen_ >= epoch_reach;
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
         if (loads_.under_way())
@@ -226,7 +237,7 @@ void Simulation<Real, Dim>::go_on_looking() {
     });
     if (!ends) return;
     looking_ = false;
-    look_ = planned_.found;
+    end_look(planned_.found);
     if (!tables) return;
     rest();
     phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });
@@ -250,7 +261,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     time_lost_ = 0;
     pace_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    trigger_.learn(look_.terms.migration, move_seconds_);
+    trigger_.learn(planned_.found.terms.migration, move_seconds_);
 }
 
 }  // namespace moraine

@@ -33,6 +33,7 @@ void Simulation<Real, Dim>::start_agreement() {
     phases_.time(Phase::agree, [&] { book(); });
     own_.count = engine_->census().particles;
     own_.crowd = engine_->census().crowd;
+    own_.making = next_epoch_.is_ready() ? 0 : 1;
     own_.stop = asked_;
     asked_ = 0;
     reduction_.start(own_);

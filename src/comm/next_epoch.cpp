@@ -90,6 +90,11 @@ void NextEpoch<Dim>::start_repartition(std::size_t count, std::function<std::vec
 }
 
 template <int Dim>
+bool NextEpoch<Dim>::is_ready() const {
+    return !made_.valid() || made_.wait_for(std::chrono::seconds(0)) != std::future_status::timeout;
+}
+
+template <int Dim>
 std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
     Made made = made_.get();
     if (!made.tables) return {};
@@ -100,10 +105,13 @@ std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
 
 template <int Dim>
 std::vector<std::int32_t> NextEpoch<Dim>::owners_of(const std::vector<Key>& keys) const {
-    std::vector<std::int32_t> owners(keys.size());
-#pragma omp parallel for schedule(static)
-    for (std::size_t i = 0; i < keys.size(); ++i)
-        owners[i] = topology_.owner[static_cast<std::size_t>(topology_.find(keys[i]))];
+    std::vector<std::int32_t> owners;
+    owners.reserve(keys.size());
+    auto at = topology_.keys.begin();
+    for (Key key : keys) {
+        at = std::find(at, topology_.keys.end(), key);
+        owners.push_back(topology_.owner[static_cast<std::size_t>(at - topology_.keys.begin())]);
+    }
     return owners;
 }
 

@@ -41,12 +41,14 @@ class NextEpoch {
     /// nothing. Called by the thread that makes the tables; count: about how many.
     void start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied, bool beside);
     bool under_way() const { return made_.valid(); }
+    /// take() would not wait for another thread.
+    bool is_ready() const;
 
     /// What was started; waits for it. None: no block is occupied that was not when the present epoch was made, or all
     /// stays where it is; the present tables serve on.
     std::optional<EpochTables<Dim>> take();
 
-    /// Of blocks of the present epoch, own or not, in any order.
+    /// Of blocks of the present epoch, own or not; keys ascend.
     std::vector<std::int32_t> owners_of(const std::vector<Key>& keys) const;
 
   private:

@@ -53,9 +53,11 @@ class Array {
         if (n > 0) check(cudaMemcpy(data_, from, n * sizeof(T), cudaMemcpyHostToDevice), "Copying to the device");
     }
     void assign(const std::vector<T>& from) { assign(from.data(), from.size()); }
-    /// Queued on a stream; `from` may change at once, the copy is there when the stream has been waited for.
+    /// Queued on a stream; `from` may change at once, the copy is there when the stream has been waited for. With room
+    /// for an eighth more: the next tables differ a little, and to free memory waits for the whole device.
     void assign(const std::vector<T>& from, cudaStream_t stream) {
-        resize(from.size());
+        if (from.size() > capacity_) reserve(from.size() + from.size() / 8);
+        size_ = from.size();
         if (size_ > 0)
             check(cudaMemcpyAsync(data_, from.data(), size_ * sizeof(T), cudaMemcpyHostToDevice, stream),
                   "Copying to the device");
