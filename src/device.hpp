@@ -29,8 +29,7 @@ bool wants_device(const std::string& wanted, const Comm& comm);
 /// InputError, the same on all ranks, where what is wanted cannot be had. Collective.
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport = "auto");
 
-/// Throws InputError, the same on all ranks, if a device has less free than its ranks need for a scene of `bytes` in
-/// all. Collective.
+/// Throws InputError, the same on all ranks, if a device has less free than its ranks need, `bytes` each. Collective.
 void check_device_memory(double bytes, const Comm& comm);
 
 template <class Real, int Dim>

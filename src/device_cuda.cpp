@@ -2,6 +2,7 @@
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <cmath>
 
@@ -17,6 +18,12 @@ namespace {
 int devices_here() {
     int n = 0;
     return cudaGetDeviceCount(&n) == cudaSuccess ? n : 0;
+}
+
+/// The host of a device makes tables of some MB again and again: giving them back costs as much as filling them.
+void keep_freed_memory() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
 }
 
 }  // namespace
@@ -48,6 +55,7 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
         choice.wires = gpu::choose_wires(comm, transport, wires);
         choice.transport = choice.wires->name();
     }
+    keep_freed_memory();
     choice.words =
         fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name, comm.size(),
                     comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", wires.empty() ? "" : ", ", wires);
@@ -58,14 +66,14 @@ void check_device_memory(double bytes, const Comm& comm) {
     std::size_t free = 0, total = 0;
     gpu::check(cudaMemGetInfo(&free, &total), "Asking the device for its memory");
     const int sharing = (comm.on_this_machine().size + devices_here() - 1) / devices_here();  // ranks of one device
-    const double mine = bytes / comm.size() * sharing;
+    const double mine = bytes * sharing, all = bytes * comm.size();
     std::string wrong;
     if (mine > static_cast<double>(free))
         wrong = fmt::format(
             "The scene needs {:.1f} GB of device memory, {:.1f} GB on each device ({:.1f} of {:.1f} GB are "
             "free). {} such GPUs would hold it; a larger domain.cell, single precision or --device cpu?",
-            bytes * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
-            static_cast<int>(std::ceil(bytes / (0.95 * static_cast<double>(total)))));
+            all * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
+            static_cast<int>(std::ceil(all / (0.95 * static_cast<double>(total)))));
     comm.agree_no_error<InputError>(wrong);
 }
 

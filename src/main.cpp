@@ -70,12 +70,6 @@ void choose_threads(const Comm& comm) {
     omp_set_num_threads(std::max(1, omp_get_num_procs() / comm.on_this_machine().size));
 }
 
-/// The host of a device makes tables of some MB again and again: giving them back costs as much as filling them.
-void keep_freed_memory() {
-    mallopt(M_MMAP_THRESHOLD, 1 << 25);
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
-}
-
 void execute(const Options& options, const Comm& comm) {
     const Scene scene = read_agreed(comm, options);
     if (options.command == "check") {
@@ -84,8 +78,7 @@ void execute(const Options& options, const Comm& comm) {
     }
     choose_threads(comm);
     const DeviceChoice device = choose_device(options.device, comm, options.transport);
-    if (device.cuda) keep_freed_memory();
-    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene)), comm);
+    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
     run_scene(scene, options, comm, device);
 }
 

@@ -1,7 +1,7 @@
 // benchmark_device: the whole step of one device, filing, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...]    CASE as --list names them; default: all
-// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME] [--weight NAME]
+// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME]
 //
 // One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
 // Under mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
@@ -31,7 +31,14 @@ struct Runs {
     std::string transport = "auto";
     std::string partitioner;  ///< empty: of the scene
     std::string weight;       ///< empty: of the scene
+    std::string trigger = "threshold";
 };
+
+Trigger trigger_of(const std::string& name) {
+    if (name == "threshold") return Trigger::threshold;
+    if (name == "planned") return Trigger::planned;
+    throw std::runtime_error("no trigger " + name + " (threshold or planned)");
+}
 
 struct Device {
     std::string name;
@@ -63,6 +70,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     Scene scene = c.scene;
     if (!plan.partitioner.empty()) scene.balance.partitioner = plan.partitioner;
     if (!plan.weight.empty()) scene.balance.weight = plan.weight;
+    scene.balance.trigger = trigger_of(plan.trigger);
     Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, choice));
     const double begun = wall_seconds();
     sim.seed();
@@ -100,6 +108,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     if (!comm.is_root()) return;
     fmt::print(
         "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "
+        "\"trigger\": \"{}\", "
         "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
@@ -109,9 +118,9 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "{}, "
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
-        c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, device.name,
-        device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.steps, plan.runs,
-        1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
+        device.name, device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.steps,
+        plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
         counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
@@ -134,8 +143,8 @@ void benchmark(int argc, char** argv) {
         const std::string key = argv[i];
         if (key == "--list")
             list = true;
-        else if (key == "--weight" && i + 1 < argc)
-            plan.weight = argv[++i];
+        else if ((key == "--weight" || key == "--trigger") && i + 1 < argc)
+            (key == "--weight" ? plan.weight : plan.trigger) = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)
             (key == "--transport" ? plan.transport : plan.partitioner) = argv[++i];
         else if ((key == "--steps" || key == "--runs") && i + 1 < argc)

@@ -41,9 +41,10 @@ Prediction predict(const Scene& scene);
 ///             of blocks, and tables, of two more, as if the body were a cube
 double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
 
-/// Of one GPU that holds it all, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the arrays of
-/// gpu/particles.hpp, gpu/lists.hpp, gpu/tables.hpp and gpu/engine.hpp; a test holds it to what was measured.
-double bytes_on_device(const Scene& scene, const Prediction& p);
+/// Of the GPU of one of `ranks` ranks, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the
+/// arrays of gpu/particles.hpp, gpu/lists.hpp, gpu/tables.hpp and gpu/engine.hpp, and with several ranks through the
+/// boxes of the wires; a test holds it to what was measured.
+double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 
 /// Of the host, for one of `ranks` ranks that compute on GPUs [B]: 1 GB allowed for CUDA, MPI and the wires; blocks,
 /// which every rank knows, and the tables of its own ones, twice while a next epoch is made; a piece of the particles;

@@ -85,7 +85,9 @@ double device_tables(const Scene& scene, const Prediction& p) {
 
 }  // namespace
 
-double bytes_on_device(const Scene& scene, const Prediction& p) {
+namespace {
+
+double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const Remembered r = remembered(scene);
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
@@ -95,6 +97,43 @@ double bytes_on_device(const Scene& scene, const Prediction& p) {
     const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
     const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
     return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
+}
+
+/// Boxes of a wire for messages of so many bytes in all, two for each (gpu/peer_wire.cpp).
+double boxes(double bytes) {
+    const double room = 2 * 9.0 / 8 * bytes;
+    return room + std::max(room / 8, std::min(room, 67108864.0));
+}
+
+/// Blocks of one of `ranks` shares that touch others: as many as if all were cubes in a larger one, and half as many
+/// again, for parts of a curve are more ragged.
+double boundary_blocks(const Scene& scene, double blocks, int ranks) {
+    const double d = scene.dimensions;
+    return std::min(blocks, 1.5 * 2 * d * std::pow(blocks, (d - 1) / d) * (1 - std::pow(ranks, -1 / d)));
+}
+
+/// What one of several devices needs besides its share: spare slots, the tiles of others, messages.
+double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
+    const Remembered r = remembered(scene);
+    const auto particles = static_cast<double>(mine.particles), blocks = static_cast<double>(mine.blocks);
+    const double record = 16 + (device_reals(scene, r) - 4) * real_bytes(scene);
+    const double boundary = boundary_blocks(scene, blocks, ranks);
+    const double leavers = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
+    const double halo = boundary * tile_bytes(scene) * 0.4;  // of a face and some edges, without the unused sums
+    const double moves = std::min(particles / 16 * record, 67108864.0);
+    return particles / 64 * (record + 40) + boundary * 9 / 8 * tile_bytes(scene) + device_tables(scene, mine) / 4 +
+           boxes(leavers * record) + boxes(halo) + boxes(moves);
+}
+
+}  // namespace
+
+double bytes_on_device(const Scene& scene, const Prediction& p, int ranks) {
+    if (ranks == 1) return bytes_of_one_device(scene, p);
+    Prediction mine = p;
+    for (std::int64_t Prediction::*count :
+         {&Prediction::particles, &Prediction::blocks, &Prediction::epoch_blocks, &Prediction::node_blocks})
+        mine.*count = (p.*count + ranks - 1) / ranks;
+    return bytes_of_one_device(scene, mine) + bytes_for_others(scene, mine, ranks);
 }
 
 namespace {

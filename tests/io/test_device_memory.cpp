@@ -99,3 +99,16 @@ TEST_CASE("device memory is predicted within a fiftieth of what was measured, of
         }
     }
 }
+
+TEST_CASE(
+    "device memory of two ranks, with room for each other's, is predicted within a fifteenth of what was measured") {
+    for (const Measured& m : {Measured{"column-64M", 200, 200, 165.8, 0}, {"column-16M", 128, 128, 175.9, 0}}) {
+        CAPTURE(std::string(m.name));
+        const Scene s = scene_of(m, Precision::single_);
+        const Prediction p = prediction_of(s, m);
+        const double bytes = 2 * bytes_on_device(s, p, 2) / static_cast<double>(p.particles);
+        CHECK(bytes == doctest::Approx(m.single).epsilon(1.0 / 15));
+        CHECK(bytes_on_device(s, p, 4) < bytes_on_device(s, p, 2));
+        CHECK(4 * bytes_on_device(s, p, 4) > 2 * bytes_on_device(s, p, 2));
+    }
+}
