@@ -20,7 +20,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       domain_(scene),
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm)),
       trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
-      weight_(scene.balance, make_engine ? device_costs : host_costs),
+      weight_(scene.balance, make_engine ? device_costs : host_costs, Block<Dim>::cells),
       calibration_(make_engine ? device_costs : host_costs),
       reduction_(comm),
       structures_(scene),

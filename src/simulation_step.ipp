@@ -32,6 +32,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::start_agreement() {
     phases_.time(Phase::agree, [&] { book(); });
     own_.count = engine_->census().particles;
+    own_.blocks = engine_->census().blocks;
     own_.crowd = engine_->census().crowd;
     own_.making = next_epoch_.is_ready() ? 0 : 1;
     own_.stop = asked_;
@@ -59,7 +60,9 @@ void Simulation<Real, Dim>::agree_on_dt() {
     counts_.imbalance_time_sum += mean_seconds > 0 ? agreed_.seconds / mean_seconds : 1;
     time_lost_ += agreed_.seconds - mean_seconds;
     counts_.seconds_lost += agreed_.seconds - mean_seconds;
-    pace_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum, own_.count, agreed_.count_sum});
+    if (weight_.is_time())
+        pace_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum, weight_.with_blocks(own_.count, own_.blocks),
+                   weight_.with_blocks(agreed_.count_sum, agreed_.blocks)});
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     if (scene_.dt > 0)

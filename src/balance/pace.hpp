@@ -2,9 +2,9 @@
 // What this rank's particles cost, measured: balance.weight = "time".
 //
 // A rank's time per particle differs with what the particles do, with how full their cells are, with the boundary of
-// its share and with the processor. A block weighs its particles times the time per particle of who holds it; blocks
-// that move are measured by their new owner, so a few repartitions find the shares that take equal time, whatever the
-// cause.
+// its share and with the processor. A block weighs its particles, and what a block takes besides, times the time per
+// particle of who holds it; blocks that move are measured by their new owner, so a few repartitions find the shares
+// that take equal time, whatever the cause.
 
 #include <cstdint>
 
@@ -17,7 +17,7 @@ struct StepTimes {
     double mine = 0;                ///< this rank's computing time [s]
     double slowest = 0;             ///< of all ranks [s]
     double sum = 0;                 ///< of all ranks [s]
-    std::int64_t my_particles = 0;  ///< of this rank
+    std::int64_t my_particles = 0;  ///< of this rank, its blocks among them (BlockWeight::with_blocks)
     std::int64_t particles = 0;     ///< of all ranks
 };
 

@@ -4,7 +4,8 @@
 
 namespace moraine {
 
-BlockWeight::BlockWeight(const BalanceSpec& spec, const CostModel& model) : model_(model) {
+BlockWeight::BlockWeight(const BalanceSpec& spec, const CostModel& model, int cells)
+    : model_(model), block_((cells * model.c + model.d) / std::max<std::int64_t>(1, model.a)) {
     if (spec.weight == "cost")
         kind_ = Kind::cost;
     else if (spec.weight == "time")

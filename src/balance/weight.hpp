@@ -3,7 +3,9 @@
 //
 //   particles   the number of its particles
 //   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
-//   time        a * particles, in picoseconds, at least 1; a: measured by the rank that holds the block (pace.hpp)
+//   time        a * (particles + b), in picoseconds, at least 1; a: measured by the rank that holds the block
+//   (pace.hpp),
+//               b: particles that take as long as a full block takes besides its particles, by the constants of `cost`
 //
 // The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
 // the same weight on every rank. Those of `cost` are refined by measured steps (calibration.hpp), the same on all
@@ -25,17 +27,20 @@ struct CostModel {
 
 class BlockWeight {
   public:
-    /// Throws InputError if balance.weight is none of these. Not collective.
-    BlockWeight(const BalanceSpec& spec, const CostModel& model);
+    /// cells: of a block. Throws InputError if balance.weight is none of these. Not collective.
+    BlockWeight(const BalanceSpec& spec, const CostModel& model, int cells = 64);
 
     /// Not collective.
     std::int64_t operator()(std::int64_t particles, std::int64_t cells) const {
         if (kind_ == Kind::particles) return particles;
-        if (kind_ == Kind::time) return std::max<std::int64_t>(1, model_.a * particles);
+        if (kind_ == Kind::time) return std::max<std::int64_t>(1, model_.a * with_blocks(particles, 1));
         const std::int64_t picoseconds = model_.a * particles + model_.c * cells + model_.d;
         const std::int64_t nanoseconds = (picoseconds + 500) / 1000;
         return nanoseconds > 0 ? nanoseconds : 1;
     }
+
+    /// Particles, and for each block as many as `time` adds.
+    std::int64_t with_blocks(std::int64_t particles, std::int64_t blocks) const { return particles + blocks * block_; }
 
     bool is_cost() const { return kind_ == Kind::cost; }
     bool is_time() const { return kind_ == Kind::time; }
@@ -53,6 +58,7 @@ class BlockWeight {
 
     Kind kind_ = Kind::particles;
     CostModel model_;
+    std::int64_t block_;  ///< particles that take as long as a block does besides its own
 };
 
 }  // namespace moraine

@@ -29,6 +29,7 @@ struct Agreement {
     double seconds_sum = 0;      ///< sum; reported only
     std::int64_t count = 0;      ///< max: particles of a rank
     std::int64_t count_sum = 0;  ///< sum
+    std::int64_t blocks = 0;     ///< sum: occupied
     Crowd crowd;                 ///< max
     std::uint32_t faults = 0;    ///< or: bits of Fault
     std::uint32_t at_rim = 0;    ///< or: 1 some particle could leave the topology soon (comm/rim.hpp)

@@ -20,7 +20,7 @@ class HostEngine final : public Engine<Real, Dim> {
 
     std::string device() const override { return "cpu"; }
     Share& share() override { return patch_; }
-    Census census() const override { return {patch_.count(), patch_.tiles_in_use(), 0}; }
+    Census census() const override { return {patch_.count(), patch_.tiles_in_use(), {}}; }
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;

@@ -77,6 +77,19 @@ TEST_CASE("a rank with hardly any particles has no pace of its own") {
     CHECK(idle.picoseconds(start) == 100);
 }
 
+TEST_CASE("weights by time have what a block takes besides its particles") {
+    BalanceSpec spec;
+    spec.weight = "time";
+    const BlockWeight device(spec, {80, 300, 0}), flat(spec, {80, 300, 0}, 16), host(spec, {130, 0, 8000});
+    CHECK(device.with_blocks(512, 1) == 512 + 240);
+    CHECK(flat.with_blocks(512, 2) == 512 + 2 * 60);
+    CHECK(host.with_blocks(1000, 10) == 1000 + 610);
+    CHECK(device(512, 0) == 80 * 752);
+    BlockWeight measured = device;
+    measured.set_model({100, 0, 0});
+    CHECK(measured(512, 64) == 100 * 752);  // a pace changes the scale alone
+}
+
 TEST_CASE("weights by time are whole picoseconds, and never nothing") {
     CHECK(by_time(125)(512, 64) == 64000);
     CHECK(by_time(125)(0, 0) == 1);

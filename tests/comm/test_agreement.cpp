@@ -16,6 +16,9 @@ TEST_CASE("all ranks learn the largest, the sums and every fault and request") {
         mine.seconds = 0.5 * (r + 1);
         mine.seconds_sum = 1e9;  // overwritten
         mine.count = (std::int64_t(1) << 40) + r;
+        mine.blocks = 100 + r;
+        mine.crowd = {7 - r, 1000 + r};
+        mine.making = r == 0 ? 1u : 0u;
         mine.faults = 1u << r;
         mine.stop = r == n - 1 ? 2u : 0u;
         reduction.start(mine);
@@ -26,6 +29,10 @@ TEST_CASE("all ranks learn the largest, the sums and every fault and request") {
         CHECK(all.seconds_sum == 0.25 * n * (n + 1));
         CHECK(all.count == (std::int64_t(1) << 40) + n - 1);
         CHECK(all.count_sum == n * (std::int64_t(1) << 40) + n * (n - 1) / 2);
+        CHECK(all.blocks == 100 * n + n * (n - 1) / 2);
+        CHECK(all.crowd.block == 7);
+        CHECK(all.crowd.pair == 1000 + n - 1);
+        CHECK(all.making == 1);
         CHECK(all.faults == (1u << n) - 1);
         CHECK(all.stop == 2);
     }
@@ -41,6 +48,7 @@ TEST_CASE("a rank without particles takes nothing from the others") {
     CHECK(all.signal == 3);
     CHECK(all.count == 7);
     CHECK(all.count_sum == 7);
+    CHECK(all.making == 0);
     CHECK(all.faults == 0);
     CHECK(all.stop == 0);
 }

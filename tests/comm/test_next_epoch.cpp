@@ -116,3 +116,20 @@ TEST_CASE("tables that are begun to be made while others still are come after th
     }
     CHECK(most == 1);
 }
+
+TEST_CASE("tables are ready when their thread has made and prepared them, and at once where take() makes them") {
+    const World<2> world(3, ranks);
+    std::promise<void> gate;
+    const std::shared_future<void> open = gate.get_future().share();
+    NextEpoch<2> next(world.domain, world.stencil, 0, nobody, [open](const EpochTables<2>&) { open.wait(); });
+    next.make(world.occupied);
+    CHECK(next.is_ready());
+    const auto occupied = [&] { return world.occupied; };
+    next.start_repartition(world.occupied.size(), occupied, true);
+    CHECK(!next.is_ready());
+    gate.set_value();
+    while (!next.is_ready()) std::this_thread::yield();
+    CHECK(next.take().has_value());
+    next.start_repartition(world.occupied.size(), occupied, false);
+    CHECK(next.is_ready());
+}
