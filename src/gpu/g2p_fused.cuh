@@ -5,9 +5,9 @@
 // that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
 // many.
 
-#include "core/material/laws.hpp"
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
+#include "gpu/plain_law.cuh"
 #include "gpu/stress_particle.cuh"
 #include "gpu/volumetric.cuh"
 
@@ -124,7 +124,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
 template <class Real, class Law, bool Averages>
-inline constexpr int fused_blocks = sizeof(Real) == 8 ? 3 : (Averages&& std::is_same_v<Law, Tresca<Real>> ? 4 : 5);
+inline constexpr int fused_blocks = sizeof(Real) == 8 ? 3 : (Averages&& std::is_base_of_v<Tresca<Real>, Law> ? 4 : 5);
 
 template <class Real, int Dim, class Shape, class Law, bool Averages>
 class FusedKernel final : public GatherKernel<Real, Dim> {
@@ -156,7 +156,7 @@ std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const Mate
 
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape) {
-    return with_law<Real>(material.law, material.parameters.data(), [&](const auto& law) {
+    return with_kernel_law<Real>(material, [&](const auto& law) {
         return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear>(law, material)
                                                : fused_kernel<Real, Dim, Quadratic>(law, material);
     });

@@ -3,9 +3,9 @@
 //
 // Work is summed over the block's own particles of this material in a fixed tree, then rounded once.
 
-#include "core/material/laws.hpp"
 #include "gpu/g2p_particle.cuh"
 #include "gpu/launch.cuh"
+#include "gpu/plain_law.cuh"
 #include "gpu/stress_particle.cuh"
 
 namespace moraine::gpu {
@@ -104,11 +104,10 @@ class StressKernelOf final : public StressKernel<Real, Dim> {
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material) {
-    return with_law<Real>(material.law, material.parameters.data(),
-                          [&](const auto& law) -> std::unique_ptr<StressKernel<Real, Dim>> {
-                              using Law = std::decay_t<decltype(law)>;
-                              return std::make_unique<StressKernelOf<Real, Dim, Law>>(law, material.density);
-                          });
+    return with_kernel_law<Real>(material, [&](const auto& law) -> std::unique_ptr<StressKernel<Real, Dim>> {
+        using Law = std::decay_t<decltype(law)>;
+        return std::make_unique<StressKernelOf<Real, Dim, Law>>(law, material.density);
+    });
 }
 
 }  // namespace moraine::gpu
