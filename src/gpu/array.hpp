@@ -69,7 +69,8 @@ class Array {
         return to;
     }
 
-    /// As it is by what stream has queued so far.
+    /// As it is by what stream has queued so far. Not on the stream of the steps: after a copy to pageable memory each
+    /// launch on a stream takes 1.3 us more (NVIDIA H200, CUDA 13.0: 1.2 us between kernels became 2.5).
     std::vector<T> host(cudaStream_t stream) const {
         std::vector<T> to(size_);
         if (size_ > 0)

@@ -63,7 +63,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
     if (least > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
     report_is_of_epoch_ = false;
-    if (exchange_) exchange_->open(epoch_);
+    if (exchange_) exchange_->open(epoch_, stream_);
 }
 
 /// What the next report will say of the boundary, for those who need it before.
@@ -71,8 +71,9 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::count_boundary() {
     if (!exchange_) return;
     count_crowd();
-    boundary_blocks_ = static_cast<int>(lists_.occupied_boundary(stream_));
-    const Counters counted = counters_.host(stream_).front();
+    stream_.wait();
+    boundary_blocks_ = static_cast<int>(lists_.occupied_boundary());
+    const Counters counted = counters_.host().front();
     census_.crowd = {counted.crowd[0], counted.crowd[1]};
 }
 
@@ -94,7 +95,7 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     particles_.upload(share_.particles.columns(), filed.slot, most);
     find_cells();
     set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), 0};
+    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
@@ -177,7 +178,7 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks) {
     FiledBlocks filed;
-    census_ = {0, static_cast<std::int64_t>(blocks.size()), 0};
+    census_ = {0, static_cast<std::int64_t>(blocks.size()), {}};
     for (const Stretch& s : blocks) {
         filed.key.push_back(s.key);
         filed.count.push_back(s.count);

@@ -28,7 +28,7 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables
                 stream_);
     find_cells();
     set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), 0};
+    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();

@@ -13,10 +13,10 @@ struct Exchange {
     Exchange(const Comm& c, const WireMaker& wires)
         : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(c, wires.make(13)) {}
 
-    /// For an epoch whose routes are there, between two rounds. Collective.
-    void open(const EpochTables<Dim>& tables) {
+    /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
+    void open(const EpochTables<Dim>& tables, cudaStream_t steps) {
         halo.open(tables);
-        migration.begin_epoch(tables);
+        migration.begin_epoch(tables, steps);
     }
 
     const Comm& comm;

@@ -51,8 +51,8 @@ class Lists {
     std::uint32_t* changed() const { return changed_.data(); }
     std::uint32_t* slots() const { return slot_.data(); }
 
-    /// Occupied blocks that some peer needs. Waits for the stream.
-    std::uint32_t occupied_boundary(cudaStream_t stream) const { return occupied_.host(stream)[0]; }
+    /// Occupied blocks that some peer needs.
+    std::uint32_t occupied_boundary() const { return occupied_.host().front(); }
     std::vector<std::uint32_t> first() const { return first_.host(); }
     std::vector<std::uint32_t> first(cudaStream_t stream) const { return first_.host(stream); }
     std::vector<std::uint32_t> cell_first(cudaStream_t stream) const { return cell_first_.host(stream); }

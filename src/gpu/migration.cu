@@ -214,7 +214,7 @@ unsigned blocks_for(int items, int per_block) {
 }  // namespace
 
 template <int Dim>
-void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables) {
+void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables, cudaStream_t stream) {
     peers_.clear();
     std::size_t tiles = 0;
     for (const PeerHalo& peer : tables.peers) {
@@ -224,7 +224,7 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables) {
     place_.resize(tiles);
     facing_.resize(peers_.size());
     if (!peers_.empty())
-        check(cudaMemset(facing_.data(), 0, peers_.size() * sizeof(std::uint32_t)), "Beginning an epoch");
+        check(cudaMemsetAsync(facing_.data(), 0, peers_.size() * sizeof(std::uint32_t), stream), "Beginning an epoch");
     const std::size_t record = std::exchange(record_, 0);
     if (record > 0) expect(crowd_, record);
 }

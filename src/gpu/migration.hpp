@@ -23,8 +23,9 @@ class DeviceMigration {
   public:
     explicit DeviceMigration(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
 
-    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). Collective.
-    void begin_epoch(const EpochTables<Dim>& tables);
+    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd can be counted by
+    /// what is queued on the stream behind it. Collective.
+    void begin_epoch(const EpochTables<Dim>& tables, cudaStream_t stream);
     /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Returns whether anything
     /// changed. Collective.
     bool expect(const Crowd& crowd, std::size_t record);

@@ -51,7 +51,7 @@ void compare(const test::Plan<Dim>& plan) {
     counters.assign({gpu::Counters{}});
     gpu::DeviceMigration<Dim> migration(nullptr);
     for (int twice = 0; twice < 2; ++twice) {  // an epoch begins with sums of zero
-        migration.begin_epoch(epoch);
+        migration.begin_epoch(epoch, nullptr);
         migration.count_crowd(routes.send(), tables.view(), {first.data(), cell_first.data(), nullptr}, counters.data(),
                               nullptr);
     }
