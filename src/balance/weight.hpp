@@ -3,9 +3,10 @@
 //
 //   particles   the number of its particles
 //   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
-//   time        a * (particles + b), in picoseconds, at least 1; a: measured by the rank that holds the block
-//   (pace.hpp),
-//               b: particles that take as long as a full block takes besides its particles, by the constants of `cost`
+//   time        a * (particles + b), in picoseconds, at least 1
+//
+// a of `time` is measured by the rank that holds the block (pace.hpp); b are as many particles as take the time that a
+// full block takes besides its own, by the constants of `cost`.
 //
 // The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
 // the same weight on every rank. Those of `cost` are refined by measured steps (calibration.hpp), the same on all

@@ -23,8 +23,8 @@ class DeviceMigration {
   public:
     explicit DeviceMigration(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
 
-    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd can be counted by
-    /// what is queued on the stream behind it. Collective.
+    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd may be counted on
+    /// the stream behind it. Collective.
     void begin_epoch(const EpochTables<Dim>& tables, cudaStream_t stream);
     /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Returns whether anything
     /// changed. Collective.
@@ -32,14 +32,14 @@ class DeviceMigration {
     /// Particles that may arrive in one step.
     std::size_t most_arrivals() const { return most_arrivals_; }
 
-    /// Makes counters.crowd no less than this rank's: once before finish() and after it. Asynchronous.
+    /// Makes counters.crowd no less than this rank's. Not again before finish() or begin_epoch(). Asynchronous.
     void count_crowd(const Route& send, const BlockTable<Dim>& table, const ListView<Dim>& list, Counters* counters,
                      cudaStream_t stream);
     /// Sends the leavers that are collected. On one stream, as is finish().
     void start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
                cudaStream_t stream);
     void post() { wire_->post(); }
-    /// Takes the arrivals in, as leavers of ghosts; own leavers end at filing.list.first[own]. The crowd can be counted
+    /// Takes the arrivals in, as leavers of ghosts; own leavers end at filing.list.first[own]. The crowd may be counted
     /// anew.
     void finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
                 cudaStream_t stream);

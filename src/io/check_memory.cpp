@@ -102,7 +102,7 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
 /// Boxes of a wire for messages of so many bytes in all, two for each (gpu/peer_wire.cpp).
 double boxes(double bytes) {
     const double room = 2 * 9.0 / 8 * bytes;
-    return room + std::max(room / 8, std::min(room, 67108864.0));
+    return room + std::max(room / 8, std::min(room, 64.0 * (1 << 20)));
 }
 
 /// Blocks of one of `ranks` shares that touch others: as many as if all were cubes in a larger one, and half as many
@@ -120,7 +120,7 @@ double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
     const double boundary = boundary_blocks(scene, blocks, ranks);
     const double leavers = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
     const double halo = boundary * tile_bytes(scene) * 0.4;  // of a face and some edges, without the unused sums
-    const double moves = std::min(particles / 16 * record, 67108864.0);
+    const double moves = std::min(particles / 16 * record, 64.0 * (1 << 20));  // a round of gpu/block_moves.cu
     return particles / 64 * (record + 40) + boundary * 9 / 8 * tile_bytes(scene) + device_tables(scene, mine) / 4 +
            boxes(leavers * record) + boxes(halo) + boxes(moves);
 }
