@@ -31,9 +31,10 @@ void Simulation<Real, Dim>::book() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_agreement() {
     phases_.time(Phase::agree, [&] { book(); });
-    own_.count = engine_->census().particles;
-    own_.blocks = engine_->census().blocks;
-    own_.crowd = engine_->census().crowd;
+    const Census census = engine_->census();
+    own_.count = census.particles;
+    own_.blocks = census.blocks;
+    own_.crowd = census.crowd;
     own_.making = next_epoch_.is_ready() ? 0 : 1;
     own_.stop = asked_;
     asked_ = 0;

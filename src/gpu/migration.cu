@@ -230,8 +230,8 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables, cudaStrea
 }
 
 template <int Dim>
-bool DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
-    if (record == record_ && crowd.block <= crowd_.block && crowd.pair <= crowd_.pair) return false;
+void DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
+    if (record == record_ && crowd.block <= crowd_.block && crowd.pair <= crowd_.pair) return;
     crowd_ = {grown(crowd_.block, crowd.block), grown(crowd_.pair, crowd.pair)};
     record_ = record;
     std::vector<WirePeer> peers;
@@ -242,7 +242,6 @@ bool DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
         most_arrivals_ += in;
     }
     wire_->open(peers);
-    return true;
 }
 
 /// Leavers of so many blocks to one peer.

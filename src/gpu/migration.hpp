@@ -26,9 +26,8 @@ class DeviceMigration {
     /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd may be counted on
     /// the stream behind it. Collective.
     void begin_epoch(const EpochTables<Dim>& tables, cudaStream_t stream);
-    /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Returns whether anything
-    /// changed. Collective.
-    bool expect(const Crowd& crowd, std::size_t record);
+    /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Collective.
+    void expect(const Crowd& crowd, std::size_t record);
     /// Particles that may arrive in one step.
     std::size_t most_arrivals() const { return most_arrivals_; }
 

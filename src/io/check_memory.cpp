@@ -83,10 +83,6 @@ double device_tables(const Scene& scene, const Prediction& p) {
     return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
 }
 
-}  // namespace
-
-namespace {
-
 double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const Remembered r = remembered(scene);
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
