@@ -204,6 +204,7 @@ class Simulation {
     void rest();
     bool must_wait() const { return !(beside_ && engine_->leaves_host_free()); }
     std::int64_t steps_ahead() const;
+    bool epoch_ends_soon() const;
     void begin_look();
     void end_look(BalanceLook found);
     void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
@@ -238,9 +239,10 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
-    bool looking_ = false;          ///< a look is under way
-    std::int64_t look_due_ = 0;     ///< the step from which it is taken when all ranks have planned
-    std::int64_t look_latest_ = 0;  ///< the step at which they are waited for
+    std::optional<std::int64_t> look_wanted_;  ///< since this step, and none is under way
+    bool looking_ = false;                     ///< a look is under way
+    std::int64_t look_due_ = 0;                ///< the step from which it is taken when all ranks have planned
+    std::int64_t look_latest_ = 0;             ///< the step at which they are waited for
     LookInput look_input_;
     Look planned_;  ///< by the thread that makes the next epoch, when a look is under way
     Acceleration body_force_;

@@ -129,7 +129,8 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    if (!looking_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) begin_look();
+    if (!looking_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) look_wanted_ = clock_.step;
+    if (look_wanted_ && !epoch_ends_soon()) begin_look();
     if (looking_) go_on_looking();
     if (looking_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
@@ -180,9 +181,19 @@ std::int64_t Simulation<Real, Dim>::steps_ahead() const {
     return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
 }
 
+/// A look that began now would end with the epoch, and all would wait for its plan: it begins after the new one, or an
+/// interval later where epochs are short.
+template <class Real, int Dim>
+bool Simulation<Real, Dim>::epoch_ends_soon() const {
+    if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
+    if (clock_.step >= *look_wanted_ + scene_.balance.interval) return false;
+    return wandered_ > 0 && wandered_ + static_cast<double>(2 * steps_ahead()) * agreed_.moved > epoch_reach;
+}
+
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_look() {
+    look_wanted_.reset();
     BalanceLook found;
     if (is_balanced(found)) return end_look(std::move(found));
     look_due_ = clock_.step + steps_ahead();
