@@ -1,8 +1,9 @@
 // benchmark_device: the whole step of one device, filing, dt, epochs and memory refresh included.
 //
-//   benchmark_device [CASE ...]    CASE as --list names them; default: all
-// [--steps N] [--runs N] [--list] [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME]
+//   benchmark_device [CASE ...] [--warm-up N] [--steps N] [--runs N] [--list]
+//                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME]
 //
+// CASE as --list names them; default: all. Clocks swing for some seconds once a power limit is reached: --warm-up.
 // One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
 // Under mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
 
@@ -27,7 +28,7 @@ namespace {
 struct Runs {
     int runs = 5;
     int steps = 200;
-    int warm_up = 10;
+    int warm_up = 10;  ///< steps before the first run
     std::string transport = "auto";
     std::string partitioner;  ///< empty: of the scene
     std::string weight;       ///< empty: of the scene
@@ -111,7 +112,8 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"trigger\": \"{}\", "
         "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
-        "\"blocks\": {:.0f}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": {:.4f}, "
+        "\"blocks\": {:.0f}, \"warm_up\": {}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": "
+        "{:.4f}, "
         "\"G_particle_steps_per_s\": {:.3f}, \"bytes_per_particle\": {:.1f}, \"largest_move_cells\": {:.4f}, "
         "\"imbalance_mean\": {:.4f}, \"imbalance_time_mean\": {:.4f}, \"halo_bytes_per_step\": {:.0f}, "
         "\"crossed_per_step\": {:.1f}, \"repartitions\": "
@@ -119,8 +121,8 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
         c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
-        device.name, device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.steps,
-        plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        device.name, device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up,
+        plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
         counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
@@ -147,8 +149,8 @@ void benchmark(int argc, char** argv) {
             (key == "--weight" ? plan.weight : plan.trigger) = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)
             (key == "--transport" ? plan.transport : plan.partitioner) = argv[++i];
-        else if ((key == "--steps" || key == "--runs") && i + 1 < argc)
-            (key == "--steps" ? plan.steps : plan.runs) = std::stoi(argv[++i]);
+        else if ((key == "--steps" || key == "--runs" || key == "--warm-up") && i + 1 < argc)
+            (key == "--steps" ? plan.steps : key == "--runs" ? plan.runs : plan.warm_up) = std::stoi(argv[++i]);
         else
             wanted.push_back(key);
     }

@@ -45,7 +45,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::choose_kernels() {
     p2g_ = choose_p2g<Real, Dim>(scene_.shape, method_.needs.affine);
     if (fuses(scene_)) {
-        gather_ = make_fused_gather<Real, Dim>(scene_.materials.front(), scene_.shape);
+        gather_ = make_fused_gather<Real, Dim>(scene_.materials.front(), scene_.shape, method_.needs.affine);
         return;
     }
     gather_ = make_gather<Real, Dim>(scene_.shape, method_.needs.affine, method_.averaged() != nullptr);

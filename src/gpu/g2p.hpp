@@ -2,10 +2,10 @@
 // Grid to particles on the device: how it is launched. Plain C++; the kernels are compiled elsewhere, one file per
 // precision, dimension and kind.
 //
-// Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: hats or quadratic splines
-// without an affine field, all of a step in one round (USL), one material. Split: a gather that leaves dL = dt grad v
-// per list entry, and one stress launch per material. Which way a scene goes is decided once; the two differ in
-// rounding.
+// Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: hats or quadratic splines, with
+// splines also an affine field, all of a step in one round (USL), one material. Split: a gather that leaves
+// dL = dt grad v per list entry, and one stress launch per material. Which way a scene goes is decided once; the two
+// differ in rounding.
 //
 // A launch is any number of thread blocks >= 1: items are taken in turn up to a count that the device knows.
 
@@ -72,8 +72,10 @@ template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages);
 
 /// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
+/// affine: of quadratic splines alone; ignores GatherArgs::flip.
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape);
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
+                                                           bool affine);
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);

@@ -1,11 +1,12 @@
 #pragma once
-// Gather and stress update in one kernel: hats or quadratic splines, no affine field, one material.
+// Gather and stress update in one kernel: hats or quadratic splines, with splines also an affine field; one material.
 //
 // One thread per particle; its gradient never leaves the registers, and its rows are read and written once. Kernels
 // that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
 // many.
 
 #include "gpu/g2p_particle.cuh"
+#include "gpu/gather_affine.cuh"
 #include "gpu/launch.cuh"
 #include "gpu/plain_law.cuh"
 #include "gpu/stress_particle.cuh"
@@ -13,12 +14,12 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, class Law, bool Averages>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
 struct FusedGather {
+    static_assert(!Affine || Shape::width == 3);
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
-    using Tile =
-        std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Shape::width>, NodeTile<Real, Dim, Shape::width>>;
+    using Tile = GatherTile<Real, Dim, Shape::width, !Affine>;
     using Rows = RowsAhead<Real, law_rows<Law, Dim>, 0, T::threads>;
     struct Shared {
         Rows rows;
@@ -28,19 +29,31 @@ struct FusedGather {
     };
     using V = View<Real, Dim>;
     using Args = GatherArgs<Real, Dim>;
+    using U = Vec<Coordinate<Real>, Dim>;
 
-    static __device__ __forceinline__ void weights(const Vec<Coordinate<Real>, Dim>& u,
-                                                   AxisWeights<Real, Shape, false> (&n)[Dim]) {
+    static __device__ __forceinline__ Gathered<Real, Dim, Affine> sums_of(const V& v, const Args& g, int block,
+                                                                          const U& u, const Tile& tile) {
+        const int at = number_of<side, Real, Dim>(u);
+        if constexpr (Affine) {
+            SplineAxis<Real> n[Dim];
 #pragma unroll
-        for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
+            for (int a = 0; a < Dim; ++a)
+                n[a] = spline_axis(fraction_of<Real>(u[a]), takes_gradient<Shape>(v, g, block, u, a));
+            return gather_affine<Real, Dim>(tile, at, n);
+        } else {
+            AxisWeights<Real, Shape, false> n[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
+            return gather<Shape, false, Real, Dim>(tile, at, n);
+        }
     }
 
     /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
-            average_cells<Shape>(v, g, work, shared.tile, shared.means,
-                                 [](std::uint32_t, const auto& u, auto& n) { weights(u, n); });
+            average_cells(v, g, work, shared.means,
+                          [&](std::uint32_t, const U& u) { return sums_of(v, g, work.block, u, shared.tile); });
     }
 
     static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
@@ -50,10 +63,9 @@ struct FusedGather {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(p.place);
-        Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
-        AxisWeights<Real, Shape, false> n[Dim];
-        weights(u, n);
-        auto sums = gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+        U u = place_of<Real, Dim>(p);
+        auto sums = sums_of(v, g, work.block, u, shared.tile);
+        if constexpr (Affine) store_affine(v, sums.affine, s);
         if constexpr (Averages) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
 
         const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
@@ -63,7 +75,10 @@ struct FusedGather {
         if constexpr (Dim == 3) store_row(v.p.core[p.place] + s, p.row[p.place]);
 
         p.row[p.motion] = row(p.motion);
-        take_velocity(g.flip, sums, p);
+        if constexpr (Affine)
+            for (int a = 0; a < Dim; ++a) p.velocity(a) = sums.velocity[a];
+        else
+            take_velocity(g.flip, sums, p);
         p.row[p.normal] = row(p.normal);
         p.row[p.shear] = row(p.shear);
         if constexpr (Averages) {
@@ -89,13 +104,13 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Shape, class Law, bool Averages, int MinBlocks>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
               const Real inverse_density) {
     using T = Team<Dim>;
-    using F = FusedGather<Real, Dim, Shape, Law, Averages>;
+    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -123,17 +138,22 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, class Law, bool Averages>
-inline constexpr int fused_blocks = sizeof(Real) == 8 ? 3 : (Averages&& std::is_base_of_v<Tresca<Real>, Law> ? 4 : 5);
+template <class Real, class Law, bool Affine, bool Averages>
+constexpr int fused_blocks() {
+    if (sizeof(Real) == 8) return 3;
+    if (Averages && (Affine || std::is_base_of_v<Tresca<Real>, Law>)) return 4;
+    const bool elastic = std::is_same_v<Law, LinearElastic<Real>> || std::is_same_v<Law, NeoHookean<Real>>;
+    return Affine && elastic ? 4 : 5;
+}
 
-template <class Real, int Dim, class Shape, class Law, bool Averages>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
 class FusedKernel final : public GatherKernel<Real, Dim> {
   public:
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(g2p_fused<Real, Dim, Shape, Law, Averages, fused_blocks<Real, Law, Averages>>,
-                  sizeof(typename FusedGather<Real, Dim, Shape, Law, Averages>::Shared),
+          kernel_(g2p_fused<Real, Dim, Shape, Law, Affine, Averages, fused_blocks<Real, Law, Affine, Averages>()>,
+                  sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Averages>::Shared),
                   "Launching the gather with stress") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
@@ -147,18 +167,20 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
     TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real> kernel_;
 };
 
-template <class Real, int Dim, class Shape, class Law>
+template <class Real, int Dim, class Shape, bool Affine, class Law>
 std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const MaterialSpec& material) {
     if (material.volumetric == Volumetric::cell)
-        return std::make_unique<FusedKernel<Real, Dim, Shape, Law, true>>(law, material.density);
-    return std::make_unique<FusedKernel<Real, Dim, Shape, Law, false>>(law, material.density);
+        return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, true>>(law, material.density);
+    return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, false>>(law, material.density);
 }
 
 template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape) {
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
+                                                           bool affine) {
     return with_kernel_law<Real>(material, [&](const auto& law) {
-        return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear>(law, material)
-                                               : fused_kernel<Real, Dim, Quadratic>(law, material);
+        if (affine) return fused_kernel<Real, Dim, Quadratic, true>(law, material);
+        return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear, false>(law, material)
+                                               : fused_kernel<Real, Dim, Quadratic, false>(law, material);
     });
 }
 

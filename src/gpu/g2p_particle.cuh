@@ -88,6 +88,34 @@ __device__ __forceinline__ void take_velocity(Real flip, const Gathered<Real, Di
     }
 }
 
+/// Whether along axis a of a particle at u the affine field is the velocity gradient: TPIC, and next to walls
+/// (core/g2p.hpp).
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ bool takes_gradient(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
+                                               const Vec<Coordinate<Real>, Dim>& u, int a) {
+    if (g.tpic) return true;
+    if (!v.table.border[block]) return false;
+    const int base = 4 * v.table.position[block][a] - Shape::origin + cell_of<Real>(u[a]);
+    return v.context.walls.ghosts(a, base, Shape::width) != 0;
+}
+
+/// slopes: per cell, [axis][component], as Gathered has them.
+template <class Real, int Dim>
+__device__ __forceinline__ void store_affine(const View<Real, Dim>& v, const Real (&slopes)[Dim][Dim],
+                                             std::uint32_t s) {
+    Row<Real> row[affine_rows<Dim>];
+#pragma unroll
+    for (int i = 0; i < Dim; ++i)
+#pragma unroll
+        for (int j = 0; j < Dim; ++j)
+            row[Dim == 3 ? i : 0].e[Dim == 3 ? j : 2 * i + j] = v.context.inverse_cell * slopes[j][i];
+#pragma unroll
+    for (int i = 0; i < affine_rows<Dim>; ++i) {
+        if (Dim == 3) row[i].e[3] = Real(0);
+        store_row(v.p.affine[i] + s, row[i]);
+    }
+}
+
 /// Faults, and particles that left: rare, so what they need is read again.
 template <class Real, int Dim>
 __device__ __forceinline__ void report(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, std::uint32_t s,

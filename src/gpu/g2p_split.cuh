@@ -16,8 +16,7 @@ struct SplitGather {
     static constexpr int side = tile_side(Shape::width);
     static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
     static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
-    using Tile =
-        std::conditional_t<sizeof(Real) == 4, StepTile<Real, Dim, Shape::width>, NodeTile<Real, Dim, Shape::width>>;
+    using Tile = GatherTile<Real, Dim, Shape::width>;
     using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
     struct Shared {
         Rows rows;
@@ -53,43 +52,18 @@ struct SplitGather {
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (g.gather & gather_gradient)
-                average_cells<Shape>(v, g, work, shared.tile, shared.means, [&](std::uint32_t s, const U& u, auto& n) {
+                average_cells(v, g, work, shared.means, [&](std::uint32_t s, const U& u) {
                     Row<Real> stretch;
                     if constexpr (Shape::sized)
                         if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+                    AxisWeights<Real, Shape, false> n[Dim];
 #pragma unroll
                     for (int a = 0; a < Dim; ++a)
                         n[a] = axis_weights<Shape, false>(
                             fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
                             false);
+                    return gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
                 });
-    }
-
-    /// Whether along an axis C is the velocity gradient.
-    static __device__ __forceinline__ bool plain(const V& v, const Args& g, int block, const U& u, int a) {
-        if (g.tpic) return true;
-        if (!v.table.border[block]) return false;
-        const int base = 4 * v.table.position[block][a] - Shape::origin + cell_of<Real>(u[a]);
-        return v.context.walls.ghosts(a, base, Shape::width) != 0;
-    }
-
-    static __device__ __forceinline__ void store_affine(const V& v, const Sums& sums, std::uint32_t s) {
-        Row<Real> row[affine_rows<Dim>];
-#pragma unroll
-        for (int i = 0; i < Dim; ++i)
-#pragma unroll
-            for (int j = 0; j < Dim; ++j) {
-                Real& to = row[Dim == 3 ? i : 0].e[Dim == 3 ? j : 2 * i + j];
-                if constexpr (levers)
-                    to = v.context.inverse_cell * sums.affine[j][i];
-                else
-                    to = v.context.inverse_cell * sums.gradient[j][i];
-            }
-#pragma unroll
-        for (int i = 0; i < affine_rows<Dim>; ++i) {
-            if (Dim == 3) row[i].e[3] = Real(0);
-            store_row(v.p.affine[i] + s, row[i]);
-        }
     }
 
     /// Volumetric rate and pressure of the cell; the stress update follows as a launch of its own.
@@ -143,14 +117,17 @@ struct SplitGather {
         for (int a = 0; a < Dim; ++a)
             n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
                                                Shape::sized ? half_size(v, body, stretch, a) : Real(0),
-                                               levers && plain(v, g, work.block, u, a));
+                                               levers && takes_gradient<Shape>(v, g, work.block, u, a));
         Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
 
         if (g.gather & gather_velocity) {
             p.row[p.motion] = row(motion);
             take_velocity(g.flip, sums, p);
             store_row(v.p.core[p.motion] + s, p.row[p.motion]);
-            if constexpr (Affine) store_affine(v, sums, s);
+            if constexpr (levers)
+                store_affine(v, sums.affine, s);
+            else if constexpr (Affine)
+                store_affine(v, sums.gradient, s);
         }
         if (g.gather & gather_gradient) {
             if constexpr (Shape::sized)

@@ -21,9 +21,9 @@ constexpr P2gPlan p2g_plan() {
     constexpr int resident[2][2][3][2] = {
         // width 2, 3, 4: light and heavy
         {{{8, 8}, {7, 5}, {5, 4}}, {{6, 6}, {5, 3}, {3, 2}}},  // 2-D: single, double
-        {{{8, 8}, {3, 2}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
+        {{{8, 8}, {3, 3}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
     };
-    const bool two = !flat && (Case::width == 4 || (Case::width == 3 && !single));
+    const bool two = !flat && (Case::width == 4 || (Case::width == 3 && (!single || Case::affine)));
     const bool deep = !flat && (single ? Case::width == 3 && !Case::affine : Case::width == 4);
     return {two ? 2 : 1, deep ? 3 : 2, resident[Case::dim - 2][single ? 0 : 1][Case::width - 2][heavy ? 1 : 0]};
 }

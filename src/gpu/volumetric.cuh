@@ -44,11 +44,10 @@ struct CellMeans {
     }
 };
 
-/// weights(s, u, n): those of the particle in slot s at u. Whole teams call it, and see the means afterwards.
-template <class Shape, class Real, int Dim, class Tile, class F>
+/// gathered(s, u): what the particle in slot s at u gathers. Whole teams call it, and see the means afterwards.
+template <class Real, int Dim, class F>
 __device__ __forceinline__ void average_cells(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
-                                              const Work& work, const Tile& tile, CellMeans<Real, Dim>& means,
-                                              const F& weights) {
+                                              const Work& work, CellMeans<Real, Dim>& means, const F& gathered) {
     using T = Team<Dim>;
     static_assert(T::threads == 2 * Block<Dim>::cells);
     const int cell = T::rank() / 2;
@@ -62,11 +61,7 @@ __device__ __forceinline__ void average_cells(const View<Real, Dim>& v, const Ga
         CoreRows<Real, Dim> p;
         p.row[p.place] = load_row(v.p.core[p.place] + s);
         p.row[p.normal] = load_row(v.p.core[p.normal] + s);
-        const Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
-        AxisWeights<Real, Shape, false> n[Dim];
-        weights(s, u, n);
-        const auto sums = gather<Shape, false, Real, Dim>(tile, number_of<tile_side(Shape::width), Real, Dim>(u), n);
-        mean.add(p.mass(), divergence_of(sums), stress_trace(p));
+        mean.add(p.mass(), divergence_of(gathered(s, place_of<Real, Dim>(p))), stress_trace(p));
     }
     mean.rate += __shfl_xor_sync(0xffffffffu, mean.rate, 1);
     mean.stress += __shfl_xor_sync(0xffffffffu, mean.stress, 1);
