@@ -65,8 +65,10 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
         each_entry<Dim>(
             v.list.slot, work,
             [&](int half, std::uint32_t k, std::uint32_t s) {
-                shared.start(v, g, half, k, s);
-                return g.material_of ? std::uint32_t(g.material_of[v.p.body[s]]) : std::uint32_t(g.mine);
+                const std::uint32_t material =
+                    g.material_of ? std::uint32_t(g.material_of[v.p.body[s]]) : std::uint32_t(g.mine);
+                if (material == std::uint32_t(g.mine)) shared.start(v, g, half, k, s);  // rows of others stay away
+                return material;
             },
             [] {},
             [&](std::uint32_t, std::uint32_t s, int half, std::uint32_t material) {
