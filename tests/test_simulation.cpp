@@ -156,6 +156,31 @@ TEST_CASE("it is the same whether looks at the balance are made at once or begin
             }
 }
 
+TEST_CASE("no look at the balance is cut short by the end of an epoch: it begins after the next one") {
+    const Comm comm(MPI_COMM_WORLD);
+    Scene scene = drifting();
+    scene.balance.trigger = Trigger::threshold;
+    scene.balance.threshold = 1;
+    scene.balance.interval = 40;
+    scene.bodies[0].velocity = {2, 0, 0};
+    scene.cfl = 0.15;  // less than a cell in a look
+    Simulation<double, 2> sim(scene, comm);
+    sim.foresee_epochs(true);
+    sim.seed();
+    int looks = 0;
+    for (int n = 0; n < 600; ++n) {
+        sim.step();
+        sim.balance();
+        const BalanceLook look = sim.take_look();
+        if (look.terms.step == 0) continue;  // none has ended, or nothing was to be planned
+        CHECK(sim.clock().step - look.terms.step >= most_steps_ahead);
+        ++looks;
+    }
+    sim.conclude();
+    CHECK(sim.counts().epochs + sim.counts().repartitions >= 3);
+    if (comm.size() > 1) CHECK(looks >= 5);
+}
+
 TEST_CASE("it is the same where shares are balanced by measured time") {
     const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
     Scene scene = drifting();
