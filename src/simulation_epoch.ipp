@@ -129,8 +129,8 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    if (!looking_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) look_wanted_ = clock_.step;
-    if (look_wanted_ && !epoch_ends_soon()) begin_look();
+    if (!look_wanted_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) look_wanted_ = clock_.step;
+    if (look_wanted_ && !looking_ && !epoch_ends_soon()) begin_look();
     if (looking_) go_on_looking();
     if (looking_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
@@ -181,8 +181,8 @@ std::int64_t Simulation<Real, Dim>::steps_ahead() const {
     return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
 }
 
-/// A look that began now would end with the epoch, and all would wait for its plan: it begins after the new one, or an
-/// interval later where epochs are short.
+/// A look that began now would end with the epoch, and all would wait for its plan: it begins after the new epoch, or
+/// an interval later where epochs are short.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::epoch_ends_soon() const {
     if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
@@ -193,13 +193,13 @@ bool Simulation<Real, Dim>::epoch_ends_soon() const {
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_look() {
-    look_wanted_.reset();
+    const std::int64_t wanted = *std::exchange(look_wanted_, {});
     BalanceLook found;
     if (is_balanced(found)) return end_look(std::move(found));
     look_due_ = clock_.step + steps_ahead();
     look_latest_ = look_due_;
     if (steps_ahead() > 0 && scene_.balance.trigger != Trigger::every)
-        look_latest_ += scene_.balance.interval - steps_ahead() - 1;  // one more, and the next look begins
+        look_latest_ = std::max(look_due_, wanted + scene_.balance.interval - 1);  // one more, and the next is wanted
     if (must_wait()) rest();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());

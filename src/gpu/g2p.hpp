@@ -72,7 +72,7 @@ template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages);
 
 /// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
-/// affine: of quadratic splines alone; ignores GatherArgs::flip.
+/// affine: of quadratic splines, whatever `shape` says; GatherArgs::flip is ignored then, for APIC and TPIC have none.
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
                                                            bool affine);

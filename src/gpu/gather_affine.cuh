@@ -6,8 +6,9 @@
 // Along an axis, with the steps s_0 = v_1 - v_0 and s_1 = v_2 - v_1, the bend d = s_1 - s_0, the place f in the filing
 // cell and c = f - 1/2:
 //
-//   sum w v = v_1 - w_0 s_0 + w_2 s_1     sum dw v = s_0 + f d     sum w v (x_i - x_p) / (h D) = sum dw v + c (1/2 - 2
-//   c^2) d
+//   sum w v                      =  v_1 - w_0 s_0 + w_2 s_1
+//   sum dw v                     =  s_0 + f d
+//   sum w v (x_i - x_p) / (h D)  =  sum dw v + c (1/2 - 2 c^2) d
 //
 // The last because D = 1/4, and both sums give a linear field its slope and a constant nothing: on three nodes they can
 // differ by a multiple of d alone. Steps are shared by all three, so APIC takes fewer products than FLIP, and no
@@ -23,7 +24,7 @@ template <class Real>
 struct SplineAxis {
     Real f;     ///< place in the filing cell [cells]
     Real w[3];  ///< weights
-    Real bend;  ///< share of the bend in C that the gradient lacks; 0 where C is the gradient
+    Real lack;  ///< of the bend, what the gradient lacks of C; 0 where C is the gradient
 };
 
 template <class Real>
@@ -33,7 +34,7 @@ __device__ __forceinline__ SplineAxis<Real> spline_axis(Real f, bool plain) {
     axis.f = f;
     Quadratic::weights(f, Real(0), axis.w, slopes);
     const Real c = f - Real(0.5);
-    axis.bend = plain ? Real(0) : c * std::fma(Real(-2) * c, c, Real(0.5));
+    axis.lack = plain ? Real(0) : c * std::fma(Real(-2) * c, c, Real(0.5));
     return axis;
 }
 
@@ -157,7 +158,7 @@ __device__ __forceinline__ Gathered<Real, Dim, true> gather_affine(const Tile& t
 #pragma unroll
         for (int b = 0; b < Dim; ++b) {
             g.gradient[b][q] = sums.slope[b][q];
-            g.affine[b][q] = std::fma(n[b].bend, sums.bend[b][q], sums.slope[b][q]);
+            g.affine[b][q] = std::fma(n[b].lack, sums.bend[b][q], sums.slope[b][q]);
         }
     }
     return g;

@@ -76,6 +76,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
             });
         power = T::sum(power, shared.sums);
         if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
+        T::sync();  // the sums are read: a warp without particles of this material is soon at the next
     }
     tally.fold_into(account_of(v));
 }
