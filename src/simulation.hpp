@@ -239,7 +239,7 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     BalanceLook look_;
-    std::optional<std::int64_t> look_wanted_;  ///< since this step, and none is under way
+    std::optional<std::int64_t> look_wanted_;  ///< since this step, and it has not begun
     bool looking_ = false;                     ///< a look is under way
     std::int64_t look_due_ = 0;                ///< the step from which it is taken when all ranks have planned
     std::int64_t look_latest_ = 0;             ///< the step at which they are waited for

@@ -182,7 +182,7 @@ std::int64_t Simulation<Real, Dim>::steps_ahead() const {
 }
 
 /// A look that began now would end with the epoch, and all would wait for its plan: it begins after the new epoch, or
-/// an interval later where epochs are short.
+/// an interval later where epochs are short. A look takes the steps that it begins ahead, and is given as many again.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::epoch_ends_soon() const {
     if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;

@@ -45,12 +45,17 @@ struct Steps {
 };
 
 template <class Real, int Dim>
-__device__ __forceinline__ Steps<Real, Dim> steps_of(const NodeTile<Real, Dim, 3, false>& tile, int at) {
-    const NodeValue<Real, Dim, false> a = tile.get(at), b = tile.get(at + 1), c = tile.get(at + 2);
+__device__ __forceinline__ Steps<Real, Dim> steps_between(const Real (&a)[Dim], const Real (&b)[Dim],
+                                                          const Real (&c)[Dim]) {
     Steps<Real, Dim> s;
 #pragma unroll
-    for (int q = 0; q < Dim; ++q) s.middle[q] = b.v[q], s.first[q] = b.v[q] - a.v[q], s.second[q] = c.v[q] - b.v[q];
+    for (int q = 0; q < Dim; ++q) s.middle[q] = b[q], s.first[q] = b[q] - a[q], s.second[q] = c[q] - b[q];
     return s;
+}
+
+template <class Real, int Dim>
+__device__ __forceinline__ Steps<Real, Dim> steps_of(const NodeTile<Real, Dim, 3, false>& tile, int at) {
+    return steps_between(tile.get(at).v, tile.get(at + 1).v, tile.get(at + 2).v);
 }
 
 template <class Real, int Dim>
@@ -80,19 +85,6 @@ __device__ __forceinline__ Along<Real, Dim> along(const Steps<Real, Dim>& s, con
     return sums;
 }
 
-/// The same of three values.
-template <class Real, int Dim>
-__device__ __forceinline__ Along<Real, Dim> along(const Real (&value)[3][Dim], const SplineAxis<Real>& n) {
-    Steps<Real, Dim> s;
-#pragma unroll
-    for (int q = 0; q < Dim; ++q) {
-        s.middle[q] = value[1][q];
-        s.first[q] = value[1][q] - value[0][q];
-        s.second[q] = value[2][q] - value[1][q];
-    }
-    return along(s, n);
-}
-
 /// Sums over axes: the value, and by axis what its slope and its bend came to.
 template <class Real, int Dim, int Axes>
 struct Bent {
@@ -111,7 +103,7 @@ __device__ __forceinline__ Bent<Real, Dim, 2> bent_plane(const Tile& tile, int a
 #pragma unroll
         for (int q = 0; q < Dim; ++q) value[j][q] = line.value[q];
     }
-    const Along<Real, Dim> lines = along(value, n[1]);
+    const Along<Real, Dim> lines = along(steps_between(value[0], value[1], value[2]), n[1]);
 #pragma unroll
     for (int q = 0; q < Dim; ++q)
         plane.value[q] = lines.value[q], plane.slope[1][q] = lines.slope[q], plane.bend[1][q] = lines.bend[q];
@@ -139,7 +131,7 @@ __device__ __forceinline__ Bent<Real, 3, 3> bent(const Tile& tile, int at, const
 #pragma unroll
         for (int q = 0; q < 3; ++q) value[k][q] = plane.value[q];
     }
-    const Along<Real, 3> planes = along(value, n[2]);
+    const Along<Real, 3> planes = along(steps_between(value[0], value[1], value[2]), n[2]);
 #pragma unroll
     for (int q = 0; q < 3; ++q)
         all.value[q] = planes.value[q], all.slope[2][q] = planes.slope[q], all.bend[2][q] = planes.bend[q];

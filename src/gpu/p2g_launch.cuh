@@ -17,14 +17,14 @@ struct P2gPlan {
 template <class Case>
 constexpr P2gPlan p2g_plan() {
     constexpr bool single = sizeof(typename Case::Real) == 4, flat = Case::dim == 2;
-    constexpr bool split = !flat && single && Case::width == 3 && Case::affine && !Case::Shape::sized;  // C, of splines
-    constexpr bool heavy = (Case::affine && !split) || (Case::Shape::sized && !single);
+    constexpr bool halved = !flat && single && Case::width == 3 && Case::affine && !Case::Shape::sized;  // two passes
+    constexpr bool heavy = (Case::affine && !halved) || (Case::Shape::sized && !single);
     constexpr int resident[2][2][3][2] = {
         // width 2, 3, 4: light and heavy
         {{{8, 8}, {7, 5}, {5, 4}}, {{6, 6}, {5, 3}, {3, 2}}},  // 2-D: single, double
         {{{8, 8}, {3, 2}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
     };
-    const bool two = split || (!flat && (Case::width == 4 || (Case::width == 3 && !single)));
+    const bool two = halved || (!flat && (Case::width == 4 || (Case::width == 3 && !single)));
     const bool deep = !flat && (single ? Case::width == 3 && !Case::affine : Case::width == 4);
     return {two ? 2 : 1, deep ? 3 : 2, resident[Case::dim - 2][single ? 0 : 1][Case::width - 2][heavy ? 1 : 0]};
 }
