@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "version.hpp"
+#include "records/version.hpp"
 
 namespace moraine {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/material/laws.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine::test {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

@@ -15,11 +15,11 @@
 #include <exception>
 #include <stdexcept>
 
+#include "app/device.hpp"
 #include "benchmark_main.hpp"
-#include "device.hpp"
 #include "device/cases.hpp"
 #include "machine.hpp"
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace moraine {
 

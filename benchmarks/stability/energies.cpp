@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "history.hpp"
+#include "records/history.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_flow.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "core/courant.hpp"
 #include "core/error.hpp"
-#include "history.hpp"
+#include "records/history.hpp"
 #include "stability/cases.hpp"
 #include "verification/run.hpp"
 

@@ -14,8 +14,8 @@
 
 #include "core/courant.hpp"
 #include "core/error.hpp"
-#include "history.hpp"
 #include "method_name.hpp"
+#include "records/history.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_cloud.hpp"
 

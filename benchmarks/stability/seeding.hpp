@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

@@ -1,6 +1,6 @@
 #include "step/measure.hpp"
 
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace moraine {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
+#include "comm/phases.hpp"
 #include "machine.hpp"
-#include "phases.hpp"
 #include "step/scenes.hpp"
 
 namespace moraine {

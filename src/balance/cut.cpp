@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "balance/chain.hpp"
-
 namespace moraine {
 namespace {
 

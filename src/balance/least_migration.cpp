@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "balance/chain.hpp"
+#include "balance/cut.hpp"
 
 namespace moraine {
 namespace {

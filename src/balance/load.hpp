@@ -4,7 +4,15 @@
 // Every rank holds the same list and derives the same owners from it, so no decision is ever sent.
 // Loads are integers: sums, and therefore cuts, do not depend on the order of summation or on the
 // number of ranks. Totals must stay below 2^63 (in nanoseconds: 292 years).
+//
+// Imbalance is the maximum over the mean of all ranks, idle ones included:
+//
+//   max/mean = max * ranks / total,   1 where there is no load at all
+//
+// A step lasts as long as its slowest rank, so 1 - mean/max of the ranks' time is lost. Leaving idle ranks out of the
+// mean would make a partition that uses half of the machine look perfect.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -47,5 +55,23 @@ std::vector<std::int64_t> loads_of_ranks(std::span<const BlockLoad> blocks, std:
 
 /// The owners that the blocks have now. Not collective.
 std::vector<std::int32_t> present_owners(std::span<const BlockLoad> blocks);
+
+/// Kept as integers, so that partitions can be compared exactly.
+struct LoadSummary {
+    std::int64_t max = 0;
+    std::int64_t total = 0;
+    int ranks = 1;
+
+    double imbalance() const {
+        return total == 0 ? 1.0 : static_cast<double>(max) * ranks / static_cast<double>(total);
+    }
+};
+
+/// One load per rank. Not collective.
+inline LoadSummary summary_of(std::span<const std::int64_t> loads) {
+    LoadSummary s{0, 0, static_cast<int>(loads.size())};
+    for (std::int64_t load : loads) s.max = std::max(s.max, load), s.total += load;
+    return s;
+}
 
 }  // namespace moraine

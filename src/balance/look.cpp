@@ -2,9 +2,8 @@
 
 #include <utility>
 
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/planner.hpp"
-#include "balance/room.hpp"
 
 namespace moraine {
 namespace {

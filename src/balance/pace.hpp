@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 
 namespace moraine {
 

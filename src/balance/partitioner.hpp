@@ -17,7 +17,7 @@
 
 #include "balance/load.hpp"
 #include "comm/comm.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

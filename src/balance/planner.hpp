@@ -10,7 +10,7 @@
 #include <array>
 #include <limits>
 
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/partitioner.hpp"
 
 namespace moraine {
@@ -56,5 +56,14 @@ const char* name_of(PlanKind kind);
 
 /// Of `options` and, if the costs allow it, the present owners. Not collective.
 Plan best_plan(std::vector<Option> options, std::span<const BlockLoad> blocks, int ranks, const PlanCosts& costs);
+
+// Memory as a second constraint: no rank is given more particles than it can hold.
+
+/// Particles of the fullest rank. Not collective.
+std::int64_t fullest(std::span<const BlockLoad> blocks, std::span<const std::int32_t> owners, int ranks);
+
+/// Those of `options` under which no rank holds more than `most` particles. Not collective.
+std::vector<Option> that_fit(std::vector<Option> options, std::span<const BlockLoad> blocks, int ranks,
+                             std::int64_t most);
 
 }  // namespace moraine

@@ -17,10 +17,10 @@
 #include <cstdint>
 #include <string>
 
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/planner.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

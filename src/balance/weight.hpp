@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

@@ -6,9 +6,9 @@
 // tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by one rule.
 
 #include "comm/epoch.hpp"
-#include "comm/transport.hpp"
+#include "comm/point_to_point.hpp"
 #include "core/grid_views.hpp"
-#include "core/rows.hpp"
+#include "core/particle_bytes.hpp"
 
 namespace moraine {
 

@@ -9,8 +9,8 @@
 #include <cstring>
 
 #include "comm/patch.hpp"
-#include "comm/transport.hpp"
-#include "core/rows.hpp"
+#include "comm/point_to_point.hpp"
+#include "core/particle_bytes.hpp"
 
 namespace moraine {
 

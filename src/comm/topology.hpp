@@ -12,7 +12,7 @@
 #include "comm/block_index.hpp"
 #include "core/block.hpp"
 #include "core/morton.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 #include "core/shape.hpp"
 
 namespace moraine {

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

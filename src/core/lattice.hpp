@@ -3,10 +3,11 @@
 // is the product of what its three intervals hold. Along each axis a table has the lattice's points in the order
 // (block, cell, index), with their fixed-point places; who wants the n-th particle of a cell looks it up.
 //
-// Tables are made on the host (io/lattice_seeds.hpp) by the arithmetic of io/seed.hpp; here nothing is computed but
-// indices, so that any thread of any device finds the same bits. A 2 000 000 000 particle box has tables of 100 kB.
+// Tables are made on the host (seeding/lattice_seeds.hpp) by the arithmetic of seeding/seed.hpp; here nothing is
+// computed but indices, so that any thread of any device finds the same bits. A 2 000 000 000 particle box has tables
+// of 100 kB.
 //
-// Order of a cell: by id, that is by body, then by the last axis, ..., then by the first (io/seed.hpp).
+// Order of a cell: by id, that is by body, then by the last axis, ..., then by the first (seeding/seed.hpp).
 
 #include <cstdint>
 #include <vector>

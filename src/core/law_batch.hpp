@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/material/laws.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 #include "core/stress.hpp"
 
 namespace moraine {

@@ -9,7 +9,7 @@
 #include "core/host.hpp"
 #include "core/kernel_list.hpp"
 #include "core/nodes.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 
@@ -41,7 +41,7 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
     }
 }
 
-/// Whether a device has gather and stress update of the scene in one kernel (gpu/g2p.hpp).
+/// Whether a device has gather and stress update of the scene in one kernel (gpu/kernels/g2p/g2p.hpp).
 inline bool fuses(const Scene& scene) {
     const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
     const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {

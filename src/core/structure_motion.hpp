@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 

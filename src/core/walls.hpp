@@ -18,7 +18,7 @@
 #include <cstddef>
 
 #include "core/block.hpp"
-#include "core/scene.hpp"
+#include "core/scene_spec.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "gpu/refresh.hpp"
+#include "gpu/memory/refresh.hpp"
 
 namespace moraine::gpu {
 

@@ -14,15 +14,15 @@
 #include <span>
 
 #include "comm/engine.hpp"
-#include "gpu/exchange.hpp"
-#include "gpu/g2p.hpp"
-#include "gpu/lists.hpp"
-#include "gpu/nodes.hpp"
-#include "gpu/p2g.hpp"
-#include "gpu/particles.hpp"
-#include "gpu/report.hpp"
-#include "gpu/stream.hpp"
-#include "gpu/tables.hpp"
+#include "gpu/exchange/exchange.hpp"
+#include "gpu/kernels/cells/lists.hpp"
+#include "gpu/kernels/g2p/g2p.hpp"
+#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/p2g/p2g.hpp"
+#include "gpu/kernels/step_report.hpp"
+#include "gpu/memory/device_tables.hpp"
+#include "gpu/memory/particles.hpp"
+#include "gpu/memory/stream.hpp"
 
 namespace moraine::gpu {
 

@@ -1,6 +1,6 @@
 // The engine's share without the memory of the host: particles that begin on the device, and are looked at in pieces.
 
-#include "gpu/seeding.hpp"
+#include "gpu/memory/lattice_seeding.hpp"
 
 namespace moraine::gpu {
 

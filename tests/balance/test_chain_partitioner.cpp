@@ -7,7 +7,7 @@
 #include "balance/block_graph.hpp"
 #include "balance/chain_partitioner.hpp"
 #include "balance/cut.hpp"
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/run_loads.hpp"
 
 using namespace moraine;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/one_rank.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/relabel.hpp"

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "balance/block_graph.hpp"
-#include "balance/imbalance.hpp"
 #include "balance/library_partitioner.hpp"
+#include "balance/load.hpp"
 #include "balance/metis.hpp"
 #include "balance/relabel.hpp"
 #include "balance/run_loads.hpp"

@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 
-#include "balance/imbalance.hpp"
 #include "balance/load.hpp"
 #include "balance/weight.hpp"
 #include "core/error.hpp"

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "balance/cut.hpp"
-#include "balance/imbalance.hpp"
+#include "balance/load.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/relabel.hpp"
 #include "core/error.hpp"

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "balance/room.hpp"
+#include "balance/planner.hpp"
 
 using namespace moraine;
 

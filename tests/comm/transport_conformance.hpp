@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "comm/transport.hpp"
+#include "comm/point_to_point.hpp"
 #include "core/hash.hpp"
 
 namespace moraine::test {

@@ -9,8 +9,8 @@
 
 #include "core/hash.hpp"
 #include "core/morton.hpp"
-#include "gpu/array.hpp"
-#include "gpu/view.hpp"
+#include "gpu/kernels/view.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::test {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/filing.hpp"
-#include "gpu/array.hpp"
-#include "gpu/filing.hpp"
+#include "gpu/kernels/cells/filing.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::test {
 

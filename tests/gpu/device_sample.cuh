@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "core/sample.hpp"
-#include "gpu/array.hpp"
-#include "gpu/view.hpp"
+#include "gpu/kernels/view.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::test {
 

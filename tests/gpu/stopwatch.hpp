@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "gpu/array.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::test {
 

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <random>
 
-#include "gpu/array.hpp"
-#include "gpu/report.hpp"
-#include "gpu/seen.cuh"
-#include "gpu/team.cuh"
+#include "gpu/kernels/seen.cuh"
+#include "gpu/kernels/step_report.hpp"
+#include "gpu/kernels/team.cuh"
+#include "gpu/memory/array.hpp"
 
 using namespace moraine;
 

@@ -2,10 +2,10 @@
 
 #include <map>
 
-#include "device.hpp"
-#include "io/scene.hpp"
+#include "app/device.hpp"
 #include "sample_scenes.hpp"
-#include "simulation.hpp"
+#include "scene/read_scene.hpp"
+#include "simulation/simulation.hpp"
 
 using namespace moraine;
 

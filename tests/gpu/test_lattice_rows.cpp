@@ -5,9 +5,9 @@
 
 #include "comm/lattice_fill.hpp"
 #include "core/material/laws.hpp"
-#include "gpu/lattice_rows.hpp"
-#include "io/lattice_seeds.hpp"
+#include "gpu/memory/lattice_rows.hpp"
 #include "lattice_scenes.hpp"
+#include "seeding/lattice_seeds.hpp"
 
 using namespace moraine;
 

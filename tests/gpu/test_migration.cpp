@@ -1,6 +1,6 @@
+#include "gpu/exchange/migration.hpp"
 #include "gpu/filing_pair.hpp"
-#include "gpu/migration.hpp"
-#include "gpu/tables.hpp"
+#include "gpu/memory/device_tables.hpp"
 
 using namespace moraine;
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "gpu/device_sample.cuh"
-#include "gpu/nodes.hpp"
+#include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/stopwatch.hpp"
 
 using namespace moraine;

@@ -7,7 +7,7 @@
 #include "gpu/crowd_cells.hpp"
 #include "gpu/dense_box.cuh"
 #include "gpu/device_sample.cuh"
-#include "gpu/p2g.hpp"
+#include "gpu/kernels/p2g/p2g.hpp"
 
 using namespace moraine;
 using moraine::test::DeviceSample;

@@ -1,9 +1,9 @@
 #include <doctest/doctest.h>
 
-#include "device.hpp"
-#include "gpu/wire.hpp"
+#include "app/device.hpp"
+#include "gpu/transport/transport.hpp"
 #include "sample_scenes.hpp"
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 using namespace moraine;
 

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "gpu/device_sample.cuh"
-#include "gpu/packing.hpp"
-#include "gpu/refresh.hpp"
+#include "gpu/memory/packing.hpp"
+#include "gpu/memory/refresh.hpp"
 #include "gpu/stopwatch.hpp"
 
 using namespace moraine;

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "device.hpp"
+#include "app/device.hpp"
 #include "lattice_scenes.hpp"
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 using namespace moraine;
 

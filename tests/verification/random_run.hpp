@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "history.hpp"
+#include "records/history.hpp"
 #include "verification/random_scene.hpp"
 
 namespace moraine::verification {

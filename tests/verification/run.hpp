@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation.hpp"
+#include "simulation/simulation.hpp"
 
 namespace moraine::verification {
 

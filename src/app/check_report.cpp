@@ -1,0 +1,60 @@
+#include "app/check_report.hpp"
+
+#include <fmt/format.h>
+
+#include "core/courant.hpp"
+#include "predict/prediction.hpp"
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+std::string bytes_text(double bytes) {
+    if (bytes < 1e9) return fmt::format("{:.1f} MB", bytes / 1e6);
+    return fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+/// "structure  pipe: sphere, velocity, rough"
+std::string structure_lines(const Scene& scene) {
+    const auto word = [](const std::string& table, const std::string& key, int choice) {
+        for (const auto& row : structure_rows())
+            if (row.key.table == table && row.key.name == key) return row.key.choices[static_cast<std::size_t>(choice)];
+        return std::string();
+    };
+    std::string text;
+    for (const StructureSpec& s : scene.structures)
+        text +=
+            fmt::format("structure  {}: {}, {}, {}\n", s.name, word("structure", "shape", static_cast<int>(s.shape)),
+                        word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
+                        word("structure.contact", "law", static_cast<int>(s.law)));
+    return text;
+}
+
+}  // namespace
+
+std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
+    const Prediction p = predict(scene);
+    std::string text = fmt::format("{}: good\n", scene.path);
+    if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
+    text += fmt::format("particles  {}\n", p.particles);
+    text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
+    text += structure_lines(scene);
+    text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
+    text += fmt::format("dt         {:.4g} s ({})\n", p.dt,
+                        scene.dt > 0 ? std::string("fixed")
+                                     : fmt::format("cfl {:.3g}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
+                                                   courant_number(scene), p.max_wave_speed, p.max_speed));
+    text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
+    text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
+                        ranks == 1 ? "" : "s");
+    text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
+                        bytes_text(bytes_on_device(scene, p)));
+    if (ranks > 1)
+        text += fmt::format("           {} on each of {} GPUs\n", bytes_text(bytes_on_device(scene, p, ranks)), ranks);
+    text += fmt::format("           {} of the host for each of {} rank{} on GPUs\n",
+                        bytes_text(host_bytes_beside_device(scene, p, ranks, writes_particles)), ranks,
+                        ranks == 1 ? "" : "s");
+    return text;
+}
+
+}  // namespace moraine

@@ -1,0 +1,71 @@
+#pragma once
+// A run from start to end: steps, and between them output, checkpoints, records and signals.
+//
+// Output happens after the first step at or past its time, a run ends at the first step with
+// t >= time.end: nothing here changes dt or the answer.
+
+#include <memory>
+
+#include "app/device.hpp"
+#include "app/options.hpp"
+#include "app/progress.hpp"
+#include "app/run_directory.hpp"
+#include "io/csv_log.hpp"
+#include "io/vtkhdf.hpp"
+#include "records/history.hpp"
+#include "records/load_record.hpp"
+#include "simulation/simulation.hpp"
+
+namespace moraine {
+
+/// Set by the signal handler of main: SIGTERM or SIGUSR1 came.
+extern volatile bool stop_requested;
+
+template <class Real, int Dim>
+class Driver {
+  public:
+    /// Collective.
+    Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
+
+    /// Collective. Throws what the simulation throws, after the last state was written.
+    void run();
+
+  private:
+    void begin();
+    void open_records(std::optional<double> resume_time, std::int64_t resume_step);
+    void advance();
+    void after_step();
+    void output();
+    void record_balance();
+    void record_structures();
+    void checkpoint();
+    void finish();
+    double wall() const;
+    bool stop_asked() const;
+
+    const Scene& scene_;
+    const Options& options_;
+    const Comm& comm_;
+    std::string directory_, device_words_;
+    Simulation<Real, Dim> sim_;
+    std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
+    std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
+    std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
+    std::unique_ptr<Progress> progress_;
+    double start_wall_ = 0;  ///< [s]
+    double stepping_ = 0;    ///< wall time of the steps alone [s]
+    double last_checkpoint_wall_ = 0;
+    std::int64_t next_output_ = 1;      ///< in output intervals
+    std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
+    std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
+    std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1;
+    RunCounts reported_;  ///< as of the last row of balance.csv
+    std::array<double, Phases::count> reported_seconds_{};
+    std::int64_t reported_halo_ = 0;
+};
+
+/// Reads nothing, runs all: the instance for the scene's precision and dimension, on the host or on this rank's
+/// device. Collective.
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
+
+}  // namespace moraine

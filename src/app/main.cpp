@@ -1,0 +1,141 @@
+// moraine: the command line. `run` a scene, `check` it, `replay` or `report` runs; exit codes say who can mend what
+// went wrong.
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <mpi.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+#include "app/check_report.hpp"
+#include "app/device.hpp"
+#include "app/driver.hpp"
+#include "app/options.hpp"
+#include "app/report_page.hpp"
+#include "comm/comm.hpp"
+#include "core/error.hpp"
+#include "predict/capacity.hpp"
+#include "predict/prediction.hpp"
+#include "records/version.hpp"
+#include "replay/replay.hpp"
+#include "scene/read_scene.hpp"
+
+namespace moraine {
+
+volatile bool stop_requested = false;
+
+namespace {
+
+enum Exit { done = 0, internal_error = 1, input_wrong = 2, physics_wrong = 3, machine_failed = 4, stopped = 5 };
+
+/// What one error must do: an exit code, and its words, once.
+int tell(const Comm& comm, int code, const std::string& words) {
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", words);
+    return code;
+}
+
+/// Where the scene is to run; `check --ranks P` tells of other machines, whose memory is not known here. Collective.
+Machine machine_of(const Comm& comm, const Options& options) {
+    Machine machine{comm.size(), comm.on_this_machine().size, host_memory()};
+    if (options.command == "check") machine = {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
+    machine.devices = wants_device(options.device, comm);
+    machine.writes_particles = !options.no_particles;
+    return machine;
+}
+
+/// Input is read by every rank on its own; they agree on the first thing wrong. Collective.
+Scene read_agreed(const Comm& comm, const Options& options) {
+    const Machine machine = machine_of(comm, options);
+    Scene scene;
+    std::string wrong;
+    try {
+        std::vector<std::string> sets = options.sets;
+        if (!options.partitioner.empty()) sets.push_back("balance.partitioner=\"" + options.partitioner + "\"");
+        scene = read_scene(options.scene, sets, [&](const Scene& s) { check_capacity(s, machine); });
+    } catch (const InputError& e) {
+        wrong = e.what();
+    }
+    comm.agree_no_error<InputError>(wrong);
+    return scene;
+}
+
+/// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
+/// that wait for a core that another rank spins on are slower than none. Collective.
+void choose_threads(const Comm& comm) {
+    if (std::getenv("OMP_NUM_THREADS")) return;
+    omp_set_num_threads(std::max(1, omp_get_num_procs() / comm.on_this_machine().size));
+}
+
+void execute(const Options& options, const Comm& comm) {
+    const Scene scene = read_agreed(comm, options);
+    if (options.command == "check") {
+        if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
+        return;
+    }
+    choose_threads(comm);
+    const DeviceChoice device = choose_device(options.device, comm, options.transport);
+    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
+    run_scene(scene, options, comm, device);
+}
+
+int run_program(int argc, char** argv) {
+    const Comm comm(MPI_COMM_WORLD);
+    try {
+        const Options options = parse_options(argc, argv);
+        if (options.command == "version") {
+            if (comm.is_root()) fmt::print("moraine {} ({})\n", version_text, commit_text);
+        } else if (options.command == "help") {
+            if (comm.is_root()) fmt::print("{}", help_text());
+        } else if (options.command == "replay") {
+            if (comm.is_root()) replay(options.replay);
+        } else {
+            execute(options, comm);
+        }
+        return done;
+    } catch (const InputError& e) {
+        return tell(comm, input_wrong, e.what());
+    } catch (const PhysicsError& e) {
+        return tell(comm, physics_wrong, e.what());
+    } catch (const Stopped& e) {
+        return tell(comm, stopped, e.what());
+    } catch (const MachineError& e) {
+        return tell(comm, machine_failed, e.what());
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr,
+                   "moraine: memory ran out (rank {} wants more than this machine has). More ranks, or a larger "
+                   "domain.cell?\n",
+                   comm.rank());
+        MPI_Abort(MPI_COMM_WORLD, machine_failed);
+        return machine_failed;
+    } catch (const std::exception& e) {
+        // Not the same on all ranks: nobody may wait for this one.
+        fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), e.what());
+        MPI_Abort(MPI_COMM_WORLD, internal_error);
+        return internal_error;
+    }
+}
+
+extern "C" void request_stop(int) {
+    stop_requested = true;
+}
+
+}  // namespace
+
+}  // namespace moraine
+
+int main(int argc, char** argv) {
+    if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
+    std::signal(SIGTERM, moraine::request_stop);
+    std::signal(SIGUSR1, moraine::request_stop);
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
+    int provided = 0;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks
+    const int code = moraine::run_program(argc, argv);
+    MPI_Finalize();
+    return code;
+}

@@ -1,0 +1,151 @@
+#include "app/options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/program_options.hpp>
+#include <sstream>
+
+#include "core/error.hpp"
+#include "io/input_error.hpp"
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr const char* usage =
+    "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"
+    "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"
+    "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded block loads\n"
+    "moraine report RUN_DIR... [--output F]  one page about runs, side by side (report --help)\n"
+    "moraine --version | --help\n\n";
+
+const std::vector<std::string> devices{"auto", "cpu", "cuda"};
+const std::vector<std::string> transports{"auto", "host", "nccl", "peer", "mpi"};
+
+std::vector<std::string> partitioners() {
+    for (const auto& row : scene_rows())
+        if (row.key.table == "balance" && row.key.name == "partitioner") return row.key.choices;
+    return {};
+}
+
+[[noreturn]] void refuse_argument(const std::string& problem, const std::string& why, const std::string& suggestion) {
+    throw InputError(fmt::format("{} ({}). {}", problem, why, suggestion));
+}
+
+po::options_description run_options(Options& o) {
+    po::options_description options("run");
+    options.add_options()("output", po::value(&o.output)->value_name("DIR"),
+                          "where results go (default: runs/<scene name>)")("overwrite", po::bool_switch(&o.overwrite),
+                                                                           "replace a run that is there")(
+        "set", po::value(&o.sets)->value_name("KEY=VALUE"),
+        "change a key of the scene; material.NAME.key and body.NAME.key address tables; again for more")(
+        "device", po::value(&o.device)->value_name("NAME"), "auto, cpu, cuda (default: auto)")(
+        "transport", po::value(&o.transport)->value_name("NAME"), "auto, host, nccl, peer, mpi (default: auto)")(
+        "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
+        "restart", po::value(&o.restart)->value_name("FILE"), "go on from a checkpoint")(
+        "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
+        "quiet", po::bool_switch(&o.quiet), "no progress");
+    return options;
+}
+
+po::options_description check_options(Options& o) {
+    po::options_description options("check");
+    options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
+        "device", po::value(&o.device)->value_name("NAME"),
+        "as in run: with a device, the host's memory is that beside it")(
+        "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
+        "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
+    return options;
+}
+
+std::vector<std::string> names_of(const po::options_description& description) {
+    std::vector<std::string> names;
+    for (const auto& option : description.options()) names.push_back("--" + option->long_name());
+    return names;
+}
+
+/// The words after the command; the scene is the one without dashes.
+void parse_arguments(const std::vector<std::string>& words, const po::options_description& visible, Options& o) {
+    po::options_description all;
+    std::vector<std::string> scenes;
+    all.add(visible).add_options()("scene", po::value(&scenes));
+    po::positional_options_description positional;
+    positional.add("scene", -1);
+    const std::vector<std::string> names = names_of(visible);
+    try {
+        namespace style = po::command_line_style;
+        po::variables_map map;
+        po::store(po::command_line_parser(words)
+                      .options(all)
+                      .positional(positional)
+                      .style(style::allow_long | style::long_allow_adjacent | style::long_allow_next)
+                      .run(),
+                  map);
+        po::notify(map);
+    } catch (const po::unknown_option& e) {
+        const std::string name = e.get_option_name();
+        refuse_argument(name, "moraine " + o.command + " has no such option", suggest(name, names));
+    } catch (const po::invalid_syntax& e) {
+        refuse_argument(e.get_option_name(), "a value is missing, or not wanted", "See moraine --help?");
+    } catch (const po::multiple_occurrences& e) {
+        refuse_argument(e.get_option_name(), "given twice", "Remove one?");
+    } catch (const po::error& e) {
+        refuse_argument("the command line", e.what(), "See moraine --help?");
+    }
+    if (scenes.empty()) refuse_argument("no scene", "a file is needed", "Try moraine run inputs/first_scene.toml?");
+    if (scenes.size() > 1)
+        refuse_argument(fmt::format("two scenes, {} and {}", scenes[0], scenes[1]), "one at a time",
+                        "Does each --set have its own KEY=VALUE?");
+    o.scene = scenes[0];
+}
+
+void check_choice(const std::string& option, const std::string& value, const std::vector<std::string>& choices) {
+    if (std::find(choices.begin(), choices.end(), value) == choices.end())
+        refuse_argument(fmt::format("{} {}", option, value), "must be one of " + listed(choices),
+                        suggest(value, choices));
+}
+
+}  // namespace
+
+Options parse_options(int argc, const char* const* argv) {
+    const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    Options o;
+    if (words.empty() || std::find(words.begin(), words.end(), "--help") != words.end()) {
+        o.command = "help";
+        return o;
+    }
+    if (words[0] == "--version") {
+        o.command = "version";
+        return o;
+    }
+    const std::vector<std::string> commands{"run", "check", "replay", "report", "--version", "--help"};
+    if (words[0] == "replay") {
+        o.command = "replay";
+        o.replay = parse_replay({words.begin() + 1, words.end()});
+        return o;
+    }
+    if (words[0] != "run" && words[0] != "check") {
+        const bool scene = words[0].ends_with(".toml");
+        refuse_argument(words[0], "not a command",
+                        scene ? fmt::format("Did you mean moraine run {}?", words[0]) : suggest(words[0], commands));
+    }
+    o.command = words[0];
+    parse_arguments({words.begin() + 1, words.end()}, o.command == "run" ? run_options(o) : check_options(o), o);
+    check_choice("--device", o.device, devices);
+    check_choice("--transport", o.transport, transports);
+    if (!o.partitioner.empty()) check_choice("--partitioner", o.partitioner, partitioners());
+    if (o.ranks < 1) refuse_argument(fmt::format("--ranks {}", o.ranks), "must be at least 1", "Did you mean 1?");
+    return o;
+}
+
+std::string help_text() {
+    Options unused;
+    std::ostringstream out;
+    out << usage << run_options(unused) << '\n' << check_options(unused) << '\n' << replay_help();
+    return out.str();
+}
+
+}  // namespace moraine

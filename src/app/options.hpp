@@ -1,0 +1,33 @@
+#pragma once
+// The command line: what to do, with which scene, and how; nothing about the physics but --set.
+
+#include <string>
+#include <vector>
+
+#include "replay/replay_options.hpp"
+
+namespace moraine {
+
+struct Options {
+    std::string command;  ///< run, check, replay, version, help
+    std::string scene;    ///< path
+    std::string output;   ///< directory; empty: runs/<scene name>
+    bool overwrite = false;
+    std::vector<std::string> sets;   ///< KEY=VALUE
+    std::string device = "auto";     ///< cpu, cuda, auto
+    std::string transport = "auto";  ///< auto, host, nccl, peer, mpi
+    std::string partitioner;         ///< empty: the scene's
+    std::string restart;             ///< checkpoint; empty: from the start
+    bool quiet = false;
+    bool no_particles = false;  ///< outputs are the records alone, without particles.vtkhdf
+    int ranks = 1;              ///< check: to predict memory for
+    ReplayOptions replay;
+};
+
+/// Throws InputError. Not collective: every rank has the same arguments.
+Options parse_options(int argc, const char* const* argv);
+
+/// What --help prints.
+std::string help_text();
+
+}  // namespace moraine

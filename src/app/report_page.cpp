@@ -1,0 +1,37 @@
+#include "app/report_page.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace moraine {
+
+int become_report(int argc, char** argv) {
+    constexpr int machine_failed = 4;
+    std::error_code failed;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    const std::string script = (program.parent_path() / "report").string();
+    if (failed || !std::filesystem::exists(script + "/__main__.py")) {
+        fmt::print(stderr, "moraine: the report's script is not beside the program (no {}). Build it again?\n", script);
+        return machine_failed;
+    }
+    const char* chosen = std::getenv("MORAINE_PYTHON");
+    std::string python = chosen && *chosen ? chosen : "python3";
+    std::vector<std::string> words{python, "-B", script};
+    for (int k = 2; k < argc; ++k) words.emplace_back(argv[k]);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ::execvp(arguments[0], arguments.data());
+    fmt::print(stderr, "moraine: cannot start {} ({}). Install python3 and python3-matplotlib?\n", python,
+               std::strerror(errno));
+    return machine_failed;
+}
+
+}  // namespace moraine

@@ -1,0 +1,154 @@
+#pragma once
+// A scene: what to simulate, in SI units, after all keys have been read and checked (scene/read_scene.hpp
+// reads it from TOML; inputs/reference.toml says what each key means). Plain data, no behaviour.
+// A 2-D scene leaves the third components at zero.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace moraine {
+
+using Triple = std::array<double, 3>;
+
+enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
+enum class Transfer { flip, pic, apic, tpic, fmpm };  ///< pic is flip with blend 0
+
+/// The transfer of a scene that names none: what reaches 1 % of error soonest in most problems (docs/accuracy.md); hats
+/// have no affine one.
+constexpr Transfer standard_transfer(Shape shape) {
+    return shape == Shape::linear ? Transfer::flip : Transfer::apic;
+}
+
+enum class StressUpdate { usl, usf, musl };
+enum class Precision { single_, double_ };
+enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
+enum class BodyShape { box, polygon, sphere, table };
+enum class Seeding { lattice, jittered };
+enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon };
+enum class StructureMotion { fixed, velocity, sinusoid, table, free };
+enum class InterfaceLaw { smooth, rough, coulomb, undrained };
+enum class Volumetric { particle, cell };
+enum class Trigger { never, every, threshold, planned };
+
+struct WallSpec {
+    WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error
+    double friction = 0;             ///< Coulomb coefficient [-]
+};
+
+struct MaterialSpec {
+    std::string name;
+    std::string law;                               ///< a name of core/material/laws.hpp
+    double density = 0;                            ///< at ln J = 0 [kg/m3]
+    std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
+    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure; cell: its mean (core/volumetric.hpp)
+};
+
+/// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.
+struct WaveSpec {
+    Triple velocity{};
+    int axis = 0;
+    double origin = 0;
+    double wavelength = 0;  ///< [m]; 0: no wave
+};
+
+struct BodySpec {
+    std::string name;
+    int material = 0;  ///< index into Scene::materials
+    BodyShape shape = BodyShape::box;
+    Triple min{}, max{};                        ///< box [m]; polygon in 3-D: min[2], max[2] are its ends
+    Triple center{};                            ///< sphere (2-D: disk) [m]
+    double radius = 0;                          ///< [m]
+    std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
+    std::string file;                           ///< table: path of .csv or .h5, absolute or relative to the scene
+    std::array<int, 3> particles_per_cell{2, 2, 2};
+    Seeding seeding = Seeding::lattice;
+    double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
+    Triple velocity{};  ///< [m/s]
+    WaveSpec wave;
+    bool geostatic = false;        ///< start from sigma_v = -rho g (surface - y), sigma_h = k0 sigma_v
+    double geostatic_surface = 0;  ///< height of the free surface along -gravity's main axis [m]
+    double geostatic_k0 = 1;
+};
+
+/// How a structure moves (core/structure_motion.hpp).
+struct MotionSpec {
+    StructureMotion kind = StructureMotion::fixed;
+    Triple velocity{};            ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;              ///< velocity: time of the rise [s]
+    Triple amplitude{};           ///< sinusoid [m]
+    double period = 0;            ///< sinusoid [s]
+    std::vector<double> times;    ///< table [s]
+    std::vector<double> factors;  ///< table: of the velocity at these times
+    double mass = 0;              ///< free [kg]
+    Triple force{};               ///< free: besides gravity and contact [N]
+};
+
+struct StructureSpec {
+    std::string name;
+    StructureShape shape = StructureShape::plane;
+    Triple point{}, normal{};                   ///< plane: away from the structure
+    Triple center{};                            ///< sphere [m]
+    double radius = 0;                          ///< sphere, cylinder, capsule [m]
+    Triple from{}, to{};                        ///< cylinder, capsule: ends of the axis [m]
+    Triple min{}, max{};                        ///< box; polygon in 3-D: min[2], max[2] are its ends [m]
+    std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
+    bool clear = false;                         ///< particles that begin inside are removed
+    InterfaceLaw law = InterfaceLaw::smooth;
+    double friction = 0;  ///< coulomb [-]
+    double alpha = 0;     ///< undrained: share of su [-]
+    double su = 0;        ///< undrained [Pa]
+    double penalty = 1;   ///< share of m / dt^2 [-]
+    MotionSpec motion;
+};
+
+struct OutputSpec {
+    double interval = 0;            ///< [s]; 0: start and end only
+    double structure_interval = 0;  ///< of structures.csv [s]; 0: that of the others
+    std::vector<std::string> fields;
+    double checkpoint_interval = 0;       ///< [s]; 0: none
+    double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
+    bool block_loads = false;             ///< record them at each balance interval, for replays
+};
+
+struct BalanceSpec {
+    std::string partitioner = "morton";
+    std::string weight = "particles";  ///< particles, cost, time
+    Trigger trigger = Trigger::threshold;
+    int interval = 50;        ///< [steps] between looks (threshold, planned) or repartitions (every)
+    double threshold = 1.05;  ///< max/mean
+    int axis = 0;             ///< of slabs
+};
+
+struct Scene {
+    std::string name;  ///< file name without .toml
+    std::string title;
+    std::string path;  ///< of the file
+    int dimensions = 3;
+    Triple min{}, max{};  ///< domain [m]
+    double cell = 0;      ///< h [m]
+    std::array<bool, 3> periodic{};
+    std::array<std::array<WallSpec, 2>, 3> walls{};  ///< [axis][0 lower, 1 upper]
+    double end = 0;                                  ///< [s]
+    double cfl = 0.5;                                ///< dt = cfl h / (c + |v|)
+    double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
+    Shape shape = Shape::quadratic;
+    Transfer transfer = Transfer::apic;
+    double flip = 1;  ///< share of FLIP against PIC
+    int order = 2;    ///< terms of FMPM's series
+    StressUpdate stress_update = StressUpdate::usl;
+    Precision precision = Precision::double_;
+    double damping = 0;           ///< local non-viscous damping [-], 0 to 1; 0: dynamic
+    bool boundary_spline = true;  ///< fold ghost nodes at closed walls by linear extrapolation
+    Triple gravity{};             ///< [m/s2]
+    std::vector<MaterialSpec> materials;
+    std::vector<BodySpec> bodies;
+    std::vector<StructureSpec> structures;
+    OutputSpec output;
+    BalanceSpec balance;
+    std::uint64_t seed = 1;
+};
+
+}  // namespace moraine

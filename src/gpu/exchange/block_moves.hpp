@@ -1,0 +1,76 @@
+#pragma once
+// Whole blocks travel between devices when the partition changes: their particles as records
+// (gpu/exchange/particle_record.hpp), in list order, in rounds of bounded size. A block is a stretch of the lists here,
+// and of the arrivals' slots there.
+
+#include <span>
+
+#include "comm/patch.hpp"
+#include "gpu/exchange/particle_record.hpp"
+#include "gpu/memory/array.hpp"
+#include "gpu/memory/stream.hpp"
+#include "gpu/transport/transport.hpp"
+
+namespace moraine::gpu {
+
+/// Particles of a block: `count` entries of the lists from `start`, or, of one that arrived, as many slots.
+struct Stretch {
+    Key key;
+    std::uint32_t start;
+    std::uint32_t count;
+    bool arrived = false;
+};
+
+/// A stretch on the device, and where its slots are listed.
+struct ListCopy {
+    std::uint32_t start, count, to, arrived;
+};
+
+/// What a rank keeps, sends and gets, told between the hosts before anything travels.
+struct BlockPlan {
+    struct Partner {
+        int rank;
+        std::vector<Stretch> leaving;
+        std::vector<Stretch> coming;  ///< start: where they will be, counted from the first arrival
+        std::size_t out, in;          ///< particles
+    };
+    std::vector<Stretch> kept;
+    std::vector<Partner> partners;
+    std::size_t arrivals = 0;
+};
+
+/// mine: this rank's occupied blocks, keys ascending; owner: who gets them. Collective.
+BlockPlan plan_block_moves(const Comm& comm, const std::vector<Stretch>& mine, std::span<const std::int32_t> owner);
+
+/// Moves particles, and keeps memory and boxes for the next time.
+class BlockMoves {
+  public:
+    BlockMoves(const Comm& comm, std::unique_ptr<Wire> wire) : comm_(comm), wire_(std::move(wire)) {}
+
+    /// lists: slots of this rank's particles, in list order. Arrivals take the slots from `first_free` on, which must
+    /// be there. Synchronous. Collective.
+    void move(const BlockPlan& plan, const std::uint32_t* lists, const RecordLayout& layout, std::uint32_t first_free,
+              const Stream& stream);
+
+  private:
+    using Partner = BlockPlan::Partner;
+    /// A partner for each peer of the wire, which has room for all that travels in a round of at most `chunk` records.
+    std::vector<Partner> open(const BlockPlan& plan, std::size_t chunk, std::size_t record);
+
+    const Comm& comm_;
+    std::unique_ptr<Wire> wire_;
+    std::vector<WirePeer> peers_;  ///< all with whom there was ever something to share
+    Array<ListCopy> copies_;
+    Array<std::uint32_t> slots_;
+};
+
+/// The slots of stretches, one after the other from to[0] on; `copies` keeps what the device reads. Asynchronous.
+void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* lists, Array<ListCopy>& copies,
+                    std::uint32_t* to, cudaStream_t stream);
+
+/// Bounds of the cells of each block whose list is sorted by cell. Asynchronous.
+template <class Real, int Dim>
+void bound_cells(int own, const std::uint32_t* first, const std::uint32_t* slot, const Row<Real>* place,
+                 std::uint32_t* cell_first, cudaStream_t stream);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,32 @@
+#pragma once
+// All that an engine has only where there are other ranks: their wires, and what travels on them.
+
+#include "gpu/exchange/block_moves.hpp"
+#include "gpu/exchange/halo.hpp"
+#include "gpu/exchange/migration.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+struct Exchange {
+    /// Collective.
+    Exchange(const Comm& c, const WireMaker& wires)
+        : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(c, wires.make(13)) {}
+
+    /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
+    void open(const EpochTables<Dim>& tables, cudaStream_t steps) {
+        halo.open(tables);
+        migration.begin_epoch(tables, steps);
+    }
+
+    const Comm& comm;
+    Routes routes;
+    DeviceHalo<Real, Dim> halo;
+    DeviceMigration<Dim> migration;
+    BlockMoves moves;
+
+    Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
+    Event filed, boundary_summed, halo_here, solved, boundary_moved, arrived;
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,36 @@
+#pragma once
+// The halo on devices: unsummed tiles travel as comm/halo.hpp has it, packed and unpacked by kernels.
+//
+// A message: its head, one byte per tile of the list (1: there is a tile), then node_sums reals for each node of those
+// that are there. A kernel with a thread block per peer finds where each tile stands; then a thread block per tile
+// copies. The nodes read foreign tiles as those of ghost blocks.
+
+#include "core/grid_views.hpp"
+#include "gpu/exchange/routes.hpp"
+#include "gpu/memory/stream.hpp"
+#include "gpu/transport/transport.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+class DeviceHalo {
+  public:
+    explicit DeviceHalo(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
+
+    /// For an epoch. Collective.
+    void open(const EpochTables<Dim>& tables);
+
+    /// tile_side: nodes of a tile along an axis. Counts the bytes. On one stream; asynchronous but for what the wire
+    /// waits for.
+    void start(const Route& send, const TileView<Real>& grid, int tile_side, Counters* counters, cudaStream_t stream);
+    void post() { wire_->post(); }
+    /// Puts foreign tiles in place: tile g is that of ghost g; tile_of: own blocks, then ghosts.
+    void finish(const Route& receive, const TileView<Real>& grid, std::int32_t* tile_of, int own, int tile_side,
+                cudaStream_t stream);
+
+  private:
+    std::unique_ptr<Wire> wire_;
+    Array<std::uint32_t> place_;  ///< by tile of the way under work: nodes before it in its message
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,42 @@
+#pragma once
+// What the lists need of an epoch's tables, on the device: whom peers need, the rim, and where each block was before.
+
+#include <algorithm>
+#include <vector>
+
+#include "comm/epoch.hpp"
+#include "gpu/memory/array.hpp"
+
+namespace moraine::gpu {
+
+struct ListTables {
+    Array<std::uint8_t> is_boundary;  ///< own: 1 where some peer needs the block
+    Array<std::uint64_t> rim;         ///< own: bit per cell (comm/rim.hpp)
+    Array<std::int32_t> from;         ///< own + 1: how many own blocks of the tables before have smaller keys
+    Array<std::int32_t> same;         ///< own: the same block in the tables before; -1: it was not there
+
+    /// There when the stream has been waited for; before: own blocks of the tables before.
+    template <int Dim>
+    void upload(const EpochTables<Dim>& tables, const std::vector<Key>& before, cudaStream_t stream) {
+        std::vector<std::uint8_t> boundary(tables.own.size(), 0);
+        for (std::int32_t b : tables.boundary) boundary[static_cast<std::size_t>(b)] = 1;
+        std::vector<std::int32_t> smaller, same_as;
+        std::size_t at = 0;
+        for (Key key : tables.own) {
+            while (at < before.size() && before[at] < key) ++at;
+            const auto i = static_cast<std::int32_t>(at);
+            smaller.push_back(i);
+            same_as.push_back(at < before.size() && before[at] == key ? i : -1);
+        }
+        smaller.push_back(static_cast<std::int32_t>(before.size()));
+        is_boundary.assign(boundary, stream), rim.assign(tables.rim, stream);
+        from.assign(smaller, stream), same.assign(same_as, stream);
+    }
+
+    void swap(ListTables& other) {
+        is_boundary.swap(other.is_boundary), rim.swap(other.rim);
+        from.swap(other.from), same.swap(other.same);
+    }
+};
+
+}  // namespace moraine::gpu

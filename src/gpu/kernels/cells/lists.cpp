@@ -1,0 +1,126 @@
+#include "gpu/kernels/cells/lists.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "gpu/memory/refresh.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+void Lists<Dim>::make_room(const EpochTables<Dim>& tables, cudaStream_t stream) {
+    own_ = tables.own.size();
+    const std::size_t ghosts = tables.ghost.size();
+    tile_of_.resize(own_ + ghosts);
+    boundary_.resize(own_);
+    interior_.resize(own_);
+    occupied_.resize(5);
+    cell_first_.resize(own_ * bounds);
+    next_first_.resize(own_ + 1);
+    leaver_count_.resize(own_ + ghosts);
+    leaver_bound_.resize((own_ + ghosts) * leaver_bounds<Dim>);
+    // read, and multiplied by nothing, where no particle leaves
+    check(cudaMemsetAsync(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t), stream),
+          "Clearing lists");
+    ghost_start_.resize(ghosts);
+    tally_.resize(static_cast<std::size_t>(filing_chunks(static_cast<int>(own_))));
+}
+
+template <int Dim>
+void Lists<Dim>::make_room(std::size_t most) {
+    next_slot_.resize(most);
+    moves_.resize(most);
+    changed_.resize(most / 32 + own_ + 1);
+    leaver_slot_.resize(most);
+    leaver_cell_.resize(most);
+}
+
+template <int Dim>
+void Lists<Dim>::grow(std::size_t most) {
+    slot_.resize(most);
+    make_room(most);
+    count_up(static_cast<std::uint32_t>(most), slot_.data(), nullptr);
+    check(cudaDeviceSynchronize(), "Making room for particles");
+}
+
+template <int Dim>
+void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                         std::size_t most) {
+    make_room(tables, nullptr);
+    first_.assign(first_of(tables, filed));
+    grow(most);
+    number_blocks(filing(table), nullptr);
+    check(cudaDeviceSynchronize(), "Taking lists in");
+}
+
+template <int Dim>
+void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                           const std::vector<Stretch>& blocks, cudaStream_t stream) {
+    make_room(tables, stream);
+    make_room(slot_.size());
+    first_.assign(first_of(tables, filed), stream);
+    list_stretches(blocks, slot_.data(), copies_, next_slot_.data(), stream);
+    slot_.swap(next_slot_);
+    number_blocks(filing(table), stream);
+}
+
+template <int Dim>
+std::vector<std::uint32_t> Lists<Dim>::first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const {
+    std::vector<std::uint32_t> first(tables.own.size() + 1, 0);
+    for (std::size_t f = 0, b = 0; f < filed.key.size(); ++f) {  // both ascend
+        while (tables.own[b] < filed.key[f]) ++b;
+        first[b + 1] = filed.count[f];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    return first;
+}
+
+/// Blocks keep their order, so the slots stay where they are; only bounds are numbered anew.
+template <int Dim>
+void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream) {
+    old_cell_first_.swap(cell_first_);
+    make_room(tables, stream);
+    make_room(slot_.size());
+    const auto own = static_cast<std::uint32_t>(own_);
+    renumber(own + 1, 1, tables_.from.data(), first_.data(), next_first_.data(), stream);
+    first_.swap(next_first_);
+    next_first_.resize(own_ + 1);
+    renumber(own, bounds, tables_.same.data(), old_cell_first_.data(), cell_first_.data(), stream);
+    number_blocks(filing(table), stream);
+}
+
+template <int Dim>
+void Lists<Dim>::limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream) {
+    tiles_ = tiles;
+    number_blocks(filing(table), stream);
+}
+
+template <int Dim>
+Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
+    return {table,
+            view(),
+            moves_.data(),
+            changed_.data(),
+            tables_.is_boundary.data(),
+            tables_.rim.data(),
+            table.ghosts,
+            {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(), ghost_start_.data()},
+            {tile_of_.data(), boundary_.data(), interior_.data(), occupied_.data(), occupied_.data() + 2, tiles_,
+             occupied_.data() + 4},
+            cell_first_.data(),
+            next_first_.data(),
+            next_slot_.data(),
+            tally_.data()};
+}
+
+template <int Dim>
+void Lists<Dim>::make(const BlockTable<Dim>& table, cudaStream_t stream) {
+    make_lists(filing(table), stream);
+    first_.swap(next_first_);
+    slot_.swap(next_slot_);
+}
+
+template class Lists<2>;
+template class Lists<3>;
+
+}  // namespace moraine::gpu

@@ -1,0 +1,85 @@
+#pragma once
+// The lists of a rank's blocks on the device, and all that a filing needs to make the next ones.
+//
+// Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once;
+// when more may come, the engine makes room between two steps.
+
+#include <cuda_runtime.h>
+
+#include "comm/epoch.hpp"
+#include "comm/patch.hpp"
+#include "gpu/exchange/block_moves.hpp"
+#include "gpu/kernels/cells/filing.hpp"
+#include "gpu/kernels/cells/list_tables.hpp"
+#include "gpu/kernels/view.hpp"
+#include "gpu/memory/array.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+class Lists {
+  public:
+    static constexpr std::size_t bounds = Block<Dim>::cells + 1;
+
+    /// What an epoch brings; install() or renew() follows.
+    void swap(ListTables& tables) { tables_.swap(tables); }
+    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
+    /// `most` particles. The cells' bounds are left to whoever knows the places. Synchronous.
+    void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                 std::size_t most);
+    /// The same particles under other tables. Asynchronous.
+    void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream);
+    /// The state of `filed`, whose particles are those of `blocks`; room as before. The cells' bounds are left to
+    /// whoever knows the places. Asynchronous.
+    void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+                   const std::vector<Stretch>& blocks, cudaStream_t stream);
+    /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
+    void grow(std::size_t most);
+    /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
+    void limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream);
+
+    ListView<Dim> view() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
+    Chosen boundary() const { return {boundary_.data(), occupied_.data() + 2}; }
+    Chosen interior() const { return {interior_.data(), occupied_.data() + 3}; }
+    std::int32_t* tile_of() const { return tile_of_.data(); }  ///< own blocks, then ghosts
+    std::uint32_t* cell_bounds() const { return cell_first_.data(); }
+    std::size_t room() const { return slot_.size(); }
+    const std::uint32_t* particles() const { return first_.data() + own_; }
+    const std::uint32_t* occupied() const { return occupied_.data(); }    ///< boundary, interior: however many tiles
+    const std::uint32_t* at_rim() const { return occupied_.data() + 4; }  ///< Filing::at_rim
+    std::uint16_t* moves() const { return moves_.data(); }
+    std::uint32_t* changed() const { return changed_.data(); }
+    std::uint32_t* slots() const { return slot_.data(); }
+
+    /// Occupied blocks that some peer needs.
+    std::uint32_t occupied_boundary() const { return occupied_.host().front(); }
+    std::vector<std::uint32_t> first() const { return first_.host(); }
+    std::vector<std::uint32_t> first(cudaStream_t stream) const { return first_.host(stream); }
+    std::vector<std::uint32_t> cell_first(cudaStream_t stream) const { return cell_first_.host(stream); }
+
+    Filing<Dim> filing(const BlockTable<Dim>& table) const;
+    /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
+    /// ones, the lists. Asynchronous.
+    void collect(const BlockTable<Dim>& table, Part part, int blocks, cudaStream_t stream) {
+        collect_leavers(filing(table), part, blocks, stream);
+    }
+    void make(const BlockTable<Dim>& table, cudaStream_t stream);
+
+  private:
+    void make_room(const EpochTables<Dim>& tables, cudaStream_t stream);
+    void make_room(std::size_t most);
+    std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const;
+
+    std::size_t own_ = 0;
+    std::uint32_t tiles_ = ~0u;
+    ListTables tables_;
+    Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
+    Array<std::int32_t> tile_of_, boundary_, interior_;
+    Array<std::uint8_t> leaver_cell_;
+    Array<std::uint16_t> moves_;
+    Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;
+    Array<Tally> tally_;
+    Array<ListCopy> copies_;
+};
+
+}  // namespace moraine::gpu

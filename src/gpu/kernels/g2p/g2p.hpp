@@ -1,0 +1,83 @@
+#pragma once
+// Grid to particles on the device: how it is launched. Plain C++; the kernels are compiled elsewhere, one file per
+// precision, dimension and kind.
+//
+// Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: hats or quadratic splines, with
+// splines also an affine field, all of a step in one round (USL), one material. Split: a gather that leaves
+// dL = dt grad v per list entry, and one stress launch per material. Which way a scene goes is decided once; the two
+// differ in rounding.
+//
+// A launch is any number of thread blocks >= 1: items are taken in turn up to a count that the device knows.
+
+#include <driver_types.h>
+
+#include <memory>
+
+#include "core/g2p.hpp"
+#include "core/scene_spec.hpp"
+#include "gpu/kernels/view.hpp"
+
+namespace moraine::gpu {
+
+/// Where and how wide a launch goes.
+struct Launch {
+    int blocks;  ///< about how many blocks of particles there are: makes the grid, any guess is right
+    cudaStream_t stream;
+};
+
+template <class Real, int Dim>
+struct GatherArgs {
+    DomainEnds<Real, Dim> ends;
+    unsigned gather;                ///< bits of Gather (core/g2p.hpp)
+    bool tpic;                      ///< C_p is the velocity gradient
+    Real flip;                      ///< share of FLIP [-]
+    Real dt;                        ///< [s]
+    double pull[Dim];               ///< integral of gravity up to the end of this step [m/s]
+    Quantum quantum;                ///< of the exact sums
+    const std::uint8_t* averaged;   ///< by body, on the device: which take it from the cell; null: all
+    Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
+    std::uint64_t gradient_stride;  ///< list entries between components
+};
+
+template <class Real, int Dim>
+struct StressArgs {
+    Real dt;  ///< [s]
+    Quantum quantum;
+    const Real* gradient;  ///< as in GatherArgs
+    std::uint64_t gradient_stride;
+    const std::uint16_t* material_of;  ///< by body, on the device; null: all particles are of this material
+    int mine;                          ///< the material whose particles are updated
+};
+
+/// One gather kernel with what is fixed in a run. Not collective.
+template <class Real, int Dim>
+class GatherKernel {
+  public:
+    virtual ~GatherKernel() = default;
+    virtual void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+                     const Launch& launch) const = 0;
+};
+
+/// One material's stress update. Not collective.
+template <class Real, int Dim>
+class StressKernel {
+  public:
+    virtual ~StressKernel() = default;
+    virtual void run(const View<Real, Dim>& view, const Chosen& chosen, const StressArgs<Real, Dim>& args,
+                     const Launch& launch) const = 0;
+};
+
+/// Gather without stress; averages: some bodies take their volumetric part from the cell (core/volumetric.hpp).
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages);
+
+/// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
+/// affine: of quadratic splines, whatever `shape` says; GatherArgs::flip is ignored then, for APIC and TPIC have none.
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
+                                                           bool affine);
+
+template <class Real, int Dim>
+std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,187 @@
+#pragma once
+// Gather and stress update in one kernel: hats or quadratic splines, with splines also an affine field; one material.
+//
+// One thread per particle; its gradient never leaves the registers, and its rows are read and written once. Kernels
+// that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
+// many.
+
+#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/gather_affine.cuh"
+#include "gpu/kernels/g2p/plain_law.cuh"
+#include "gpu/kernels/g2p/stress_particle.cuh"
+#include "gpu/kernels/g2p/volumetric.cuh"
+#include "gpu/kernels/launch.cuh"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
+struct FusedGather {
+    static_assert(!Affine || Shape::width == 3);
+    using T = Team<Dim>;
+    static constexpr int side = tile_side(Shape::width);
+    using Tile = GatherTile<Real, Dim, Shape::width, !Affine>;
+    using Rows = RowsAhead<Real, law_rows<Law, Dim>, 0, T::threads>;
+    struct Shared {
+        Rows rows;
+        Tile tile;
+        double sums[T::warps];
+        std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
+    };
+    using V = View<Real, Dim>;
+    using Args = GatherArgs<Real, Dim>;
+    using U = Vec<Coordinate<Real>, Dim>;
+
+    static __device__ __forceinline__ Gathered<Real, Dim, Affine> sums_of(const V& v, const Args& g, int block,
+                                                                          const U& u, const Tile& tile) {
+        const int at = number_of<side, Real, Dim>(u);
+        if constexpr (Affine) {
+            SplineAxis<Real> n[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a)
+                n[a] = spline_axis(fraction_of<Real>(u[a]), takes_gradient<Shape>(v, g, block, u, a));
+            return gather_affine<Real, Dim>(tile, at, n);
+        } else {
+            AxisWeights<Real, Shape, false> n[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) n[a] = axis_weights<Shape, false>(fraction_of<Real>(u[a]), Real(0), false);
+            return gather<Shape, false, Real, Dim>(tile, at, n);
+        }
+    }
+
+    /// The nodes of the block, and where they are wanted the means of its cells.
+    static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        load_tile<Shape>(v, work.block, shared.tile);
+        if constexpr (Averages)
+            average_cells(v, g, work, shared.means,
+                          [&](std::uint32_t, const U& u) { return sums_of(v, g, work.block, u, shared.tile); });
+    }
+
+    static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
+                                                           Real inverse_density, const Work& work, std::uint32_t k,
+                                                           std::uint32_t s, int half, const Shared& shared,
+                                                           Seen<Real>& tally, double& power) {
+        const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = row(p.place);
+        U u = place_of<Real, Dim>(p);
+        auto sums = sums_of(v, g, work.block, u, shared.tile);
+        if constexpr (Affine) store_affine(v, sums.affine, s);
+        if constexpr (Averages) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
+
+        const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
+        if (step.moved > tally.moved) tally.moved = step.moved;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
+        if constexpr (Dim == 3) store_row(v.p.core[p.place] + s, p.row[p.place]);
+
+        p.row[p.motion] = row(p.motion);
+        if constexpr (Affine)
+            for (int a = 0; a < Dim; ++a) p.velocity(a) = sums.velocity[a];
+        else
+            take_velocity(g.flip, sums, p);
+        p.row[p.normal] = row(p.normal);
+        p.row[p.shear] = row(p.shear);
+        if constexpr (Averages) {
+            CoreRows<Real, Dim> before;  // the cell is not kept in a register; in 2-D the shear row is the normal one
+            before.row[p.place] = row(p.place);
+            shared.means.put_stress(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
+        }
+        Row<Real> b[stretch_rows<Dim>];
+        if constexpr (Law::uses_left_stretch)
+            for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
+        Mat<Real, Dim> dL;
+        const Real scale = g.dt * v.context.inverse_cell;
+#pragma unroll
+        for (int i = 0; i < Dim; ++i)
+#pragma unroll
+            for (int j = 0; j < Dim; ++j) dL(i, j) = scale * sums.gradient[j][i];
+        const std::uint32_t faults =
+            step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
+#pragma unroll
+        for (int r = Dim == 3 ? 1 : 0; r < core_rows<Dim>; ++r) store_row(v.p.core[r] + s, p.row[r]);
+        report(v, g, s, faults, step.move);
+        return faults;
+    }
+};
+
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, int MinBlocks>
+__global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
+    g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
+              const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
+              const Real inverse_density) {
+    using T = Team<Dim>;
+    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages>;
+    extern __shared__ __align__(32) unsigned char memory[];
+    auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
+    Seen<Real> tally;
+    const std::uint32_t count = *chosen.count;
+#pragma unroll 1
+    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
+        const Work work = work_on(v.list, chosen, item);
+        double power = 0;
+        each_entry<Dim>(
+            v.list.slot, work,
+            [&](int half, std::uint32_t, std::uint32_t s) {
+#pragma unroll
+                for (int r = 0; r < law_rows<Law, Dim>; ++r)
+                    shared.rows.start(half, T::rank(), r, law_row<Law>(v.p, r, s));
+                return 0u;
+            },
+            [&] { F::prepare(v, g, work, shared); },
+            [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t) {
+                F::update(v, g, law, inverse_density, work, k, s, half, shared, tally, power);
+            });
+        power = T::sum(power, shared.sums);
+        if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
+    }
+    tally.fold_into(account_of(v));
+}
+
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
+template <class Real, class Law, bool Affine, bool Averages>
+constexpr int fused_blocks() {
+    if (sizeof(Real) == 8) return 3;
+    if (Averages && (Affine || std::is_base_of_v<Tresca<Real>, Law>)) return 4;
+    const bool elastic = std::is_same_v<Law, LinearElastic<Real>> || std::is_same_v<Law, NeoHookean<Real>>;
+    return Affine && elastic ? 4 : 5;
+}
+
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
+class FusedKernel final : public GatherKernel<Real, Dim> {
+  public:
+    FusedKernel(const Law& law, double density)
+        : law_(law),
+          inverse_density_(static_cast<Real>(1 / density)),
+          kernel_(g2p_fused<Real, Dim, Shape, Law, Affine, Averages, fused_blocks<Real, Law, Affine, Averages>()>,
+                  sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Averages>::Shared),
+                  "Launching the gather with stress") {}
+
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+             const Launch& launch) const override {
+        kernel_(launch, view, chosen, args, law_, inverse_density_);
+    }
+
+  private:
+    Law law_;
+    Real inverse_density_;
+    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real> kernel_;
+};
+
+template <class Real, int Dim, class Shape, bool Affine, class Law>
+std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const MaterialSpec& material) {
+    if (material.volumetric == Volumetric::cell)
+        return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, true>>(law, material.density);
+    return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, false>>(law, material.density);
+}
+
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
+                                                           bool affine) {
+    return with_kernel_law<Real>(material, [&](const auto& law) {
+        if (affine) return fused_kernel<Real, Dim, Quadratic, true>(law, material);
+        return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear, false>(law, material)
+                                               : fused_kernel<Real, Dim, Quadratic, false>(law, material);
+    });
+}
+
+}  // namespace moraine::gpu

@@ -1,0 +1,227 @@
+#pragma once
+// Gather without stress: any shape, with or without an affine field, whatever a round of a scheme takes.
+//
+// dL goes to a buffer by list entry, component by component: written and read in full lines, and free of the order in
+// which particles lie in memory.
+
+#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/volumetric.cuh"
+#include "gpu/kernels/launch.cuh"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim, class Shape, bool Affine, bool Averages>
+struct SplitGather {
+    using T = Team<Dim>;
+    static constexpr int side = tile_side(Shape::width);
+    static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
+    static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
+    using Tile = GatherTile<Real, Dim, Shape::width>;
+    using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
+    struct Shared {
+        Rows rows;
+        Tile tile;
+        std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
+    };
+    using V = View<Real, Dim>;
+    using Args = GatherArgs<Real, Dim>;
+    using U = Vec<Coordinate<Real>, Dim>;
+    using Sums = Gathered<Real, Dim, levers>;
+
+    /// Asks for the particle's rows; returns its body.
+    static __device__ __forceinline__ std::uint32_t start(const V& v, const Args& g, int half, std::uint32_t s,
+                                                          Shared& shared) {
+        shared.rows.start(half, T::rank(), place, v.p.core[0] + s);
+        if (g.gather & gather_velocity) shared.rows.start(half, T::rank(), motion, v.p.core[1] + s);
+        if constexpr (Shape::sized) {
+            if (v.p.log_stretch) shared.rows.start(half, T::rank(), box, v.p.log_stretch + s);
+            return v.p.body[s];
+        }
+        return 0;
+    }
+
+    /// Half-size of a particle's box along an axis [cells], as gimp_half of core/stencil.hpp.
+    static __device__ __forceinline__ Real half_size(const V& v, std::uint32_t body, const Row<Real>& stretch, int a) {
+        Real half = v.context.half_size[body][a];
+        if (v.p.log_stretch) half *= std::exp(stretch.e[a]);
+        return half < Real(0.5) ? half : Real(0.5);
+    }
+
+    /// The nodes of the block, and where they are wanted the means of its cells.
+    static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        load_tile<Shape>(v, work.block, shared.tile);
+        if constexpr (Averages)
+            if (g.gather & gather_gradient)
+                average_cells(v, g, work, shared.means, [&](std::uint32_t s, const U& u) {
+                    Row<Real> stretch;
+                    if constexpr (Shape::sized)
+                        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+                    AxisWeights<Real, Shape, false> n[Dim];
+#pragma unroll
+                    for (int a = 0; a < Dim; ++a)
+                        n[a] = axis_weights<Shape, false>(
+                            fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
+                            false);
+                    return gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+                });
+    }
+
+    /// Volumetric rate and pressure of the cell; the stress update follows as a launch of its own.
+    static __device__ __forceinline__ void take_means(const V& v, std::uint32_t s, const Row<Real>& at,
+                                                      const Shared& shared, Sums& sums) {
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = at;
+        const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
+        shared.means.put_rate(cell, sums);
+        p.row[p.normal] = load_row(v.p.core[p.normal] + s);
+        shared.means.put_stress(cell, p);
+        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
+    }
+
+    static __device__ __forceinline__ void store_gradient(const V& v, const Args& g, const Sums& sums,
+                                                          std::uint32_t k) {
+        const Real scale = g.dt * v.context.inverse_cell;
+#pragma unroll
+        for (int i = 0; i < Dim; ++i)
+#pragma unroll
+            for (int j = 0; j < Dim; ++j)
+                g.gradient[std::uint64_t(Dim * i + j) * g.gradient_stride + k] = scale * sums.gradient[j][i];
+    }
+
+    /// The box follows the stretch; true when it is held at half a cell.
+    static __device__ __forceinline__ bool stretch_box(const V& v, const Args& g, const Sums& sums, std::uint32_t body,
+                                                       std::uint32_t s, Row<Real> stretch) {
+        bool held = false;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) {
+            stretch.e[a] += std::log1p(g.dt * v.context.inverse_cell * sums.gradient[a][a]);
+            held = held || v.context.half_size[body][a] * std::exp(stretch.e[a]) > Real(0.5);
+        }
+        store_row(v.p.log_stretch + s, stretch);
+        return held;
+    }
+
+    /// The particle of list entry k in slot s.
+    static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
+                                                std::uint32_t s, int half, std::uint32_t body, const Shared& shared,
+                                                Seen<Real>& tally) {
+        const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = row(place);
+        Row<Real> stretch;
+        if constexpr (Shape::sized)
+            if (v.p.log_stretch) stretch = row(box);
+        U u = place_of<Real, Dim>(p);
+        AxisWeights<Real, Shape, levers> n[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a)
+            n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
+                                               Shape::sized ? half_size(v, body, stretch, a) : Real(0),
+                                               levers && takes_gradient<Shape>(v, g, work.block, u, a));
+        Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+
+        if (g.gather & gather_velocity) {
+            p.row[p.motion] = row(motion);
+            take_velocity(g.flip, sums, p);
+            store_row(v.p.core[p.motion] + s, p.row[p.motion]);
+            if constexpr (levers)
+                store_affine(v, sums.affine, s);
+            else if constexpr (Affine)
+                store_affine(v, sums.gradient, s);
+        }
+        if (g.gather & gather_gradient) {
+            if constexpr (Shape::sized)
+                if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
+            if constexpr (Averages)
+                if (!g.averaged || g.averaged[v.p.body[s]]) take_means(v, s, row(place), shared, sums);
+            store_gradient(v, g, sums, k);
+        }
+        if (g.gather & (gather_motion | gather_second_motion)) {
+            Real velocity[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) velocity[a] = g.gather & gather_motion ? sums.velocity[a] : sums.change[a];
+            const PlaceStep<Real> step = move_particle(v, g, work, k, velocity, u);
+            if (step.moved > tally.moved) tally.moved = step.moved;
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
+            store_row(v.p.core[p.place] + s, p.row[p.place]);
+            report(v, g, s, step.faults, step.move);
+        }
+    }
+};
+
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, int MinBlocks>
+__global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
+    g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
+              const __grid_constant__ GatherArgs<Real, Dim> g) {
+    using T = Team<Dim>;
+    using S = SplitGather<Real, Dim, Shape, Affine, Averages>;
+    extern __shared__ __align__(32) unsigned char memory[];
+    auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
+    Seen<Real> tally;
+    const std::uint32_t count = *chosen.count;
+#pragma unroll 1
+    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
+        const Work work = work_on(v.list, chosen, item);
+        each_entry<Dim>(
+            v.list.slot, work,
+            [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
+            [&] { S::prepare(v, g, work, shared); },
+            [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t body) {
+                S::take(v, g, work, k, s, half, body, shared, tally);
+            });
+        T::sync();
+    }
+    tally.fold_into(account_of(v));
+}
+
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
+template <class Real, class Shape, bool Affine, bool Averages>
+constexpr int split_blocks() {
+    constexpr bool large = Shape::sized || Shape::width > 3;
+    if (sizeof(Real) == 8) return Affine || (Averages && large) ? 2 : 3;
+    return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
+}
+
+template <class Real, int Dim, class Shape, bool Affine, bool Averages>
+class SplitKernel final : public GatherKernel<Real, Dim> {
+  public:
+    SplitKernel()
+        : kernel_(g2p_split<Real, Dim, Shape, Affine, Averages, split_blocks<Real, Shape, Affine, Averages>()>,
+                  sizeof(typename SplitGather<Real, Dim, Shape, Affine, Averages>::Shared), "Launching the gather") {}
+
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+             const Launch& launch) const override {
+        kernel_(launch, view, chosen, args);
+    }
+
+  private:
+    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>> kernel_;
+};
+
+template <class Real, int Dim, class Shape, bool Affine>
+std::unique_ptr<GatherKernel<Real, Dim>> split_kernel(bool averages) {
+    if (averages) return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, true>>();
+    return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, false>>();
+}
+
+template <class Real, int Dim, class Shape>
+std::unique_ptr<GatherKernel<Real, Dim>> split_gather(bool affine, bool averages) {
+    return affine ? split_kernel<Real, Dim, Shape, true>(averages) : split_kernel<Real, Dim, Shape, false>(averages);
+}
+
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages) {
+    switch (shape) {
+        case moraine::Shape::linear:
+            return split_gather<Real, Dim, Linear>(affine, averages);
+        case moraine::Shape::quadratic:
+            return split_gather<Real, Dim, Quadratic>(affine, averages);
+        case moraine::Shape::cubic:
+            return split_gather<Real, Dim, Cubic>(affine, averages);
+        default:
+            return split_gather<Real, Dim, Gimp>(affine, averages);
+    }
+}
+
+}  // namespace moraine::gpu

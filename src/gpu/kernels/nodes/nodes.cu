@@ -1,0 +1,79 @@
+#include "gpu/kernels/nodes/nodes.cuh"
+#include "gpu/memory/array.hpp"
+
+namespace moraine::gpu {
+
+namespace {
+
+template <bool Contact, class Real, int Dim>
+void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) {
+    constexpr int blocks = node_threads / Block<Dim>::cells;
+    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
+    if (grid == 0) return;
+    if (width == 2)
+        nodes_kernel<Real, Dim, 2, Contact><<<grid, node_threads, 0, stream>>>(work);
+    else if (width == 3)
+        nodes_kernel<Real, Dim, 3, Contact><<<grid, node_threads, 0, stream>>>(work);
+    else
+        nodes_kernel<Real, Dim, 4, Contact><<<grid, node_threads, 0, stream>>>(work);
+    check(cudaGetLastError(), "Solving nodes");
+}
+
+}  // namespace
+
+template <class Real, int Dim>
+void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
+                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact) {
+    if (contact)
+        run_nodes<true>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, *contact}, stencil.width, stream);
+    else
+        run_nodes<false>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, {}}, stencil.width, stream);
+}
+
+/// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
+template <int Dim>
+ContactField<Dim> DeviceStructures<Dim>::place(const StructureSet<Dim>& structures, cudaStream_t stream) {
+    ContactField<Dim> field = structures.field();
+    if (!felt_) {
+        count_ = structures.size();
+        values_.resize(count_);
+        sums_.resize(count_);
+        corners_.assign(field.corners, structures.corners());
+        check(cudaHostAlloc(&felt_, count_ * sizeof(StructureSums<Dim>), 0), "Allocating pinned memory");
+        empty_ = true;
+    }
+    check(cudaMemcpyAsync(values_.data(), field.structure, count_ * sizeof(Structure<Dim>), cudaMemcpyHostToDevice,
+                          stream),
+          "Copying structures to the device");
+    if (empty_) check(cudaMemsetAsync(sums_.data(), 0, count_ * sizeof(StructureSums<Dim>), stream), "Emptying sums");
+    empty_ = false;
+    field.structure = values_.data();
+    field.corners = corners_.data();
+    field.sums = sums_.data();
+    return field;
+}
+
+template <int Dim>
+void DeviceStructures<Dim>::fetch(cudaStream_t stream) {
+    check(cudaMemcpyAsync(felt_, sums_.data(), count_ * sizeof(StructureSums<Dim>), cudaMemcpyDeviceToHost, stream),
+          "Copying what structures felt");
+}
+
+template <int Dim>
+std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
+    empty_ = true;
+    return {felt_, felt_ + count_};
+}
+
+template class DeviceStructures<2>;
+template class DeviceStructures<3>;
+template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,
+                          cudaStream_t, const ContactField<2>*);
+template void solve_nodes(const View<float, 3>&, const Stencil&, const NodeRound<float, 3>&, const Quantum&,
+                          cudaStream_t, const ContactField<3>*);
+template void solve_nodes(const View<double, 2>&, const Stencil&, const NodeRound<double, 2>&, const Quantum&,
+                          cudaStream_t, const ContactField<2>*);
+template void solve_nodes(const View<double, 3>&, const Stencil&, const NodeRound<double, 3>&, const Quantum&,
+                          cudaStream_t, const ContactField<3>*);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,153 @@
+#pragma once
+// The kernel of gpu/kernels/nodes/nodes.hpp: a thread per node, 4 (3-D) or 16 (2-D) node blocks per thread block.
+//
+// Bound by memory. A warp looks up the tiles around its nodes once; a thread then knows by bits which of them are there
+// and cover its node.
+
+#include "gpu/kernels/account.cuh"
+#include "gpu/kernels/nodes/nodes.hpp"
+
+namespace moraine::gpu {
+
+inline constexpr int node_threads = 256;
+
+template <class Real, int Dim>
+struct NodeWork {
+    View<Real, Dim> view;
+    NodeRound<Real, Dim> round;
+    int origin;
+    Quantum quantum;
+    ContactField<Dim> contact;
+};
+
+/// Whether a structure is near the node block c. Others look at none.
+template <class Real, int Dim>
+__device__ __forceinline__ bool structure_near(const NodeWork<Real, Dim>& w, int c) {
+    int lowest[Dim];
+    for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
+    for (int k = 0; k < w.contact.count; ++k)
+        if (is_near(w.contact, w.contact.structure[k], lowest)) return true;
+    return false;
+}
+
+/// The tiles around a node block: each warp looks them up, a lane each, for the one or two node blocks of its nodes.
+template <int Dim>
+struct TilesAround {
+    static constexpr int corners = Block<Dim>::corners;
+    static constexpr int lanes = Block<Dim>::cells < 32 ? Block<Dim>::cells : 32;  ///< of a node block
+
+    std::int32_t mine;  ///< tile at offset delta in lane delta of the node block's lanes
+    unsigned there;     ///< bit delta: the block has a tile
+    unsigned own;       ///< and it is an own one
+
+    __device__ TilesAround(const BlockTable<Dim>& table, const std::int32_t* tile_of, int c) {
+        const int delta = lane_id() % lanes;
+        const bool looks = delta < corners && c < table.node_blocks;
+        const std::int32_t source = looks ? table.source[std::size_t(c) * corners + std::size_t(delta)] : -1;
+        mine = source < 0 ? -1 : tile_of[source];
+        const int first = lane_id() - delta;
+        const unsigned bits = (1u << corners) - 1;
+        there = (__ballot_sync(all_lanes, mine >= 0) >> first) & bits;
+        own = (__ballot_sync(all_lanes, mine >= 0 && source < table.own) >> first) & bits;
+    }
+
+    /// Whole warps call it.
+    __device__ std::int32_t tile(int delta) const { return __shfl_sync(all_lanes, mine, delta, lanes); }
+};
+
+/// Sums of node n over the tiles around it. Returns whether the first of them is an own one. Whole warps call it.
+template <int Dim, int Width, class Real>
+__device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<Dim>& around, int n, Quad<Real>& sums,
+                                          Quad<Real>& force) {
+    constexpr int side = tile_side(Width);
+    sums = force = Quad<Real>::zero();
+    unsigned layers = 0;  // axes along which the tile of a lower block reaches the node
+    int at = 0;
+#pragma unroll
+    for (int a = Dim - 1; a >= 0; --a) {
+        const int x = (n >> (2 * a)) & 3;
+        at = at * side + x;
+        layers |= (x < Width - 1 ? 1u : 0u) << a;
+    }
+    constexpr int tiles_at_once = 16 / sizeof(Real);  // loads in flight: more of them were slower in double
+    int counted_by = -1;
+#pragma unroll
+    for (int group = 0; group < Block<Dim>::corners; group += tiles_at_once) {
+        Quad<Real> m[tiles_at_once], f[tiles_at_once];
+        bool covers[tiles_at_once];
+#pragma unroll
+        for (int i = 0; i < tiles_at_once; ++i) {
+            const int delta = group + i;
+            const std::int32_t tile = around.tile(delta);
+            covers[i] = ((around.there >> delta) & 1) && !(static_cast<unsigned>(delta) & ~layers);
+            int shift = 0;
+            for (int a = Dim - 1; a >= 0; --a) shift = shift * side + 4 * Block<Dim>::corner(delta, a);
+            const Real* from = tiles + (std::size_t(tile) * power<Dim>(side) + std::size_t(at + shift)) * node_reals;
+            if (!covers[i]) continue;
+            m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
+            f[i] = load_row(reinterpret_cast<const Quad<Real>*>(from) + 1);
+        }
+#pragma unroll
+        for (int i = 0; i < tiles_at_once; ++i) {
+            if (!covers[i]) continue;
+            sums = sums + m[i];
+            force = force + f[i];
+            if (counted_by < 0) counted_by = group + i;
+        }
+    }
+    return counted_by >= 0 && ((around.own >> counted_by) & 1);
+}
+
+/// One node: its values, and what damping and walls gave it if it is counted here.
+template <bool Contact, class Real, int Dim>
+__device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
+                                           const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
+    const bool border = w.view.table.node_border[c] != 0;
+    const bool counting = counts(w.round.task) && counted;
+    auto* out = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + n) * 2;
+    NodeValues<Real, Dim> former{};
+    if (remembers(w.round.task)) {
+        const Quad<Real> first = load_row(out), second = load_row(out + 1);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) former.first[a] = first[a], former.second[a] = second[a];
+    }
+    int node[Dim];
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) node[a] = 4 * w.view.table.node_position[c][a] - w.origin + ((n >> (2 * a)) & 3);
+    NodeMotion<Real, Dim> motion;
+    Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
+    if constexpr (Contact) {
+        const bool near = structure_near(w, c);
+        motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr, [&](auto& v) {
+            return near && touch_structures(w.contact, node, sums[0], w.round.dt, counting, w.quantum, v, given);
+        });
+    } else {
+        motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
+    }
+    if ((border || w.round.damping > Real(0)) && counting)
+        for (int a = 0; a < Dim; ++a)
+            impulse[a] = w.quantum.of(motion.impulse(sums[0], a) + (Contact ? given[a] : 0.0));
+    const NodeValues<Real, Dim> now = values_after(w.round.task, motion, former);
+    Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
+    store_row(out, first);
+    store_row(out + 1, second);
+}
+
+template <class Real, int Dim, int Width, bool Contact>
+__global__ void __launch_bounds__(node_threads, Contact ? 1 : 0)
+    nodes_kernel(const __grid_constant__ NodeWork<Real, Dim> w) {
+    constexpr int cells = Block<Dim>::cells;
+    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
+    const int n = static_cast<int>(threadIdx.x) % cells;
+    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+    if (__all_sync(all_lanes, around.own == 0)) return;
+    Quad<Real> sums, force;
+    const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
+    ExactSum impulse[Dim];
+    if (around.own != 0) solve_node<Contact>(w, c, n, sums, force, counted, impulse);
+    fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+}
+
+}  // namespace moraine::gpu

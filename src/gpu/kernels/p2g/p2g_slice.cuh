@@ -1,0 +1,127 @@
+#pragma once
+// Sums of one (cell, slice) in registers. With weights w and slopes d per axis, z the slice's:
+//
+//   mass      m_i += wx wy wz m                                      [kg]
+//   momentum  q_i += wx wy wz m (v + h C (x_i - x_p))                [kg m/s]
+//   force     f_i -= V/h sigma (dx wy wz, wx dy wz, wx wy dz)        [N]
+//
+// Components come one after the other, so that little besides the sums is held at a time.
+
+#include "gpu/kernels/p2g/p2g_record.cuh"
+
+namespace moraine::gpu {
+
+template <class Case>
+struct SliceSums {
+    using Real = typename Case::Real;
+    Real mass[Case::nodes], momentum[Case::dim][Case::nodes];
+    Real force[Case::dim][Case::nodes];
+};
+
+template <class Real, int N>
+__device__ __forceinline__ void clear(Real (&sums)[N]) {
+#pragma unroll
+    for (int n = 0; n < N; ++n) sums[n] = Real(0);
+}
+
+/// sums += wx wy value.
+template <class Case, class Real>
+__device__ __forceinline__ void add_value(const Axis<Case>& x, const Axis<Case>& y, Real value,
+                                          Real (&sums)[Case::nodes]) {
+#pragma unroll
+    for (int j = 0; j < Case::lines; ++j) {
+        const Real line = Case::lines == 1 || Case::is_rest(j) ? value : y.w[j] * value;
+#pragma unroll
+        for (int i = 0; i < Case::width; ++i) {
+            Real& sum = sums[i + Case::width * j];
+            sum = Case::is_rest(i) ? sum + line : fma(x.w[i], line, sum);
+        }
+    }
+}
+
+/// sums += wx wy value + dx wy along_x + wx dy along_y.
+template <class Case, class Real>
+__device__ __forceinline__ void add_sloped(const Axis<Case>& x, const Axis<Case>& y, Real value, Real along_x,
+                                           Real along_y, Real (&sums)[Case::nodes]) {
+#pragma unroll
+    for (int j = 0; j < Case::lines; ++j) {
+        const bool whole = Case::lines == 1 || Case::is_rest(j);
+        const Real line = whole ? value : fma(y.d[j], along_y, y.w[j] * value);
+        const Real slope = whole ? along_x : y.w[j] * along_x;
+#pragma unroll
+        for (int i = 0; i < Case::width; ++i) {
+            Real& sum = sums[i + Case::width * j];
+            sum = Case::is_rest(i) ? sum + line : fma(x.d[i], slope, fma(x.w[i], line, sum));
+        }
+    }
+}
+
+/// sums += wx wy (value + x along_x + y along_y), where x, y run from -from_x, -from_y in steps of one. Over a whole
+/// line w x adds up to nothing: these shapes reproduce straight lines.
+template <class Case, class Real>
+__device__ __forceinline__ void add_carried(const Axis<Case>& x, const Axis<Case>& y, Real from_x, Real from_y,
+                                            Real value, Real along_x, Real along_y, Real (&sums)[Case::nodes]) {
+    const Real low = fma(-from_y, along_y, value);
+#pragma unroll
+    for (int j = 0; j < Case::lines; ++j) {
+        const bool whole = Case::lines == 1 || Case::is_rest(j);
+        const Real line = whole ? value : y.w[j] * fma(Real(j), along_y, low);
+        const Real slope = whole ? along_x : y.w[j] * along_x;
+        const Real first = fma(-from_x, slope, line);
+#pragma unroll
+        for (int i = 0; i < Case::width; ++i) {
+            Real& sum = sums[i + Case::width * j];
+            sum = Case::is_rest(i) ? sum + line : fma(x.w[i], fma(Real(i), slope, first), sum);
+        }
+    }
+}
+
+/// Adds one particle to a slice.
+template <class Case, bool Momentum, bool Force>
+__device__ __forceinline__ void add_particle(const Particle<Case>& p, const SliceWeight<Case>& slice, unsigned ghosts,
+                                             typename Case::Real inverse_cell, typename Case::Real cell,
+                                             SliceSums<Case>& s) {
+    using Real = typename Case::Real;
+    using S = Sym<Real, Case::dim>;
+    constexpr int last = Case::dim - 1;
+    const Axis<Case> x = folded_slopes<Case>(0, ghosts, p.fraction(0), p.half.e[0], p.quarter.e[0]);
+    const Axis<Case> y = folded_slopes<Case>(1, ghosts, p.fraction(1), p.half.e[1], p.quarter.e[1]);  // 2-D: not used
+    const Real f = p.fraction(last);
+    Real w, slope;
+    slice.get(ghosts, f, p.half.e[last], p.quarter.e[last], w, slope);
+    if constexpr (Momentum) {
+        const Real mass = w * p.core.mass(), arm = cell * mass;
+        add_value(x, y, mass, s.mass);
+        const Real reach = Case::Shape::template reach<Real>;
+#pragma unroll
+        for (int q = 0; q < Case::dim; ++q) {
+            if constexpr (Case::affine)
+                add_carried(x, y, reach + p.fraction(0), reach + p.fraction(1),
+                            fma(arm * slice.distance(f), p.C(q, last), mass * p.core.velocity(q)), arm * p.C(q, 0),
+                            arm * p.C(q, 1), s.momentum[q]);
+            else
+                add_value(x, y, mass * p.core.velocity(q), s.momentum[q]);
+        }
+    }
+    if constexpr (Force) {
+        const Real scale = -p.core.volume() * inverse_cell, across = scale * w, tip = scale * slope;
+#pragma unroll
+        for (int q = 0; q < Case::dim; ++q)
+            add_sloped(x, y, tip * p.core.stress(S::index(q, last)), across * p.core.stress(S::index(q, 0)),
+                       across * p.core.stress(S::index(q, 1)), s.force[q]);
+    }
+}
+
+/// Middle nodes = whole lines - outer nodes, in x, then in y.
+template <class Case, class Real>
+__device__ __forceinline__ void take_outer_from_middle(Real (&sums)[Case::nodes]) {
+    static_assert(Case::width == 3);
+#pragma unroll
+    for (int j = 0; j < Case::lines; ++j) sums[3 * j + 1] = sums[3 * j + 1] - sums[3 * j] - sums[3 * j + 2];
+    if constexpr (Case::lines == 3) {
+#pragma unroll
+        for (int i = 0; i < 3; ++i) sums[3 + i] = sums[3 + i] - sums[i] - sums[6 + i];
+    }
+}
+
+}  // namespace moraine::gpu

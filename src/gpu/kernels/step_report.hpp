@@ -1,0 +1,37 @@
+#pragma once
+// What a step tells the host: the accounts folded into one, and the counts of the last filing, in one small kernel.
+//
+// It is written to pinned memory that the device sees: no copy is launched, and whoever waits for the stream or an
+// event behind the kernel may read it. The accounts are empty again afterwards.
+
+#include <cuda_runtime.h>
+
+#include "gpu/exchange/routes.hpp"
+#include "gpu/kernels/view.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+struct Report {
+    Account<Dim> account;
+    std::uint32_t particles;  ///< in the lists
+    std::uint32_t boundary;   ///< occupied blocks that some peer needs
+    std::uint32_t interior;   ///< the other occupied ones
+    std::uint32_t stored;     ///< slots in use
+    std::uint32_t crowd[2];   ///< of a block, of a pair (comm/agreement.hpp)
+    std::uint32_t at_rim;     ///< 1: some particle is in a cell of the rim
+
+    std::uint32_t occupied() const { return boundary + interior; }
+};
+
+/// Folds and empties the accounts, and the counters' crowd. particles: first[own]; occupied: both counts of
+/// gpu/kernels/cells/filing.hpp; at_rim: its flag.
+template <int Dim>
+void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
+                 const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report, cudaStream_t stream);
+
+/// Empties the accounts at the start of a run.
+template <int Dim>
+void empty_accounts(Account<Dim>* accounts, cudaStream_t stream);
+
+}  // namespace moraine::gpu

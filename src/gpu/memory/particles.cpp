@@ -1,0 +1,139 @@
+#include "gpu/memory/particles.hpp"
+
+#include <algorithm>
+
+#include "core/particle_bytes.hpp"
+#include "gpu/memory/packing.hpp"
+#include "gpu/memory/refresh.hpp"
+
+namespace moraine::gpu {
+
+namespace {
+
+constexpr std::size_t chunk_rows = 1 << 20;  ///< that travel at once
+
+template <class T>
+void take_order(Array<T>& column, Array<T>& spare, const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
+    permute(static_cast<std::uint32_t>(n), slot, column.data(), spare.data(), sizeof(T), stream);
+    column.swap(spare);
+}
+
+}  // namespace
+
+template <class Real, int Dim>
+Columns<Real, Dim> DeviceParticles<Real, Dim>::view() const {
+    Columns<Real, Dim> v{};
+    for (int k = 0; k < core_rows<Dim>; ++k) v.core[k] = core_[k].data();
+    for (int k = 0; needs_.affine && k < affine_rows<Dim>; ++k) v.affine[k] = affine_[k].data();
+    for (int k = 0; needs_.left_stretch && k < stretch_rows<Dim>; ++k) v.stretch[k] = stretch_[k].data();
+    if (needs_.log_stretch) v.log_stretch = box_.data();
+    if (needs_.history > 1) v.second_history = second_history_.data();
+    v.id = id_.data();
+    v.body = body_.data();
+    return v;
+}
+
+/// Calls f(column of rows) for every one that the scene has.
+template <class Real, int Dim>
+template <class F>
+void DeviceParticles<Real, Dim>::each_row(const F& f) {
+    for (Array<Row<Real>>& row : core_) f(row);
+    if (needs_.affine)
+        for (Array<Row<Real>>& row : affine_) f(row);
+    if (needs_.left_stretch)
+        for (Array<Row<Real>>& row : stretch_) f(row);
+    if (needs_.log_stretch) f(box_);
+}
+
+/// Lanes without a meaning are copied too: all begin as zeros.
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::resize(std::size_t n) {
+    each_row([&](Array<Row<Real>>& row) {
+        row.resize(n);
+        check(cudaMemset(row.data(), 0, n * sizeof(Row<Real>)), "Clearing particles");
+    });
+    if (needs_.history > 1) second_history_.resize(n), spare_scalar_.resize(n);
+    id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
+    spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
+}
+
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::clear(std::size_t n) {
+    resize(n);
+    if (needs_.history > 1) check(cudaMemset(second_history_.data(), 0, n * sizeof(Real)), "Clearing particles");
+    check(cudaDeviceSynchronize(), "Clearing particles");
+}
+
+/// Calls f(first row, rows, their places in the chunk) for parts that fit into the staging memory.
+template <class Real, int Dim>
+template <class F>
+void DeviceParticles<Real, Dim>::each_chunk(const ColumnBytes& column, std::size_t n, const F& f) {
+    const std::size_t most = std::min(n, chunk_rows);
+    staging_.resize(most * column.row_bytes);
+    for (std::size_t first = 0; first < n; first += most) f(first, std::min(most, n - first));
+}
+
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
+    const auto longer = [&]<class T>(Array<T>& column, std::size_t room) {
+        Array<T> fresh;
+        fresh.resize(room);
+        check(cudaMemcpy(fresh.data(), column.data(), n * sizeof(T), cudaMemcpyDeviceToDevice),
+              "Making room for particles");
+        column.swap(fresh);
+    };
+    spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();
+    each_row([&](Array<Row<Real>>& row) { longer(row, most); });
+    if (needs_.history > 1) longer(second_history_, most), spare_scalar_.resize(most);
+    longer(id_, most), longer(body_, most + most % 2);
+    spare_.resize(most), spare_id_.resize(most), spare_body_.resize(most + most % 2);
+}
+
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
+                                        const std::vector<std::uint32_t>& slots, std::size_t most) {
+    resize(most);
+    place_.resize(slots.size());
+    count_up(static_cast<std::uint32_t>(slots.size()), place_.data(), nullptr);
+    const Columns<Real, Dim> mine = view();
+    std::vector<std::byte> rows;
+    for (const ColumnBytes& c : columns)
+        each_chunk(c, slots.size(), [&](std::size_t first, std::size_t n) {
+            rows.resize(n * c.row_bytes);
+            gather_column(c, std::span(slots).subspan(first, n), rows.data());
+            check(cudaMemcpy(staging_.data(), rows.data(), rows.size(), cudaMemcpyHostToDevice),
+                  "Copying to the device");
+            for (const Piece& piece : pieces_of(mine, c.name))
+                scatter_rows(static_cast<std::uint32_t>(n), place_.data() + first, piece, staging_.data(), nullptr);
+        });
+    check(cudaDeviceSynchronize(), "Taking particles in");
+    place_.release();
+}
+
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot,
+                                          std::size_t n) {
+    const Columns<Real, Dim> mine = view();
+    for (const ColumnBytes& c : columns)
+        each_chunk(c, n, [&](std::size_t first, std::size_t rows) {
+            for (const Piece& piece : pieces_of(mine, c.name))
+                gather_rows(static_cast<std::uint32_t>(rows), slot + first, piece, staging_.data(), nullptr);
+            check(cudaMemcpy(c.data + first * c.row_bytes, staging_.data(), rows * c.row_bytes, cudaMemcpyDeviceToHost),
+                  "Copying from the device");
+        });
+}
+
+template <class Real, int Dim>
+void DeviceParticles<Real, Dim>::refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
+    each_row([&](Array<Row<Real>>& row) { take_order(row, spare_, slot, n, stream); });
+    if (needs_.history > 1) take_order(second_history_, spare_scalar_, slot, n, stream);
+    take_order(id_, spare_id_, slot, n, stream);
+    take_order(body_, spare_body_, slot, n, stream);
+}
+
+template class DeviceParticles<float, 2>;
+template class DeviceParticles<float, 3>;
+template class DeviceParticles<double, 2>;
+template class DeviceParticles<double, 3>;
+
+}  // namespace moraine::gpu

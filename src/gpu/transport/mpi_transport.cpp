@@ -1,0 +1,113 @@
+#include "gpu/transport/mpi_transport.hpp"
+
+#if __has_include(<mpi-ext.h>)
+#include <mpi-ext.h>
+#endif
+
+#include "gpu/memory/pinned_bytes.hpp"
+
+namespace moraine::gpu {
+
+namespace {
+
+class MpiWire final : public Wire {
+  public:
+    MpiWire(const Comm& comm, int tag, MpiMemory memory) : memory_(memory), transport_(comm, tag) {}
+
+    const char* name() const override { return memory_ == MpiMemory::pinned ? "host" : "mpi"; }
+    std::byte* const* outgoing() const override { return out_pointers_.out(); }
+    const std::byte* const* incoming() const override { return in_pointers_.in(); }
+
+    void open(const std::vector<WirePeer>& peers) override {
+        check(cudaDeviceSynchronize(), "Ending an epoch");
+        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
+        here_.resize(in_at.back());
+        if (memory_ == MpiMemory::pinned) {
+            pinned_out_.resize(out_at.back());
+            pinned_in_.resize(in_at.back());
+        } else {
+            device_out_.resize(out_at.back());
+        }
+        heads_.resize(peers.size() * sizeof(MessageHead));
+        std::byte* const from = memory_ == MpiMemory::pinned ? pinned_out_.data() : device_out_.data();
+        std::byte* const written = memory_ == MpiMemory::pinned ? pinned_out_.device() : device_out_.data();
+        std::byte* const to = memory_ == MpiMemory::pinned ? pinned_in_.data() : here_.data();
+        sends_.clear(), receives_.clear();
+        std::vector<std::byte*> out_pointer, in_pointer;
+        for (std::size_t k = 0; k < peers.size(); ++k) {
+            sends_.push_back(
+                {peers[k].rank, from + out_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_out))});
+            receives_.push_back(
+                {peers[k].rank, to + in_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_in))});
+            out_pointer.push_back(written + out_at[k]);
+            in_pointer.push_back(here_.data() + in_at[k]);
+        }
+        out_pointers_.assign(out_pointer);
+        in_pointers_.assign(in_pointer);
+    }
+
+    void start(cudaStream_t stream) override {
+        for (std::size_t k = 0; memory_ == MpiMemory::device && k < sends_.size(); ++k)
+            check(cudaMemcpyAsync(heads_.data() + k * sizeof(MessageHead), sends_[k].data, sizeof(MessageHead),
+                                  cudaMemcpyDeviceToHost, stream),
+                  "Reading the length of a message");
+        written_.record(stream);
+    }
+
+    void post() override {
+        written_.wait();
+        for (std::size_t k = 0; k < sends_.size(); ++k) {
+            const std::byte* head =
+                memory_ == MpiMemory::pinned ? sends_[k].data : heads_.data() + k * sizeof(MessageHead);
+            sends_[k].bytes = static_cast<std::int64_t>(reinterpret_cast<const MessageHead*>(head)->bytes);
+        }
+        transport_.start(sends_, receives_);
+    }
+
+    void finish(cudaStream_t stream) override {
+        transport_.finish();
+        for (const Parcel& parcel : receives_) {
+            if (memory_ == MpiMemory::device) break;
+            check(cudaMemcpyAsync(here_.data() + (parcel.data - pinned_in_.data()), parcel.data,
+                                  static_cast<std::size_t>(parcel.bytes), cudaMemcpyHostToDevice, stream),
+                  "Taking a message in");
+        }
+    }
+
+  private:
+    MpiMemory memory_;
+    HostTransport transport_;
+    PinnedBytes pinned_out_, pinned_in_, heads_;
+    Array<std::byte> device_out_, here_;
+    std::vector<Parcel> sends_, receives_;
+    PointerArray out_pointers_, in_pointers_;
+    Event written_;
+};
+
+class MpiWires final : public WireMaker {
+  public:
+    MpiWires(const Comm& comm, MpiMemory memory) : comm_(comm), memory_(memory) {}
+    const char* name() const override { return memory_ == MpiMemory::pinned ? "host" : "mpi"; }
+    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<MpiWire>(comm_, tag, memory_); }
+
+  private:
+    const Comm& comm_;
+    MpiMemory memory_;
+};
+
+}  // namespace
+
+bool mpi_is_cuda_aware() {
+#if defined(MPIX_CUDA_AWARE_SUPPORT)
+    return MPIX_Query_cuda_support() == 1;
+#else
+    return false;
+#endif
+}
+
+std::unique_ptr<WireMaker> mpi_wires(const Comm& comm, MpiMemory memory) {
+    return std::make_unique<MpiWires>(comm, memory);
+}
+
+}  // namespace moraine::gpu

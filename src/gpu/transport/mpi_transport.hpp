@@ -1,0 +1,21 @@
+#pragma once
+// A wire over MPI. `host`: through pinned memory of the host, with any MPI: the scheme of Dong and Grabe (2018).
+// `mpi`: from device to device, with an MPI that is CUDA-aware.
+//
+// Lengths are not known to the host before the kernels ran: it waits for them in post(), and messages go by their
+// true length. Messages above 1 GiB go in pieces (comm/point_to_point.hpp).
+
+#include "comm/point_to_point.hpp"
+#include "gpu/memory/stream.hpp"
+#include "gpu/transport/mailboxes.hpp"
+
+namespace moraine::gpu {
+
+enum class MpiMemory { pinned, device };
+
+/// Whether this MPI takes device memory.
+bool mpi_is_cuda_aware();
+
+std::unique_ptr<WireMaker> mpi_wires(const Comm& comm, MpiMemory memory);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,14 @@
+#include "core/error.hpp"
+#include "gpu/transport/nccl_transport.hpp"
+
+namespace moraine::gpu {
+
+std::string why_no_nccl() {
+    return "this program was built without NCCL";
+}
+
+std::unique_ptr<WireMaker> nccl_wires(const Comm&) {
+    throw MachineError("NCCL is not there (this program was built without it). Use --transport auto?");
+}
+
+}  // namespace moraine::gpu

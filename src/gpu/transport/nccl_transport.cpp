@@ -1,0 +1,129 @@
+#include "gpu/transport/nccl_transport.hpp"
+
+#include <nccl.h>
+
+#include "gpu/memory/pinned_bytes.hpp"
+#include "gpu/memory/stream.hpp"
+#include "gpu/transport/mailboxes.hpp"
+
+namespace moraine::gpu {
+
+namespace {
+
+void check(ncclResult_t e, const char* what) {
+    if (e != ncclSuccess)
+        throw MachineError(std::string(what) + " failed (NCCL: " + ncclGetErrorString(e) + "). Use --transport host?");
+}
+using gpu::check;
+
+/// All wires of a run are one communicator's: to join one takes a second.
+class Nccl {
+  public:
+    /// Collective.
+    explicit Nccl(const Comm& comm) {
+        ncclUniqueId id{};
+        if (comm.is_root()) check(ncclGetUniqueId(&id), "Starting NCCL");
+        const std::string word = comm.broadcast(std::string(id.internal, sizeof(id.internal)));
+        std::copy(word.begin(), word.end(), id.internal);
+        check(ncclCommInitRank(&comm_, comm.size(), id, comm.rank()), "Joining NCCL");
+    }
+    Nccl(const Nccl&) = delete;
+    Nccl& operator=(const Nccl&) = delete;
+    ~Nccl() { ncclCommDestroy(comm_); }
+    operator ncclComm_t() const { return comm_; }
+
+  private:
+    ncclComm_t comm_ = nullptr;
+};
+
+class NcclWire final : public Wire {
+  public:
+    NcclWire(const Comm& comm, std::shared_ptr<const Nccl> nccl, int tag)
+        : mpi_(comm), tag_(tag), nccl_(std::move(nccl)) {}
+
+    const char* name() const override { return "nccl"; }
+    std::byte* const* outgoing() const override { return out_pointers_.out(); }
+    const std::byte* const* incoming() const override { return in_pointers_.in(); }
+
+    void open(const std::vector<WirePeer>& peers) override {
+        check(cudaDeviceSynchronize(), "Ending an epoch");
+        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
+        out_.resize(out_at.back());
+        in_.resize(in_at.back());
+        heads_.resize(peers.size() * sizeof(MessageHead));
+        peers_.clear(), sends_.clear(), receives_.clear();
+        for (std::size_t k = 0; k < peers.size(); ++k) {
+            peers_.push_back(peers[k].rank);
+            sends_.push_back(out_.data() + out_at[k]);
+            receives_.push_back(in_.data() + in_at[k]);
+        }
+        out_pointers_.assign(sends_);
+        in_pointers_.assign(receives_);
+    }
+
+    void start(cudaStream_t stream) override {
+        stream_ = stream;
+        for (std::size_t k = 0; k < peers_.size(); ++k)
+            check(cudaMemcpyAsync(heads_.data() + k * sizeof(MessageHead), sends_[k], sizeof(MessageHead),
+                                  cudaMemcpyDeviceToHost, stream),
+                  "Reading the length of a message");
+        written_.record(stream);
+    }
+
+    void post() override {
+        written_.wait();
+        const std::size_t n = peers_.size();
+        std::vector<std::uint64_t> leaving(n), coming(n);
+        std::vector<MPI_Request> requests(2 * n);
+        for (std::size_t k = 0; k < n; ++k) {
+            leaving[k] = reinterpret_cast<const MessageHead*>(heads_.data())[k].bytes;
+            MPI_Irecv(&coming[k], 8, MPI_BYTE, peers_[k], tag_, mpi_.handle(), &requests[k]);
+            MPI_Isend(&leaving[k], 8, MPI_BYTE, peers_[k], tag_, mpi_.handle(), &requests[n + k]);
+        }
+        MPI_Waitall(static_cast<int>(2 * n), requests.data(), MPI_STATUSES_IGNORE);
+        check(ncclGroupStart(), "Sending");
+        for (std::size_t k = 0; k < n; ++k) {
+            check(ncclSend(sends_[k], leaving[k], ncclUint8, peers_[k], *nccl_, stream_), "Sending");
+            check(ncclRecv(receives_[k], coming[k], ncclUint8, peers_[k], *nccl_, stream_), "Receiving");
+        }
+        check(ncclGroupEnd(), "Sending");
+    }
+
+    void finish(cudaStream_t) override {}  // the stream that the messages are queued on
+
+  private:
+    const Comm& mpi_;
+    int tag_;
+    std::shared_ptr<const Nccl> nccl_;
+    cudaStream_t stream_ = nullptr;
+    Array<std::byte> out_, in_;
+    PinnedBytes heads_;
+    std::vector<int> peers_;
+    std::vector<std::byte*> sends_, receives_;
+    PointerArray out_pointers_, in_pointers_;
+    Event written_;
+};
+
+class NcclWires final : public WireMaker {
+  public:
+    explicit NcclWires(const Comm& comm) : comm_(comm), nccl_(std::make_shared<const Nccl>(comm)) {}
+    const char* name() const override { return "nccl"; }
+    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<NcclWire>(comm_, nccl_, tag); }
+
+  private:
+    const Comm& comm_;
+    std::shared_ptr<const Nccl> nccl_;
+};
+
+}  // namespace
+
+std::string why_no_nccl() {
+    return {};
+}
+
+std::unique_ptr<WireMaker> nccl_wires(const Comm& comm) {
+    return std::make_unique<NcclWires>(comm);
+}
+
+}  // namespace moraine::gpu

@@ -1,0 +1,15 @@
+#pragma once
+// A wire over NCCL: NVLink or network, whatever it finds. One rank per device. A program built without NCCL has none.
+//
+// Lengths travel by MPI once the kernels ran, so that messages go by their true length.
+
+#include "gpu/transport/transport.hpp"
+
+namespace moraine::gpu {
+
+/// Why there can be none; empty: there can.
+std::string why_no_nccl();
+
+std::unique_ptr<WireMaker> nccl_wires(const Comm& comm);
+
+}  // namespace moraine::gpu

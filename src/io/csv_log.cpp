@@ -1,0 +1,80 @@
+#include "io/csv_log.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/error.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// The number in field `column` of a row that has `count` fields; none if it is torn or no row.
+std::optional<double> field(const std::string& row, std::size_t column, std::size_t count) {
+    if (static_cast<std::size_t>(std::count(row.begin(), row.end(), ',')) + 1 != count) return {};
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < column; ++c) at = row.find(',', at) + 1;
+    double value = 0;
+    const auto end = std::from_chars(row.data() + at, row.data() + row.size(), value);
+    if (end.ec != std::errc()) return {};
+    return value;
+}
+
+}  // namespace
+
+CsvLog::CsvLog(const Comm& comm, std::string path, std::vector<std::string> columns,
+               const std::optional<ResumeAfter>& resume)
+    : comm_(comm), path_(std::move(path)), columns_(std::move(columns)) {
+    std::string content = fmt::format("{}\n", fmt::join(columns_, ","));
+    comm.agree_no_error<InputError>(words_of([&] {
+        if (comm.is_root() && resume && std::filesystem::exists(path_)) content += kept_rows(*resume);
+    }));
+    comm.agree_no_error<MachineError>(words_of([&] {
+        if (!comm.is_root()) return;
+        replace_file(path_, content);
+        file_ = std::make_unique<DiskFile>(path_, DiskFile::Mode::append);
+        end_ = static_cast<std::int64_t>(content.size());
+    }));
+}
+
+std::string CsvLog::kept_rows(const ResumeAfter& resume) const {
+    const auto column =
+        static_cast<std::size_t>(std::find(columns_.begin(), columns_.end(), resume.column) - columns_.begin());
+    std::ifstream file(path_);
+    std::string line;
+    if (!std::getline(file, line) || line != fmt::format("{}", fmt::join(columns_, ",")))
+        throw InputError(fmt::format("cannot continue {} (its columns are others). Another --output?", path_));
+    std::string rows;
+    while (std::getline(file, line)) {
+        if (file.eof()) break;  // the last line has no end: its write was cut short
+        const auto value = field(line, column, columns_.size());
+        if (value && *value <= resume.last) rows += line + '\n';
+    }
+    return rows;
+}
+
+void CsvLog::row(std::span<const double> values) {
+    row(std::vector<CsvCell>(values.begin(), values.end()));
+}
+
+void CsvLog::row(std::span<const CsvCell> values) {
+    comm_.agree_no_error<MachineError>(words_of([&] {
+        if (!comm_.is_root()) return;
+        if (values.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
+        std::vector<std::string> words;
+        for (const CsvCell& cell : values)
+            words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
+        const std::string line = fmt::format("{}\n", fmt::join(words, ","));
+        file_->write(std::as_bytes(std::span(line)), end_);
+        end_ += static_cast<std::int64_t>(line.size());
+    }));
+}
+
+}  // namespace moraine

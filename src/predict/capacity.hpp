@@ -1,0 +1,30 @@
+#pragma once
+// Whether a scene fits before anything is allocated: a run that ends for want of memory after an hour in a queue, or
+// drives a machine into the ground, could have been refused at once.
+//
+// Particles are estimated from volumes (boxes and tables: exactly), in no time whatever their number. A rank numbers
+// its particles with 32 bits, and an id has 48 bits for the place in its body.
+
+#include "predict/prediction.hpp"
+
+namespace moraine {
+
+/// Where a scene is to run.
+struct Machine {
+    int ranks = 1;                 ///< of the run
+    int ranks_here = 1;            ///< of them on this host
+    double memory = 0;             ///< of this host [B]; 0: not known, and not checked
+    bool devices = false;          ///< its ranks compute on GPUs: what counts is the memory of the host beside them
+    bool writes_particles = true;  ///< particles.vtkhdf
+};
+
+/// Memory of this host, or what its control group allows [B]; 0: not known. Not collective.
+double host_memory();
+
+/// As predict(), without going through the particles: their number, blocks and nothing else. Not collective.
+Prediction estimate(const Scene& scene);
+
+/// Throws InputError, with what would do, if the scene is too large. Not collective.
+void check_capacity(const Scene& scene, const Machine& machine);
+
+}  // namespace moraine

@@ -1,0 +1,162 @@
+// The memory that a scene will need (predict/prediction.hpp).
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/block.hpp"
+#include "core/material/laws.hpp"
+#include "core/method.hpp"
+#include "predict/prediction.hpp"
+#include "seeding/lattice_seeds.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// What the scene's materials and transfer ask to be remembered, in reals per particle.
+struct Remembered {
+    int stress, history = 0, stretch = 0, affine = 0, box = 0;
+};
+
+Remembered remembered(const Scene& scene) {
+    const int d = scene.dimensions;
+    Remembered r{d == 2 ? 4 : 6};
+    for (const MaterialSpec& material : scene.materials) {
+        const LawInfo& law = *find_law(material.law);
+        r.history = std::max(r.history, law.history);
+        if (law.uses_left_stretch) r.stretch = r.stress;
+    }
+    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) r.affine = d * d;
+    if (scene.shape == Shape::gimp_contiguous) r.box = d;
+    return r;
+}
+
+double real_bytes(const Scene& scene) {
+    return scene.precision == Precision::single_ ? 4 : 8;
+}
+
+/// Blocks of a compact body of `blocks` with `layers` more along each axis.
+double grown(const Scene& scene, double blocks, int layers) {
+    return std::pow(std::pow(blocks, 1.0 / scene.dimensions) + layers, scene.dimensions);
+}
+
+double tile_bytes(const Scene& scene) {
+    return std::pow(tile_side(stencil_of(scene.shape).width), scene.dimensions) * node_reals * real_bytes(scene);
+}
+
+double node_block_bytes(const Scene& scene) {
+    return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
+}
+
+}  // namespace
+
+double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
+    const int d = scene.dimensions;
+    const Remembered r = remembered(scene);
+    const int reals = 2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box;
+    const double lists = 10;
+    const double picture = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
+    const double particle = reals * real_bytes(scene) + 8 + 2 + lists + picture;
+    const double mine = static_cast<double>(p.blocks) / ranks;
+    const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
+    return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
+           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables;
+}
+
+namespace {
+
+/// Reals of a particle on the device: rows of four and one spare row, the second scalar and its spare.
+int device_reals(const Scene& scene, const Remembered& r) {
+    const int d = scene.dimensions;
+    int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
+    if (r.affine) rows += d == 3 ? 3 : 1;
+    if (r.stretch) rows += d == 3 ? 2 : 1;
+    return 4 * rows + (r.history > 1 ? 2 : 0) + (fuses(scene) ? 0 : d * d);
+}
+
+/// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
+double device_tables(const Scene& scene, const Prediction& p) {
+    const int d = scene.dimensions;
+    const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
+    const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2;
+    const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
+    return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
+}
+
+double bytes_of_one_device(const Scene& scene, const Prediction& p) {
+    const Remembered r = remembered(scene);
+    const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
+    const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
+    const double particle = device_reals(scene, r) * real_bytes(scene) + ids + lists;
+    const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
+    // One column of a million particles on its way from or to the host.
+    const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
+    const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
+    return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
+}
+
+/// Boxes of a wire for messages of so many bytes in all, two for each (gpu/transport/peer_transport.cpp).
+double boxes(double bytes) {
+    const double room = 2 * 9.0 / 8 * bytes;
+    return room + std::max(room / 8, std::min(room, 64.0 * (1 << 20)));
+}
+
+/// Blocks of one of `ranks` shares that touch others: as many as if all were cubes in a larger one, and half as many
+/// again, for parts of a curve are more ragged.
+double boundary_blocks(const Scene& scene, double blocks, int ranks) {
+    const double d = scene.dimensions;
+    return std::min(blocks, 1.5 * 2 * d * std::pow(blocks, (d - 1) / d) * (1 - std::pow(ranks, -1 / d)));
+}
+
+/// What one of several devices needs besides its share: spare slots, the tiles of others, messages.
+double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
+    const Remembered r = remembered(scene);
+    const auto particles = static_cast<double>(mine.particles), blocks = static_cast<double>(mine.blocks);
+    const double record = 16 + (device_reals(scene, r) - 4) * real_bytes(scene);
+    const double boundary = boundary_blocks(scene, blocks, ranks);
+    const double leavers = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
+    const double halo = boundary * tile_bytes(scene) * 0.4;  // of a face and some edges, without the unused sums
+    const double moves = std::min(particles / 16 * record, 64.0 * (1 << 20));  // a round of gpu/exchange/block_moves.cu
+    return particles / 64 * (record + 40) + boundary * 9 / 8 * tile_bytes(scene) + device_tables(scene, mine) / 4 +
+           boxes(leavers * record) + boxes(halo) + boxes(moves);
+}
+
+}  // namespace
+
+double bytes_on_device(const Scene& scene, const Prediction& p, int ranks) {
+    if (ranks == 1) return bytes_of_one_device(scene, p);
+    Prediction mine = p;
+    for (std::int64_t Prediction::*count :
+         {&Prediction::particles, &Prediction::blocks, &Prediction::epoch_blocks, &Prediction::node_blocks})
+        mine.*count = (p.*count + ranks - 1) / ranks;
+    return bytes_of_one_device(scene, mine) + bytes_for_others(scene, mine, ranks);
+}
+
+namespace {
+
+/// Of a scene whose particles are made on the host and uploaded: they, what of them travels at most both ways, and
+/// their order.
+double rows_on_host(const Scene& scene, const Prediction& p, int ranks) {
+    const Remembered r = remembered(scene);
+    const int d = scene.dimensions;
+    const double row = (2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box) * real_bytes(scene) + 8 + 2;
+    const double travels = 1 - 1.0 / ranks;
+    return static_cast<double>(p.particles) / ranks * (row * (1 + 2 * travels) + 28) +
+           static_cast<double>(p.blocks) / ranks * (tile_bytes(scene) + node_block_bytes(scene));
+}
+
+}  // namespace
+
+double host_bytes_beside_device(const Scene& scene, const Prediction& p, int ranks, bool writes_particles) {
+    const int d = scene.dimensions;
+    const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
+    const double replicated = 32 + 3 * 16 + 2 * 20 + 3 * 8;  // loads, occupied blocks, topologies and gathers of keys
+    const double own = 2 * (4 * std::pow(3, d) + 8 * std::pow(2, d) + 8 * d + 42) + 60;  // tables, twice; counts
+    const double column = (ranks > 1 ? 3 : 1) * 24;  // of places: as made, as sent, as written
+    const double lattice = 200 * std::min(particles / ranks, 1048576.0);
+    const double seeding = is_lattice(scene) ? lattice : std::max(lattice, rows_on_host(scene, p, ranks));
+    const double output = writes_particles ? column * particles / ranks : 0;
+    return 1e9 + blocks * replicated + grown(scene, blocks / ranks, 2) * own + std::max(seeding, output);
+}
+
+}  // namespace moraine

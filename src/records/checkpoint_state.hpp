@@ -1,0 +1,210 @@
+#pragma once
+// A simulation to and from its checkpoint. Both collective.
+
+#include <bit>
+
+#include "io/checkpoint.hpp"
+#include "scene/scene_identity.hpp"
+#include "simulation/simulation.hpp"
+
+namespace moraine {
+
+/// A column in the terms of the files. Positions are fixed point, ids and bodies whole numbers.
+inline Column file_column(const ColumnBytes& c) {
+    Column column;
+    column.name = c.name;
+    column.unit = c.unit.empty() ? "-" : c.unit;
+    const bool whole = c.name == "id" || c.name == "body" || c.name == "position";
+    column.type = c.scalar_bytes == 2   ? Column::Type::u16
+                  : c.scalar_bytes == 4 ? (whole ? Column::Type::u32 : Column::Type::f32)
+                                        : (whole ? Column::Type::u64 : Column::Type::f64);
+    column.components = static_cast<int>(c.row_bytes / c.scalar_bytes);
+    return column;
+}
+
+/// The same with its rows in list order, made piece by piece when they are written. `sim` must outlive it.
+template <class Real, int Dim>
+Column listed_column(const Simulation<Real, Dim>& sim, const ColumnBytes& kind) {
+    Column column = file_column(kind);
+    column.make = [&sim, name = kind.name](std::byte* rows) {
+        sim.each_piece({name}, [&](const SharePiece<Real, Dim>& piece) {
+            const ColumnBytes& c = piece.columns.front();
+            gather_column(c, piece.slots(), rows);
+            rows += piece.slots().size() * c.row_bytes;
+        });
+    };
+    return column;
+}
+
+/// This rank's blocks as rows of a file, keys ascending. Filed state only. Not collective.
+template <class Real, int Dim>
+std::vector<BlockRow> block_rows(Simulation<Real, Dim>& sim) {
+    const BlockCounts counts = sim.block_counts();
+    std::vector<BlockRow> rows;
+    for (std::size_t b = 0; b < counts.key.size(); ++b)
+        rows.push_back({counts.key[b], static_cast<std::int64_t>(counts.count[b])});
+    return rows;
+}
+
+/// Names of the parts of a ledger, and the parts.
+template <int Dim, class F>
+void each_ledger_entry(Ledger<Dim>& ledger, const F& f) {
+    f("work", ledger.work);
+    f("lost_mass", ledger.lost_mass);
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const std::string axis(1, "xyz"[a]);
+        f("impulse_" + axis, ledger.impulse[a]);
+        f("lost_momentum_" + axis, ledger.lost_momentum[a]);
+        f("lost_pull_" + axis, ledger.lost_pull[a]);
+    }
+}
+
+/// Names of the sums of all structures, and the sums.
+template <int Dim, class F>
+void each_structure_sum(StructureSet<Dim>& set, const F& f) {
+    for (std::size_t k = 0; k < set.size(); ++k) {
+        StructureState<Dim>& state = set.states()[k];
+        for (int q = 0; q < StructureSums<Dim>::count; ++q) {
+            const std::string at = fmt::format("_{}_{}", set.spec(k).name, q);
+            f("pending" + at, state.pending.sum[q]);
+            f("felt" + at, state.felt.sum[q]);
+            f("reported" + at, state.reported.sum[q]);
+        }
+    }
+}
+
+template <int Dim>
+CheckpointHeader clock_header(const RunClock<Dim>& c) {
+    CheckpointHeader h;
+    h["step"] = c.step;
+    h["round"] = c.round;
+    h["clock"] = std::vector<double>{c.time,          c.dt,           c.signal,     c.mass_cutoff,
+                                     c.quantum_scale, c.start_strain, c.start_mass, c.start_energy};
+    h["pull"] = std::vector<double>(c.pull.begin(), c.pull.end());
+    h["start_momentum"] = std::vector<double>(c.start_momentum.begin(), c.start_momentum.end());
+    return h;
+}
+
+template <int Dim>
+RunClock<Dim> clock_of(const CheckpointReader& file) {
+    RunClock<Dim> c;
+    c.step = file.get<std::int64_t>("step");
+    c.round = file.get<std::int64_t>("round");
+    const auto& clock = file.get<std::vector<double>>("clock");
+    const auto& pull = file.get<std::vector<double>>("pull");
+    const auto& momentum = file.get<std::vector<double>>("start_momentum");
+    if (clock.size() != 8 || pull.size() != Dim || momentum.size() != Dim)
+        throw InputError("The checkpoint does not hold a run of this many dimensions. Is it of another scene?");
+    c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
+    c.start_strain = clock[5], c.start_mass = clock[6], c.start_energy = clock[7];
+    std::copy(pull.begin(), pull.end(), c.pull.begin());
+    std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());
+    return c;
+}
+
+/// One sum over ranks, as a checkpoint holds it. Collective.
+inline std::vector<std::int64_t> stored_sum(const Comm& comm, const ExactSum& mine) {
+    ExactSum sum;
+    for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine})) sum.add(s);
+    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
+}
+inline ExactSum sum_of_stored(const std::vector<std::int64_t>& words) {
+    return words.size() == 2 ? ExactSum{words[0], std::bit_cast<std::uint64_t>(words[1])} : ExactSum{};
+}
+
+/// Collective.
+template <class Real, int Dim>
+void save_structures(Simulation<Real, Dim>& sim, const Comm& comm, CheckpointHeader& header) {
+    StructureSet<Dim>& set = sim.structures();
+    if (set.empty()) return;
+    each_structure_sum(
+        set, [&](const std::string& name, ExactSum& mine) { header["structure_" + name] = stored_sum(comm, mine); });
+    std::vector<double> motion{set.reported_time};
+    for (const StructureState<Dim>& state : set.states()) {
+        motion.insert(motion.end(), state.displacement.e, state.displacement.e + Dim);
+        motion.insert(motion.end(), state.velocity.e, state.velocity.e + Dim);
+        motion.insert(motion.end(), state.carried.e, state.carried.e + Dim);
+    }
+    header["structure_motion"] = motion;
+}
+
+/// What all ranks felt is with rank 0 from now on.
+template <class Real, int Dim>
+void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file) {
+    StructureSet<Dim>& set = sim.structures();
+    if (set.empty()) return;
+    each_structure_sum(set, [&](const std::string& name, ExactSum& mine) {
+        const ExactSum all = sum_of_stored(file.get<std::vector<std::int64_t>>("structure_" + name));
+        mine = comm.is_root() ? all : ExactSum{};
+    });
+    const auto& motion = file.get<std::vector<double>>("structure_motion");
+    if (motion.size() != 1 + 3 * Dim * set.size())
+        throw InputError("The checkpoint does not hold these structures. Is it of another scene?");
+    set.reported_time = motion[0];
+    auto from = motion.begin() + 1;
+    for (StructureState<Dim>& state : set.states()) {
+        std::copy_n(from, Dim, state.displacement.e);
+        std::copy_n(from + Dim, Dim, state.velocity.e);
+        std::copy_n(from + 2 * Dim, Dim, state.carried.e);
+        from += 3 * Dim;
+    }
+}
+
+/// Filed state only; after conclude().
+template <class Real, int Dim>
+void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
+    CheckpointHeader header = clock_header(sim.clock());
+    header["scene"] = identity_text(sim.scene());
+    header["state_hash"] = std::bit_cast<std::int64_t>(sim.state_hash());
+    header["partitioner"] = std::string(sim.partitioner().name());
+    header["partitioner_state"] = sim.partitioner().state();
+    Ledger<Dim> ledger = sim.ledger();
+    header["lost_count"] = comm.sum(ledger.lost_count);
+    each_ledger_entry(
+        ledger, [&](const std::string& name, ExactSum& mine) { header["ledger_" + name] = stored_sum(comm, mine); });
+
+    save_structures(sim, comm, header);
+
+    std::vector<Column> columns;
+    for (const ColumnBytes& c : sim.columns()) columns.push_back(listed_column(sim, c));
+    write_checkpoint(comm, path, header, block_rows(sim), columns);
+}
+
+/// Throws InputError if the file is of another scene or its particles are not those that were stored.
+template <class Real, int Dim>
+void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path) {
+    const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
+    if (!difference.empty())
+        throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
+                                     path, difference));
+    std::vector<Key> keys;
+    std::vector<std::int64_t> counts;
+    for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);
+    Ledger<Dim> ledger;
+    ledger.lost_count = file.get<std::int64_t>("lost_count");
+    each_ledger_entry(ledger, [&](const std::string& name, ExactSum& entry) {
+        entry = sum_of_stored(file.get<std::vector<std::int64_t>>("ledger_" + name));
+    });
+    std::vector<std::int64_t> state;
+    if (file.get<std::string>("partitioner") == sim.partitioner().name())
+        state = file.get<std::vector<std::int64_t>>("partitioner_state");
+    const auto read = [&](const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
+                          std::span<const std::uint32_t> slots) {
+        std::vector<RowRange> mine;
+        for (const auto& [start, count] : ranges) mine.push_back({start, count});
+        for (const ColumnBytes& c : sim.patch().particles.columns()) {
+            std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
+            file.read_rows(file_column(c), mine, rows.data());
+            scatter_rows({c}, slots, rows.data());
+        }
+    };
+    sim.restore(keys, counts, clock_of<Dim>(file), ledger, state, read);
+    load_structures(sim, comm, file);
+    if (std::bit_cast<std::int64_t>(sim.state_hash()) != file.get<std::int64_t>("state_hash"))
+        throw InputError(
+            fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "
+                        "Restart from an earlier checkpoint?",
+                        path));
+}
+
+}  // namespace moraine

@@ -1,0 +1,103 @@
+#pragma once
+// history.csv: what the flow did, at each output time.
+
+#include <string>
+#include <vector>
+
+#include "simulation/simulation.hpp"
+
+namespace moraine {
+
+/// Numbers of one output time, in the order of their columns.
+template <int Dim>
+struct HistoryRow {
+    std::int64_t step = 0;
+    double time = 0, dt = 0;
+    Totals<Dim> totals;
+    double potential = 0;   ///< -sum m g . (x - domain.min) [J]
+    double dissipated = 0;  ///< work of the stresses less what is stored [J]
+    double unaccounted =
+        0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
+    double front = 0;  ///< see front_of [m]
+    std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
+    double lost_mass = 0;
+    std::int64_t lost_particles = 0, particles = 0;
+
+    static std::vector<std::string> columns() {
+        std::vector<std::string> names{"step", "time_s", "dt_s", "particles", "mass_kg"};
+        const auto per_axis = [&](const std::string& name, const std::string& unit) {
+            for (int a = 0; a < Dim; ++a) names.push_back(name + "_" + "xyz"[a] + "_" + unit);
+        };
+        per_axis("momentum", "kg_m_s");
+        for (const char* n :
+             {"kinetic_J", "strain_J", "potential_J", "dissipated_J", "unaccounted_J", "front_m", "max_x_m"})
+            names.push_back(n);
+        per_axis("centre", "m");
+        for (const char* n : {"max_speed_m_s", "min_J", "max_J"}) names.push_back(n);
+        per_axis("wall_impulse", "kg_m_s");
+        per_axis("gravity_impulse", "kg_m_s");
+        for (const char* n : {"lost_particles", "lost_mass_kg"}) names.push_back(n);
+        per_axis("momentum_error", "kg_m_s");
+        return names;
+    }
+
+    std::vector<double> values() const {
+        std::vector<double> v{static_cast<double>(step), time, dt, static_cast<double>(particles), totals.mass};
+        const auto add = [&](const std::array<double, Dim>& x) { v.insert(v.end(), x.begin(), x.end()); };
+        add(totals.momentum);
+        v.insert(v.end(), {totals.kinetic, totals.strain, potential, dissipated, unaccounted, front, totals.max_x});
+        std::array<double, Dim> centre = totals.centre;
+        for (double& x : centre) x /= totals.mass > 0 ? totals.mass : 1;
+        add(centre);
+        v.insert(v.end(), {totals.max_speed, totals.min_J, totals.max_J});
+        add(wall_impulse);
+        add(gravity_impulse);
+        v.insert(v.end(), {static_cast<double>(lost_particles), lost_mass});
+        add(momentum_error);
+        return v;
+    }
+};
+
+/// Upper end of the last column of cells along x that holds at least a quarter of a cell's volume [m]:
+/// stray particles ahead of the flow do not count.
+inline double front_of(const std::vector<double>& columns, const Scene& scene) {
+    const double least = 0.25 * std::pow(scene.cell, scene.dimensions);
+    for (std::size_t c = columns.size(); c > 0; --c)
+        if (columns[c - 1] >= least) return std::min(scene.max[0], scene.min[0] + scene.cell * static_cast<double>(c));
+    return scene.min[0];
+}
+
+/// Filed state only. Collective.
+template <class Real, int Dim>
+HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
+    const Scene& scene = sim.scene();
+    const RunClock<Dim>& clock = sim.clock();
+    const Ledger<Dim>& ledger = sim.ledger();
+    HistoryRow<Dim> row;
+    row.step = clock.step;
+    row.time = clock.time;
+    row.dt = clock.dt;
+    row.totals = sim.totals();
+    row.particles = comm.sum(sim.engine().census().particles);
+    row.lost_particles = comm.sum(ledger.lost_count);
+    row.lost_mass = sim.sum_of(ledger.lost_mass);
+    row.front = front_of(sim.column_volumes(), scene);
+    row.potential = sim.potential_energy(row.totals);
+    row.dissipated = sim.sum_of(ledger.work) - (row.totals.strain - clock.start_strain);
+    std::vector<StructureSums<Dim>> felt;
+    for (const StructureState<Dim>& state : sim.structures().states()) felt.push_back(state.felt);
+    felt = sim.sum_of(felt);
+    for (std::size_t a = 0; a < Dim; ++a) {
+        row.wall_impulse[a] = sim.sum_of(ledger.impulse[a]);
+        const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(ledger.lost_pull[a]);
+        row.gravity_impulse[a] = clock.start_mass * clock.pull[a] - unfelt;
+        row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(ledger.lost_momentum[a]) - clock.start_momentum[a] -
+                                row.gravity_impulse[a] - row.wall_impulse[a];
+        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
+    }
+    row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
+    for (const StructureSums<Dim>& s : felt) row.unaccounted -= sim.quantum().value(s.sum[StructureSums<Dim>::work]);
+    return row;
+}
+
+}  // namespace moraine

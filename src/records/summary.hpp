@@ -1,0 +1,173 @@
+#pragma once
+// balance.csv and summary.json: how the run went.
+
+#include <omp.h>
+
+#include "io/csv_log.hpp"
+#include "io/json_text.hpp"
+#include "records/history.hpp"
+#include "records/processor_name.hpp"
+#include "records/structure_record.hpp"
+#include "records/time_report.hpp"
+#include "records/version.hpp"
+#include "simulation/simulation.hpp"
+
+namespace moraine {
+
+/// One row of balance.csv. What travelled and the seconds are since the row before; the last columns tell of the
+/// look at the balance that ended since then: why it was repartitioned or not, what was planned, and what the planner
+/// predicted for each kind of plan (not a number: not on offer, or no plan was made).
+struct BalanceRow {
+    double step = 0, time = 0;
+    double particles_min = 0, particles_mean = 0, particles_max = 0, imbalance = 1;
+    double blocks = 0, halo_bytes = 0, migrated_particles = 0, migrated_blocks = 0, crossed_particles = 0;
+    std::array<double, Phases::count> seconds_mean{}, seconds_max{};
+    double repartitioned = 0, planned_imbalance = 0, loses = 0, lost = 0, migration = 0;
+    std::string reason, plan;
+    std::array<double, plan_kinds> plan_seconds = Plan::not_offered();
+
+    static std::vector<std::string> columns() {
+        std::vector<std::string> names{
+            "step",   "time_s",     "particles_min",      "particles_mean",  "particles_max",    "imbalance",
+            "blocks", "halo_bytes", "migrated_particles", "migrated_blocks", "crossed_particles"};
+        for (const char* phase : Phases::names) {
+            names.push_back(std::string(phase) + "_mean_s");
+            names.push_back(std::string(phase) + "_max_s");
+        }
+        for (const char* n : {"repartitioned", "planned_imbalance", "loses_s_per_step", "lost_s", "migration_s",
+                              "reason", "plan", "keep_s", "natural_s", "relabelled_s", "least_migration_s"})
+            names.push_back(n);
+        return names;
+    }
+
+    std::vector<CsvCell> values() const {
+        std::vector<CsvCell> v{step,   time,       particles_min,      particles_mean,  particles_max,    imbalance,
+                               blocks, halo_bytes, migrated_particles, migrated_blocks, crossed_particles};
+        for (std::size_t k = 0; k < Phases::count; ++k) v.insert(v.end(), {seconds_mean[k], seconds_max[k]});
+        v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration, reason, plan});
+        v.insert(v.end(), plan_seconds.begin(), plan_seconds.end());
+        return v;
+    }
+};
+
+/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles; seconds.
+struct RankShare {
+    std::array<std::int64_t, 6> counts{};
+    std::array<double, Phases::count> seconds{};
+};
+
+inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
+    const auto size = static_cast<double>(ranks.size());
+    std::array<std::int64_t, 6> sums{};
+    std::int64_t least = ranks.front().counts[0], most = least;
+    for (const RankShare& rank : ranks) {
+        least = std::min(least, rank.counts[0]), most = std::max(most, rank.counts[0]);
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += rank.counts[k];
+        for (std::size_t k = 0; k < Phases::count; ++k) {
+            row.seconds_mean[k] += rank.seconds[k] / size;
+            row.seconds_max[k] = std::max(row.seconds_max[k], rank.seconds[k]);
+        }
+    }
+    row.particles_min = static_cast<double>(least);
+    row.particles_max = static_cast<double>(most);
+    row.particles_mean = static_cast<double>(sums[0]) / size;
+    row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
+    double* const totals[] = {&row.blocks, &row.halo_bytes, &row.migrated_particles, &row.migrated_blocks,
+                              &row.crossed_particles};
+    for (std::size_t k = 0; k < std::size(totals); ++k) *totals[k] = static_cast<double>(sums[k + 1]);
+}
+
+/// `reported` and `reported_seconds` are the counts of the row before, and are moved on. Collective.
+template <class Real, int Dim>
+BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& reported,
+                       std::array<double, Phases::count>& reported_seconds) {
+    const RunCounts now = sim.counts_so_far();
+    BalanceRow row;
+    row.step = static_cast<double>(sim.clock().step);
+    row.time = sim.clock().time;
+    const Census census = sim.engine().census();
+    RankShare mine;
+    mine.counts = {census.particles,
+                   census.blocks,
+                   now.halo_bytes - reported.halo_bytes,
+                   now.migrated_particles - reported.migrated_particles,
+                   now.migrated_blocks - reported.migrated_blocks,
+                   now.crossed_particles - reported.crossed_particles};
+    for (std::size_t k = 0; k < Phases::count; ++k) mine.seconds[k] = sim.phases().all()[k] - reported_seconds[k];
+    take_shares(row, comm.all_gather(std::vector<RankShare>{mine}));
+    const BalanceLook look = sim.take_look();
+    row.repartitioned = look.repartitioned;
+    row.planned_imbalance = look.terms.plan.total > 0 ? look.terms.plan.imbalance() : 0;
+    row.loses = look.terms.loses;
+    row.lost = look.terms.lost;
+    row.migration = look.terms.migration;
+    const bool looked = sim.trigger().is_due(sim.clock().step);
+    row.reason = !looked ? sim.trigger().decide({}).reason : look.reason.empty() ? "under way" : look.reason;
+    row.plan = look.terms.plan.total > 0 ? name_of(look.terms.kind) : "none";
+    row.plan_seconds = look.terms.seconds;
+    reported = now;
+    reported_seconds = sim.phases().all();
+    return row;
+}
+
+template <int Dim>
+Json energies_in_summary(const HistoryRow<Dim>& row) {
+    return Json::Named{{"kinetic", row.totals.kinetic},
+                       {"strain", row.totals.strain},
+                       {"potential", row.potential},
+                       {"dissipated", row.dissipated},
+                       {"unaccounted", row.unaccounted}};
+}
+
+/// Filed state only. Collective.
+template <class Real, int Dim>
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
+    const Scene& scene = sim.scene();
+    const RunCounts counts = sim.counts_so_far();
+    const HistoryRow<Dim> last = observe(sim, comm);
+    std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
+                                   counts.clamped_boxes};
+    comm.sum(sums);
+    const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
+    const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
+    const std::string hash = fmt::format("{:016x}", sim.state_hash());
+    const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
+    Json::Named summary{
+        {"version", version_text},
+        {"commit", commit_text},
+        {"scene", scene.name},
+        {"title", scene.title},
+        {"machine", host_words()},
+        {"device", sim.engine().device()},
+        {"precision", sizeof(Real) == 8 ? "double" : "single"},
+        {"ranks", comm.size()},
+        {"threads", omp_get_max_threads()},
+        {"partitioner", sim.partitioner().name()},
+        {"particles", last.particles},
+        {"steps", sim.clock().step},
+        {"simulated_time_s", sim.clock().time},
+        {"wall_s", times.wall},
+        {"stepping_s", comm.max(stepping)},
+        {"particle_steps_per_s", speed},
+        {"imbalance_mean", counts.steps > 0 ? std::min(counts.imbalance_sum / steps, counts.imbalance_max) : 1.0},
+        {"imbalance_max", counts.imbalance_max},
+        {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
+        {"repartitions", counts.repartitions},
+        {"times_s", times.json()},
+        {"migrated_particles", sums[0]},
+        {"crossed_particles", sums[1]},
+        {"halo_bytes", sums[2]},
+        {"clamped_boxes", sums[3]},
+        {"lost_particles", last.lost_particles},
+        {"state_hash", hash},
+        {"mass_kg", last.totals.mass},
+        {"momentum", list(last.totals.momentum)},
+        {"momentum_error", list(last.momentum_error)},
+        {"energies_J", energies_in_summary(last)},
+        {"front_m", last.front},
+    };
+    if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
+    return summary;
+}
+
+}  // namespace moraine

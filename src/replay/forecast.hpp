@@ -1,0 +1,86 @@
+#pragma once
+// A run that never happened: recorded loads, another number of ranks, another partitioner or trigger.
+//
+// At each look owners come over from the look before (interval.hpp), the trigger decides by the same code as in a
+// run (trigger.hpp, planner.hpp) and with time by the model, and what the interval to come costs is booked: its
+// imbalance is the mean of those at its two ends, the halo is that at its begin.
+
+#include <memory>
+#include <string>
+
+#include "balance/trigger.hpp"
+#include "balance/weight.hpp"
+#include "replay/halo_forecast.hpp"
+#include "replay/time_model.hpp"
+
+namespace moraine {
+
+/// Sums over a replayed run, and what follows from them.
+struct ForecastResult {
+    int ranks = 1;
+    std::string partitioner, trigger;
+    std::int64_t steps = 0, looks = 0, intervals = 0;
+    double imbalance_sum = 0, imbalance_max = 1;  ///< of particles; sum over steps
+    double imbalance_time_sum = 0;                ///< of modelled computing; sum over steps
+    double tiles = 0, bytes = 0, face_cut = 0;    ///< sums over intervals; bytes: over steps and exchanges
+    double neighbours_mean = 0;                   ///< sum over intervals
+    std::int32_t neighbours_max = 0;
+    std::int64_t repartitions = 0, migrated_particles = 0, migrated_blocks = 0;
+    double plan_seconds = 0, plan_seconds_max = 0;  ///< measured here: of a plan, on one core
+    std::int64_t plans = 0;
+    /// [s]; computing: of the slowest rank by its load; unrest: beyond that; ideal: perfectly balanced; looking: with
+    /// plans, as measured here.
+    double computing = 0, unrest = 0, ideal = 0, sending = 0, migration = 0, looking = 0;
+
+    double imbalance_mean() const { return steps > 0 ? imbalance_sum / static_cast<double>(steps) : 1; }
+    double seconds() const { return computing + unrest + sending + migration + looking; }
+    double efficiency() const { return seconds() > 0 ? ideal / seconds() : 1; }
+};
+
+class Forecast {
+  public:
+    /// `relabelled_only`: one option, as the offline optimum has it. Throws InputError for a partitioner that is not
+    /// there. `model` and `layout` must outlive it.
+    Forecast(const BalanceSpec& spec, const Layout& layout, const CostModel& weights, int ranks, const TimeModel& model,
+             bool relabelled_only = false);
+
+    /// Owners at the next look; `carry` tells of blocks since the look before. Not collective.
+    void look(Interval& now, const Carry& carry);
+
+    /// The halo until the next look, of the owners that look() found. Not collective.
+    void book_halo(const HaloSurroundings& around, int real_bytes);
+
+    const Partitioner& partitioner() const { return *partitioner_; }
+    const std::vector<std::int32_t>& owners() const { return owners_; }
+    const ForecastResult& result() const { return result_; }
+
+  private:
+    struct Loads {
+        std::vector<std::int64_t> particles, blocks;  ///< of each rank
+        LoadSummary weight;
+    };
+    Loads loads_of(const std::vector<BlockLoad>& blocks) const;
+    void book_end_of_interval(const Loads& loads, std::int64_t steps);
+    void decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step);
+    void take_mark(const Loads& loads);
+
+    const Layout& layout_;
+    const TimeModel& model_;
+    int ranks_;
+    bool relabelled_only_;
+    std::unique_ptr<Partitioner> partitioner_;
+    RepartitionTrigger trigger_;
+    BlockWeight weight_;
+    std::vector<std::int32_t> owners_;
+    ForecastResult result_;
+    // As of the begin of the interval under way: imbalance of particles and time; seconds per step.
+    double imbalance_ = 1, imbalance_time_ = 1, slowest_ = 0, waiting_ = 0, mean_ = 0;
+    HaloForecast halo_;
+    std::int64_t step_ = -1, last_repartition_ = 0, round_ = 0;
+    double lost_ = 0;  // to imbalance since the last repartition [s]
+};
+
+/// "never", "every", "threshold", "planned". Not collective.
+const char* name_of(Trigger trigger);
+
+}  // namespace moraine

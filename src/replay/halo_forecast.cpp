@@ -1,0 +1,170 @@
+#include "replay/halo_forecast.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "core/block.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr std::size_t most_in_table = 2000000;  // blocks: 216 MB; beyond, neighbours are looked up each time
+constexpr std::int32_t empty = -2;              // in the table while the apron has no numbers
+
+/// Nodes of a tile that blocks at the offsets of `mask` share with it.
+template <int Dim>
+std::int64_t nodes_of(std::uint32_t mask, int width) {
+    const int side = tile_side(width);
+    std::int64_t nodes = 0;
+    for (int n = 0; n < power<Dim>(side); ++n) {
+        const int at[3] = {n % side, n / side % side, n / (side * side)};
+        bool any = false;
+        for (int code = 0; code < Block<Dim>::offsets && !any; ++code) {
+            if (!(mask >> code & 1u)) continue;
+            any = true;
+            for (int a = 0; a < Dim; ++a) {
+                const int eta = Block<Dim>::offset(code, a);
+                any = any && (eta == 0 || (eta > 0 ? at[a] >= 4 : at[a] < width - 1));
+            }
+        }
+        nodes += any;
+    }
+    return nodes;
+}
+
+/// Bytes of a tile's message by the offsets that need it.
+class TileBytes {
+  public:
+    TileBytes(const Layout& layout, int real_bytes) : layout_(layout), real_bytes_(real_bytes) {}
+
+    std::int64_t operator()(std::uint32_t mask) {
+        auto [it, fresh] = known_.try_emplace(mask, 0);
+        if (fresh) {
+            const bool flat = layout_.dimensions == 2;
+            const std::int64_t nodes = flat ? nodes_of<2>(mask, layout_.width) : nodes_of<3>(mask, layout_.width);
+            it->second = 1 + nodes * (flat ? node_sums<2> : node_sums<3>)*real_bytes_;
+        }
+        return it->second;
+    }
+
+  private:
+    const Layout& layout_;
+    int real_bytes_;
+    std::unordered_map<std::uint32_t, std::int64_t> known_;
+};
+
+bool is_face(const Layout& layout, int code) {
+    int apart = 0;
+    for (int a = 0; a < layout.dimensions; ++a) apart += Block<3>::offset(code, a) != 0;
+    return apart == 1;
+}
+
+/// The ranks that need one tile, and by which offsets.
+struct Readers {
+    std::int32_t rank[27];
+    std::uint32_t mask[27];
+    int count = 0;
+
+    void add(std::int32_t reader, int code) {
+        int k = 0;
+        while (k < count && rank[k] != reader) ++k;
+        if (k == count) rank[count] = reader, mask[count++] = 0;
+        mask[k] |= 1u << code;
+    }
+};
+
+void count_neighbours(std::vector<std::uint64_t>& pairs, int ranks, HaloForecast& halo) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    halo.neighbours_mean = static_cast<double>(pairs.size()) / ranks;
+    for (std::size_t first = 0, k = 0; k < pairs.size(); ++k) {
+        if (pairs[k] >> 32 != pairs[first] >> 32) first = k;
+        halo.neighbours_max = std::max(halo.neighbours_max, static_cast<std::int32_t>(k - first + 1));
+    }
+}
+
+}  // namespace
+
+HaloSurroundings::HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks)
+    : layout_(layout), blocks_(blocks), offsets_(static_cast<std::size_t>(offsets_of(layout))) {
+    occupied_ = BlockIndex<3>(keys_of(blocks));
+    if (blocks.size() <= most_in_table) table_.assign(blocks.size() * offsets_, -1);
+    find_apron();
+    for (std::size_t i = 0; i < table_.size(); ++i)
+        if (table_[i] == empty) table_[i] = look_up(blocks[i / offsets_].key, static_cast<int>(i % offsets_));
+}
+
+/// Enters the occupied neighbours of a block into the table, and the empty ones into the apron.
+void HaloSurroundings::look_around(std::size_t b) {
+    Key near = 0;
+    for (int code = 0; code < offsets_of(layout_); ++code) {
+        if (!neighbour_key(layout_, blocks_[b].key, code, near)) continue;
+        const std::int32_t here = occupied_.find(near);
+        if (!table_.empty()) table_[b * offsets_ + static_cast<std::size_t>(code)] = here < 0 ? empty : here;
+        if (here < 0) apron_.push_back(near);
+    }
+}
+
+void HaloSurroundings::find_apron() {
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        look_around(b);
+        if (apron_.size() < (std::size_t(1) << 22) && b + 1 < blocks_.size()) continue;
+        std::sort(apron_.begin(), apron_.end());  // now and then, so that the list stays short
+        apron_.erase(std::unique(apron_.begin(), apron_.end()), apron_.end());
+    }
+    empty_ = BlockIndex<3>(apron_);
+    Key near = 0;
+    for (const Key key : apron_) {
+        std::int32_t heir = -1;
+        for (int code = 0; heir < 0 && code < offsets_of(layout_); ++code)
+            if (neighbour_key(layout_, key, code, near)) heir = occupied_.find(near);
+        heir_.push_back(heir);
+    }
+}
+
+std::int32_t HaloSurroundings::look_up(Key key, int code) const {
+    Key near = 0;
+    if (!neighbour_key(layout_, key, code, near)) return -1;
+    const std::int32_t here = occupied_.find(near);
+    if (here >= 0) return here;
+    const std::int32_t there = empty_.find(near);
+    return there < 0 ? -1 : static_cast<std::int32_t>(blocks_.size()) + there;
+}
+
+HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
+                                    int real_bytes) const {
+    std::vector<std::int32_t> empty_owner;
+    empty_owner.reserve(apron_.size());
+    for (std::size_t e = 0; e < apron_.size(); ++e) {
+        const std::int32_t rank = partitioner.owner_at(block_position(layout_, apron_[e]));
+        empty_owner.push_back(rank >= 0 ? rank : owners[heir_[e]]);
+    }
+    HaloForecast halo;
+    TileBytes bytes_of(layout_, real_bytes);
+    std::vector<std::int64_t> sent(static_cast<std::size_t>(ranks), 0);
+    std::vector<std::uint64_t> pairs;
+    const auto n = static_cast<std::int32_t>(blocks_.size());
+    for (std::int32_t b = 0; b < n; ++b) {
+        Readers readers;
+        for (int code = 0; code < static_cast<int>(offsets_); ++code) {
+            const std::int32_t near = at(b, code);
+            if (near < 0) continue;
+            const std::int32_t rank = near < n ? owners[near] : empty_owner[near - n];
+            if (rank == owners[b]) continue;
+            readers.add(rank, code);
+            halo.face_cut += near < n && near > b && is_face(layout_, code);
+        }
+        for (int k = 0; k < readers.count; ++k) {
+            ++halo.tiles;
+            sent[owners[b]] += bytes_of(readers.mask[k]);
+            const std::uint64_t pair =
+                static_cast<std::uint64_t>(owners[b]) << 32 | static_cast<std::uint32_t>(readers.rank[k]);
+            if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
+        }
+    }
+    for (const std::int64_t bytes : sent) halo.bytes += bytes, halo.busiest_bytes = std::max(halo.busiest_bytes, bytes);
+    count_neighbours(pairs, ranks, halo);
+    return halo;
+}
+
+}  // namespace moraine

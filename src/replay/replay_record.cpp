@@ -1,0 +1,259 @@
+#include "replay/replay_record.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "balance/cut.hpp"
+#include "comm/phases.hpp"
+#include "core/block.hpp"
+#include "core/error.hpp"
+
+namespace moraine {
+namespace {
+
+Layout layout_of(const LoadHeader& h, int refine) {
+    Layout layout;
+    layout.dimensions = h.dimensions;
+    layout.width = h.width;
+    for (std::size_t a = 0; a < 3; ++a) {
+        layout.blocks[a] = static_cast<int>(a) < h.dimensions ? h.blocks[a] << refine : 1;
+        layout.periodic[a] = h.periodic[a] != 0;
+    }
+    return layout;
+}
+
+/// Children of a block of a grid with cells half as large, in Morton order.
+template <int Dim>
+void append_children(const BlockLoad& parent, std::vector<BlockLoad>& children) {
+    const BlockPosition<Dim> at = Morton<Dim>::decode(parent.key);
+    for (int c = 0; c < Block<Dim>::corners; ++c) {
+        BlockPosition<Dim> child{};
+        for (int a = 0; a < Dim; ++a)
+            child[static_cast<std::size_t>(a)] = 2 * at[static_cast<std::size_t>(a)] + Block<Dim>::corner(c, a);
+        children.push_back({Morton<Dim>::encode(child), parent.particles, 0, parent.owner});
+    }
+}
+
+double seconds_of(const RankSeconds& s, std::initializer_list<Phase> phases) {
+    double sum = 0;
+    for (Phase phase : phases) sum += static_cast<double>(s[static_cast<std::size_t>(phase)]);
+    return sum;
+}
+
+/// What a step is made of.
+constexpr std::initializer_list<Phase> computing_phases{Phase::p2g, Phase::nodes, Phase::g2p};
+constexpr std::initializer_list<Phase> exchange_phases{Phase::halo, Phase::agree, Phase::migrate};
+
+/// The step of the last whole row of a table; -1 where there is none.
+std::int64_t last_row_step(const std::string& path) {
+    std::ifstream file(path);
+    std::int64_t step = -1;
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line) && !file.eof()) std::from_chars(line.data(), line.data() + line.size(), step);
+    return step;
+}
+
+}  // namespace
+
+ReplayRecord::ReplayRecord(const ReplayOptions& options)
+    : options_(options), path_(options.directory + "/block_loads.bin") {
+    if (!std::filesystem::is_directory(options.directory))
+        throw InputError(fmt::format("{} is not a run (no such directory). Is the path right?", options.directory));
+    if (!std::filesystem::exists(path_))
+        throw InputError(fmt::format(
+            "{} has no block_loads.bin (the run did not record them). Run it again with --set output.block_loads=on?",
+            options.directory));
+    header_ = BlockLoadReader(path_).header();
+    coarse_ = layout_of(header_, 0);
+    layout_ = layout_of(header_, options.refine);
+    balance_.partitioner = header_.partitioner.data();
+    balance_.weight = header_.weighs_cost ? "cost" : "particles";
+    balance_.trigger = static_cast<Trigger>(header_.trigger);
+    balance_.interval = header_.interval;
+    balance_.threshold = header_.threshold;
+    balance_.axis = header_.axis;
+    weights_ = {header_.model[0], 0, header_.model[1]};
+    read_through();
+    check_end();
+    for (const std::string& directory : options.calibrate) calibrate(directory);
+    model_ = fit_.model(weights_);
+    if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
+    model_.rounds = header_.halo_rounds;
+    model_.wire = {options.latency, options.bandwidth};
+    model_.moves = {header_.moves[0], header_.moves[1]};
+}
+
+/// Takes the times of another run of the same machine and method into the model.
+void ReplayRecord::calibrate(const std::string& directory) {
+    ReplayOptions options;
+    options.directory = directory;
+    options.latency = options_.latency, options.bandwidth = options_.bandwidth;
+    const ReplayRecord other(options);
+    const LoadHeader& h = other.header_;
+    if (h.dimensions != header_.dimensions || h.width != header_.width || h.real_bytes != header_.real_bytes ||
+        h.halo_rounds != header_.halo_rounds || h.model != header_.model)
+        throw InputError(
+            fmt::format("--calibrate {} (its dimensions, precision, method or device are others than those "
+                        "of {}). Leave it out?",
+                        directory, options_.directory));
+    fit_.add(other.fit_);
+}
+
+bool ReplayRecord::next(BlockLoadReader& reader, LoadFrame& frame) const {
+    return reader.position() >= 0 && last_step_ < options_.last_step && reader.next(frame) &&
+           frame.step <= options_.last_step;
+}
+
+Interval ReplayRecord::look_of(LoadFrame& frame) const {
+    Interval look;
+    look.step = frame.step;
+    look.blocks.reserve(frame.rows.size());
+    for (const LoadRow& row : frame.rows) look.blocks.push_back({row.key, row.particles, row.particles, row.owner});
+    frame.rows = {};  // of millions of blocks every copy counts
+    return look;
+}
+
+/// The same with cells halved as often as was asked for.
+Interval ReplayRecord::refined(Interval look) const {
+    for (int k = 0; k < options_.refine; ++k) {
+        std::vector<BlockLoad> children;
+        children.reserve(look.blocks.size() * (layout_.dimensions == 2 ? 4 : 8));
+        for (const BlockLoad& block : look.blocks)
+            layout_.dimensions == 2 ? append_children<2>(block, children) : append_children<3>(block, children);
+        look.blocks = std::move(children);
+    }
+    return look;
+}
+
+void ReplayRecord::read_through() {
+    BlockLoadReader reader(path_);
+    LoadFrame frame;
+    Interval before;
+    std::unique_ptr<Partitioner> partitioner;
+    while (next(reader, frame)) {
+        Interval now = look_of(frame);
+        if (!partitioner) {
+            partitioner = make_partitioner(balance_, coarse_, static_cast<int>(frame.seconds.size()));
+            partitioner->start(now.blocks);
+        } else {
+            measure(frame, before, now, *partitioner);
+        }
+        count(now);
+        if (looks_ % options_.every == 0) feed(now);
+        ++looks_;
+        last_step_ = frame.step;
+        before = std::move(now);
+    }
+    if (looks_ > 0 && (looks_ - 1) % options_.every != 0) feed(before);  // the last look is replayed, too
+    if (looks_ < 2)
+        throw InputError(fmt::format(
+            "{} holds {} look{} (a replay needs two). {}", path_, looks_, looks_ == 1 ? "" : "s",
+            options_.last_step < ReplayOptions{}.last_step ? "A larger --last-step?"
+                                                           : "Run it for longer, or with a smaller balance.interval?"));
+}
+
+/// The interval that ends at this frame: its samples for the model, and what the run itself did.
+void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const Interval& now,
+                           const Partitioner& partitioner) {
+    const int ranks = static_cast<int>(frame.seconds.size());
+    const auto steps = static_cast<double>(now.step - before.step);
+    const auto in_range = [&](const BlockLoad& block) { return block.owner >= 0 && block.owner < ranks; };
+    if (!std::all_of(before.blocks.begin(), before.blocks.end(), in_range)) return;  // a restart on fewer ranks
+    const Carry carry = carry_between(coarse_, keys_of(before.blocks), now.blocks);
+    const std::vector<std::int32_t> begin = present_owners(before.blocks);
+    const std::vector<std::int32_t> end = carry.owners(begin, now, coarse_, partitioner);
+    const auto first = loads_of_ranks(before.blocks, begin, ranks, &BlockLoad::particles);
+    const auto last = loads_of_ranks(now.blocks, end, ranks, &BlockLoad::particles);
+    std::vector<double> blocks(frame.seconds.size(), 0);
+    for (std::int32_t owner : begin) blocks[owner] += 0.5;
+    for (std::int32_t owner : end) blocks[owner] += 0.5;
+    ModelFit::Interval interval;
+    interval.steps = steps;
+    interval.lost = frame.lost / steps;
+    interval.look = std::numeric_limits<double>::infinity();
+    double stepping = 0;
+    for (std::size_t r = 0; r < frame.seconds.size(); ++r) {
+        const RankSeconds& s = frame.seconds[r];
+        const double computing = seconds_of(s, computing_phases), exchange = seconds_of(s, exchange_phases);
+        interval.ranks.push_back(
+            {static_cast<double>(first[r] + last[r]) / 2, blocks[r], computing / steps, exchange / steps});
+        interval.look = std::min(interval.look, seconds_of(s, {Phase::balance}));
+        stepping += computing + exchange + seconds_of(s, {Phase::balance});
+    }
+    TimeModel wire;
+    wire.rounds = header_.halo_rounds;
+    wire.wire = {options_.latency, options_.bandwidth};
+    HaloForecast halo;
+    if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
+    interval.sending = wire.sending(halo, ranks);
+    interval.moves = moves_at_end(now, end, ranks);
+    fit_.add(std::move(interval));
+
+    const double at_begin = summary_of(first).imbalance(), at_end = summary_of(last).imbalance();
+    measured_.ranks = ranks;
+    measured_.partitioner = balance_.partitioner;
+    measured_.steps += now.step - before.step;
+    ++measured_.intervals;
+    measured_.imbalance_sum += steps * (at_begin + at_end) / 2;
+    measured_.imbalance_max = std::max({measured_.imbalance_max, at_begin, at_end});
+    measured_.bytes += steps * header_.halo_rounds * static_cast<double>(halo.bytes);
+    measured_seconds_ += stepping / ranks;
+}
+
+/// What the run's planner reckoned for bringing the blocks from those who had come to hold them to those who hold them.
+double ReplayRecord::moves_at_end(const Interval& now, const std::vector<std::int32_t>& held, int ranks) const {
+    const std::vector<std::int32_t> owners = present_owners(now.blocks);
+    const bool known = std::all_of(owners.begin(), owners.end(), [&](int r) { return r >= 0 && r < ranks; });
+    return known ? migration_seconds(now.blocks, held, owners, ranks, {header_.moves[0], header_.moves[1]}) : 0;
+}
+
+void ReplayRecord::count(const Interval& coarse) {
+    const std::int64_t blocks = children_of_a_block() * static_cast<std::int64_t>(coarse.blocks.size());
+    blocks_min_ = looks_ == 0 ? blocks : std::min(blocks_min_, blocks);
+    blocks_max_ = std::max(blocks_max_, blocks);
+}
+
+/// As if it were refined: the children of a block follow each other on the curve.
+void ReplayRecord::feed(const Interval& coarse) {
+    std::vector<std::int64_t> weights;
+    weights.reserve(static_cast<std::size_t>(children_of_a_block()) * coarse.blocks.size());
+    const BlockWeight weight(balance_, weights_);
+    for (const BlockLoad& block : coarse.blocks)
+        weights.insert(weights.end(), static_cast<std::size_t>(children_of_a_block()), weight(block.particles, 0));
+    const auto blocks = static_cast<std::int64_t>(weights.size());
+    const std::int64_t fed = even_parts(weights, std::max<std::int64_t>(1, blocks), feed_limit);
+    if (looks_ == 0) feeds_at_start_ = fed;
+    feeds_always_ = looks_ == 0 ? fed : std::min(feeds_always_, fed);
+}
+
+void ReplayRecord::check_end() const {
+    const std::string table = options_.directory + "/balance.csv";
+    const std::int64_t step = std::min(last_row_step(table), options_.last_step);
+    if (step <= last_step_ || step - last_step_ < balance_.interval) return;
+    throw InputError(
+        fmt::format("{} is truncated (it ends at step {}, {} at step {}). Use what is there, --last-step {}?", path_,
+                    last_step_, table, step, last_step_));
+}
+
+void ReplayRecord::each_look(const std::function<void(Interval& now, const Carry& carry)>& f) const {
+    BlockLoadReader reader(path_);
+    LoadFrame frame;
+    std::vector<Key> before;
+    frame.step = -1;  // of the look before: nothing is read behind the last one
+    int number = 0;
+    while (frame.step < last_step_ && reader.next(frame)) {
+        if (number++ % options_.every != 0 && frame.step != last_step_) continue;
+        Interval now = refined(look_of(frame));
+        const Carry carry = before.empty() ? Carry{} : carry_between(layout_, before, now.blocks);
+        f(now, carry);
+        before = keys_of(now.blocks);
+    }
+}
+
+}  // namespace moraine

@@ -1,0 +1,71 @@
+#pragma once
+// What a run recorded, checked and in terms of the balance: its looks one after another, how its time went, and how
+// many ranks its loads can feed. Reads files only; knows no MPI.
+
+#include <functional>
+#include <string>
+
+#include "io/block_loads.hpp"
+#include "replay/forecast.hpp"
+#include "replay/replay_options.hpp"
+
+namespace moraine {
+
+class ReplayRecord {
+  public:
+    /// Reads the whole record once: it is checked, and the time model calibrated. Throws InputError if there is no
+    /// record, or one that is truncated, damaged or too short.
+    explicit ReplayRecord(const ReplayOptions& options);
+
+    const Layout& layout() const { return layout_; }         ///< refined, if that was asked for
+    const BalanceSpec& balance() const { return balance_; }  ///< of the run
+    const CostModel& weights() const { return weights_; }
+    const TimeModel& model() const { return model_; }
+    int real_bytes() const { return header_.real_bytes; }
+    std::int64_t last_step() const { return last_step_; }
+    int looks() const { return looks_; }
+    std::int64_t blocks_min() const { return blocks_min_; }
+    std::int64_t blocks_max() const { return blocks_max_; }
+
+    /// The most ranks whose heaviest has at most `feed_limit` times the mean, of the best cut along the Morton curve:
+    /// at the start and at the worst of the looks that are replayed.
+    std::int64_t feeds_at_start() const { return feeds_at_start_; }
+    std::int64_t feeds_always() const { return feeds_always_; }
+    static constexpr double feed_limit = 1.25;
+
+    /// What the run itself did; measured, of the grid as it was run.
+    const ForecastResult& measured() const { return measured_; }
+    double measured_seconds() const { return measured_seconds_; }
+
+    /// Look after look; `carry` from the one before. No two looks are in memory but these.
+    void each_look(const std::function<void(Interval& now, const Carry& carry)>& f) const;
+
+  private:
+    bool next(BlockLoadReader& reader, LoadFrame& frame) const;
+    /// Takes the rows out of the frame.
+    Interval look_of(LoadFrame& frame) const;
+    Interval refined(Interval look) const;
+    void read_through();
+    void check_end() const;
+    void calibrate(const std::string& directory);
+    void measure(const LoadFrame& frame, const Interval& before, const Interval& now, const Partitioner& partitioner);
+    double moves_at_end(const Interval& now, const std::vector<std::int32_t>& held, int ranks) const;
+    std::int64_t children_of_a_block() const { return std::int64_t(1) << (layout_.dimensions * options_.refine); }
+    void count(const Interval& coarse);
+    void feed(const Interval& coarse);
+
+    const ReplayOptions& options_;
+    std::string path_;
+    LoadHeader header_;
+    Layout coarse_, layout_;
+    BalanceSpec balance_;
+    CostModel weights_{};
+    TimeModel model_;
+    ModelFit fit_;
+    ForecastResult measured_;
+    double measured_seconds_ = 0;
+    std::int64_t last_step_ = -1, blocks_min_ = 0, blocks_max_ = 0, feeds_at_start_ = 0, feeds_always_ = 0;
+    int looks_ = 0;
+};
+
+}  // namespace moraine

@@ -1,0 +1,92 @@
+#pragma once
+// What a step costs on any number of ranks, from what the steps of a run cost. A model: its times are predictions.
+//
+//   step = E[max over ranks of t_r (1 + s x_r)] + c + rounds (latency k + bytes / bandwidth) + latency log2 P
+//   t_r  = (a + e) n_r + d b_r;   look: a constant;   a migration: f times what the planner reckons (planner.hpp)
+//
+// n_r, b_r: particles and blocks of rank r; k: neighbours, bytes: sent, of the busiest. a and d are fitted to computing
+// times by least squares with a pull (1 %) towards the ratio of the cost model: a run whose particles and blocks hardly
+// vary cannot tell them apart. e is what filing and exchanges took of the rank that waited least.
+// x_r is normal: equal loads do not take equal time, and s follows from what the slowest ranks took, step by step.
+// f is what looks with a migration took beyond the median of all. c is what remains of a step. A run does not tell
+// latency and bandwidth: they are the user's.
+
+#include <cstdint>
+#include <span>
+
+#include "balance/planner.hpp"
+#include "balance/weight.hpp"
+#include "replay/halo_forecast.hpp"
+
+namespace moraine {
+
+struct Wire {
+    double latency = 2e-6;   ///< of a message [s]
+    double bandwidth = 5e9;  ///< of a rank, out [byte/s]
+};
+
+/// Of the largest of independent normal variables with these means, not negative, and deviations `spread * mean`.
+/// Not collective.
+double expected_maximum(std::span<const double> means, double spread);
+
+struct TimeModel {
+    double particle = 0;  ///< a [s]
+    double block = 0;     ///< d [s]
+    double exchange = 0;  ///< e [s]
+    double unrest = 0;    ///< s
+    double constant = 0;  ///< c [s]
+    double look = 0;      ///< [s]
+    int rounds = 1;
+    Wire wire;
+    MoveModel moves = host_moves;  ///< what planners reckon with
+    double moves_slower = 1;       ///< f
+
+    double computing(double particles, double blocks) const { return particle * particles + block * blocks; }
+
+    /// Of a rank, with what its exchanges cost besides the wire: t_r [s per step].
+    double busy(double particles, double blocks) const { return computing(particles, blocks) + exchange * particles; }
+    /// Of the rank that has most to do [s per step].
+    double slowest(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
+    /// What unrest adds to that [s per step].
+    double waiting(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
+    /// [s per step]
+    double sending(const HaloForecast& halo, int ranks) const;
+};
+
+/// Intervals of one run or several, from which a model follows.
+class ModelFit {
+  public:
+    /// What a rank held, and its seconds per step: of computing, and of filing and exchanges, waiting included.
+    struct Sample {
+        double particles, blocks, computing, exchange;
+    };
+
+    struct Interval {
+        std::vector<Sample> ranks;
+        double steps = 0;
+        double sending = 0;  ///< by the wire model [s per step]
+        double lost = 0;     ///< computing of the slowest rank less mean [s per step]
+        double look = 0;     ///< balancing, of the rank that waited least [s]
+        double moves = 0;    ///< the migration at its end, as planners reckon it [s]
+    };
+
+    /// Not collective.
+    void add(Interval interval) { intervals_.push_back(std::move(interval)); }
+    void add(const ModelFit& other);
+
+    /// Without rounds, wire and what planners reckon moves with. `prior`: the ratio of costs per particle and block.
+    /// Not collective.
+    TimeModel model(const CostModel& prior) const;
+
+  private:
+    void fit_costs(const CostModel& prior, TimeModel& m) const;
+    double least_exchange() const;
+    double unrest_of(const TimeModel& m) const;
+    double remainder(const TimeModel& m) const;
+    double usual_look() const;
+    double moves_slower(const TimeModel& m) const;
+
+    std::vector<Interval> intervals_;
+};
+
+}  // namespace moraine

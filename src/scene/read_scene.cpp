@@ -1,0 +1,196 @@
+#include "scene/read_scene.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "core/courant.hpp"
+#include "core/error.hpp"
+#include "io/input_error.hpp"
+#include "scene/scene_check.hpp"
+#include "scene/scene_names.hpp"
+#include "scene/scene_set.hpp"
+#include "scene/scene_values.hpp"
+
+namespace moraine {
+namespace {
+
+toml::table parse_file(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    if (file) text << file.rdbuf();
+    if (!file || file.bad() || std::filesystem::is_directory(path))
+        refuse(path, "the scene cannot be read",
+               std::filesystem::is_directory(path) ? "it is a directory" : std::strerror(errno), "Is the path right?");
+    try {
+        return toml::parse(text.str(), path);
+    } catch (const toml::parse_error& error) {
+        refuse(fmt::format("{}:{}", path, error.source().begin.line), std::string(error.description()),
+               "this is not TOML", "See inputs/first_scene.toml for the form?");
+    }
+}
+
+class Reader {
+  public:
+    Reader(const std::string& path, const std::vector<std::string>& sets)
+        : file_(path), root_(parse_file(path)), places_(path) {
+        for (const std::string& assignment : sets) apply_set(root_, assignment);
+    }
+
+    Scene read(const std::function<void(const Scene&)>& admit) {
+        refuse_unknown_keys(root_, file_);
+        scene_.path = file_;
+        scene_.name = std::filesystem::path(file_).stem().string();
+        for (const char* section : {"", "domain", "time", "numerics", "balance", "output"}) {
+            const std::string name = section;
+            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, scene_rows(), scene_);
+        }
+        if (places_.has("time.cfl") && places_.has("time.dt"))
+            refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
+                   "Remove one of them?");
+        if (!places_.has("numerics.transfer")) scene_.transfer = standard_transfer(scene_.shape);
+        if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
+        each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
+        each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
+        each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        check_scene(scene_, places_);
+        if (admit) admit(scene_);
+        check_particles(scene_, places_);
+        check_structures(scene_, places_);
+        for (std::size_t a = 0; a < 3; ++a)
+            if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+        return scene_;
+    }
+
+  private:
+    const toml::table* section_table(const toml::table& parent, const std::string& name) {
+        const toml::node* node = parent.get(name);
+        return node ? node->as_table() : nullptr;  // refuse_unknown_keys has seen to the type
+    }
+
+    template <class F>
+    void each_of(const std::string& list, const F& read) {
+        const toml::node* node = root_.get(list);
+        if (!node) return;
+        int number = 0;
+        for (const toml::node& item : *node->as_array()) {
+            const toml::table& table = *item.as_table();
+            const std::string path = list + "." + label_of(table, list, ++number);
+            if (places_.has(path))
+                refuse(place_of(item, file_), fmt::format("{} is there twice", path),
+                       "the other is at " + places_.of(path), "Rename one of them?");
+            places_.add(path, place_of(item, file_));
+            read(table, path);
+        }
+    }
+
+    /// Where a table that may be absent stands, or would.
+    std::string place_of_table(const toml::table* table, const std::string& path) const {
+        return table && !path.empty() ? place_of(*table, file_) : file_;
+    }
+
+    std::optional<KeyValue> read_key(const SceneKey& key, const toml::table* table, const std::string& table_path,
+                                     const std::string& selected) {
+        const std::string path = table_path.empty() ? key.name : table_path + "." + key.name;
+        const toml::node* node = table ? table->get(key.name) : nullptr;
+        const bool used = key.only.empty() || std::find(key.only.begin(), key.only.end(), selected) != key.only.end();
+        if (node && !used)
+            refuse(place_of(*node, file_), path + " is not used",
+                   fmt::format("it is for {} {}", selector_of(key.table), listed(key.only)),
+                   fmt::format("Remove it, or set {}.{}?", table_path, selector_of(key.table)));
+        if (!used) return std::nullopt;
+        if (node) {
+            places_.add(path, place_of(*node, file_));
+            return read_value(*node, {key, path, place_of(*node, file_), scene_.dimensions});
+        }
+        if (key.required())
+            refuse(place_of_table(table, table_path), path + " is missing", "must be " + type_text(key),
+                   fmt::format("Add {} = ...{}?", key.name, table_path.empty() ? "" : " to this table"));
+        if (key.standard->empty()) return std::nullopt;
+        return standard_value(key, scene_.dimensions);
+    }
+
+    template <class Target>
+    void read_table(const toml::table* table, const std::string& section, const std::string& path,
+                    const std::vector<KeyRow<Target>>& rows, Target& target) {
+        if (table && !path.empty()) places_.add(path, place_of(*table, file_));
+        std::string selected;
+        for (const KeyRow<Target>& row : rows) {
+            if (row.key.table != section) continue;
+            const std::optional<KeyValue> value = read_key(row.key, table, path, selected);
+            if (!value) continue;
+            row.set(target, *value);
+            if (row.key.name == selector_of(section)) selected = value->text;
+        }
+    }
+
+    void read_material(const toml::table& table, const std::string& path) {
+        MaterialSpec material;
+        read_table(&table, "material", path, material_rows(), material);
+        const LawInfo& law = *find_law(material.law);
+        for (const Parameter& parameter : law.parameters)
+            material.parameters.push_back(read_key(parameter_key(law, parameter), &table, path, material.law)->real);
+        if (const char* problem = law.problem(material.parameters.data()))
+            throw InputError(fmt::format("{}: {}: {}", place_of(table, file_), path, problem));
+        scene_.materials.push_back(std::move(material));
+    }
+
+    void read_body(const toml::table& table, const std::string& path) {
+        BodySpec body;
+        read_table(&table, "body", path, body_rows(), body);
+        for (const char* part : {"wave", "geostatic"})
+            if (const toml::table* nested = section_table(table, part))
+                read_table(nested, std::string("body.") + part, path + "." + part, body_rows(), body);
+        if (body.seeding == Seeding::lattice) body.jitter = 0;
+
+        const std::string wanted = table.get("material")->as_string()->get();
+        std::vector<std::string> names;
+        for (const MaterialSpec& material : scene_.materials) names.push_back(material.name);
+        const auto found = std::find(names.begin(), names.end(), wanted);
+        if (found == names.end())
+            refuse(places_.of(path + ".material"), fmt::format("{}.material = {}", path, quote(wanted)),
+                   "there is no such material", names.empty() ? "Write one as [[material]]?" : suggest(wanted, names));
+        body.material = static_cast<int>(found - names.begin());
+        scene_.bodies.push_back(std::move(body));
+    }
+
+    void read_structure(const toml::table& table, const std::string& path) {
+        StructureSpec structure;
+        read_table(&table, "structure", path, structure_rows(), structure);
+        for (const char* part : {"contact", "motion"})
+            if (const toml::table* nested = section_table(table, part))
+                read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
+        scene_.structures.push_back(std::move(structure));
+    }
+
+    void read_wall(const toml::table& table, const std::string& path) {
+        FacedWall faced;
+        read_table(&table, "wall", path, wall_rows(), faced);
+        if (faced.face / 2 >= scene_.dimensions)
+            refuse(places_.of(path), fmt::format("{} is not there", path), "the scene has 2 dimensions",
+                   "Use x-min, x-max, y-min or y-max?");
+        scene_.walls[static_cast<std::size_t>(faced.face / 2)][static_cast<std::size_t>(faced.face % 2)] = faced.wall;
+    }
+
+    std::string file_;
+    toml::table root_;
+    Places places_;
+    Scene scene_;
+};
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::vector<std::string>& sets,
+                 const std::function<void(const Scene&)>& admit) {
+    return Reader(path, sets).read(admit);
+}
+
+}  // namespace moraine

@@ -1,0 +1,115 @@
+#include "scene/scene_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr char axis_name[] = "xyz";
+constexpr double side_of_block = 4;  // cells
+
+/// Cells along an axis, not rounded.
+double cells(const Scene& scene, std::size_t a) {
+    return (scene.max[a] - scene.min[a]) / scene.cell;
+}
+
+/// The domain's upper end if it had `count` cells, in words.
+std::string end_for(const Scene& scene, std::size_t a, double count) {
+    return fmt::format("Did you mean {} = {:.10g} along {}?", "domain.max", scene.min[a] + count * scene.cell,
+                       axis_name[a]);
+}
+
+void check_domain(const Scene& scene, const Places& places) {
+    // A key holds 2^20 blocks an axis each way in 3-D; 2^27 in 2-D keep the index of a cell below 2^29.
+    const double most = std::ldexp(1, scene.dimensions == 3 ? 20 : 27);
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+        const double length = scene.max[a] - scene.min[a];
+        if (!(length > 0))
+            refuse(places.of("domain.max"), fmt::format("the domain has no length along {}", axis_name[a]),
+                   fmt::format("min {}, max {}", scene.min[a], scene.max[a]), "Are they exchanged?");
+        const double count = cells(scene, a);
+        if (count / side_of_block + 2 > most)
+            refuse(places.of("domain.cell"), fmt::format("the domain has {:.3g} cells along {}", count, axis_name[a]),
+                   fmt::format("at most {:.0f} fit", side_of_block * (most - 2)), "Use a larger domain.cell?");
+        const double whole = std::max(1.0, std::round(count));
+        if (std::abs(count - whole) > 1e-9 * whole)
+            refuse(places.of("domain.max"), fmt::format("the domain has {:.10g} cells along {}", count, axis_name[a]),
+                   "must be a whole number: walls lie on nodes", end_for(scene, a, whole));
+        if (scene.periodic[a] && std::fmod(whole, side_of_block) != 0)
+            refuse(places.of("domain.periodic"),
+                   fmt::format("the periodic axis {} has {:.0f} cells", axis_name[a], whole),
+                   "must be whole blocks of 4 cells",
+                   end_for(scene, a, side_of_block * std::max(1.0, std::round(whole / side_of_block))));
+    }
+}
+
+void check_axes(const Scene& scene, const Places& places) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (scene.periodic[a] && static_cast<int>(a) >= scene.dimensions)
+            refuse(places.of("domain.periodic"), "the axis z is not there", "the scene has 2 dimensions", "Remove it?");
+        for (std::size_t s = 0; s < 2; ++s)
+            if (scene.periodic[a] && places.has(fmt::format("wall.{}-{}", axis_name[a], s == 0 ? "min" : "max")))
+                refuse(places.of(fmt::format("wall.{}-{}", axis_name[a], s == 0 ? "min" : "max")),
+                       fmt::format("wall {}-{} stands on a periodic axis", axis_name[a], s == 0 ? "min" : "max"),
+                       "a periodic axis has no ends",
+                       fmt::format("Remove it, or {} from domain.periodic?", axis_name[a]));
+    }
+    if (scene.balance.axis >= scene.dimensions)
+        refuse(places.of("balance.axis"), "balance.axis = \"z\"", "the scene has 2 dimensions", "Did you mean \"x\"?");
+}
+
+/// C = grad v of a hat is (v_1 - v_0) / h however near a node the particle is, where D = f (1 - f) h2 tends to zero: a
+/// rounding of the light node's velocity becomes a C that carries energy once the particle is in mid-cell.
+void check_transfer(const Scene& scene, const Places& places) {
+    if (scene.transfer == Transfer::fmpm && scene.stress_update != StressUpdate::usl)
+        refuse(places.of("numerics.stress_update"), "numerics.stress_update with transfer \"fmpm\"",
+               "its rounds are the terms of a series, and stress follows the last",
+               "Remove it, or take transfer = \"apic\"?");
+    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    if (!affine || scene.shape != Shape::linear) return;
+    const char* transfer = scene.transfer == Transfer::apic ? "apic" : "tpic";
+    refuse(places.of("numerics.transfer"), fmt::format("numerics.transfer = \"{}\" with shape \"linear\"", transfer),
+           "the inertia D of a hat's weights is zero at nodes, and rounding grows there",
+           fmt::format("Use shape = \"quadratic\", or transfer = \"{}\"?",
+                       scene.transfer == Transfer::apic ? "flip" : "pic"));
+}
+
+void check_fields(const Scene& scene, const Places& places) {
+    const std::vector<std::string> valid = output_field_names(scene);
+    for (const std::string& field : scene.output.fields)
+        if (std::find(valid.begin(), valid.end(), field) == valid.end())
+            refuse(places.of("output.fields"), fmt::format("output.fields has {}", quote(field)),
+                   "no such field in this scene", suggest(field, valid));
+}
+
+void check_starts(const Scene& scene, const Places& places) {
+    const bool weightless = scene.gravity == Triple{};
+    for (const BodySpec& body : scene.bodies) {
+        const std::string path = "body." + body.name;
+        if (body.geostatic && weightless)
+            refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero",
+                   "Set gravity?");
+        if (body.wave.wavelength > 0 && body.wave.axis >= scene.dimensions)
+            refuse(places.of(path + ".wave.axis"), path + ".wave.axis = \"z\"", "the scene has 2 dimensions",
+                   "Did you mean \"x\"?");
+    }
+}
+
+}  // namespace
+
+void check_scene(const Scene& scene, const Places& places) {
+    check_domain(scene, places);
+    check_axes(scene, places);
+    check_transfer(scene, places);
+    check_fields(scene, places);
+    check_starts(scene, places);
+    check_bodies(scene, places);
+    check_time(scene, places);
+}
+
+}  // namespace moraine

@@ -1,0 +1,29 @@
+#pragma once
+// What must hold between the keys of a scene before it can run; each key alone has been checked by
+// scene_values.hpp.
+
+#include "core/scene_spec.hpp"
+#include "io/input_error.hpp"
+
+namespace moraine {
+
+/// Domain, walls, transfer, balance, output, bodies and time: all but the particles. Throws InputError. Not collective.
+void check_scene(const Scene& scene, const Places& places);
+
+/// The step, fixed or by the waves of the start: not so small that the end is out of reach, not so large that nothing
+/// could be right. The materials and bodies must be whole.
+void check_time(const Scene& scene, const Places& places);
+
+/// Bodies: whole, inside the domain, not too many.
+void check_bodies(const Scene& scene, const Places& places);
+
+/// Structures: whole definitions, and no particle inside one. Takes time as those do.
+void check_structures(const Scene& scene, const Places& places);
+
+/// Refuses corners on a line and edges that cross, which would make area and inside disagree. `path`: who has them.
+void check_polygon(const std::vector<std::array<double, 2>>& points, const std::string& path, const Places& places);
+
+/// Bodies: not empty, not one in another, by their particles. Takes time as they do.
+void check_particles(const Scene& scene, const Places& places);
+
+}  // namespace moraine

@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "predict/lattice_prediction.hpp"
+#include "scene/scene_check.hpp"
+#include "seeding/seed.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr char axis_name[] = "xyz";
+
+void check_form(const Scene& scene, const BodySpec& body, const Places& places) {
+    const std::string path = "body." + body.name;
+    const bool prism = body.shape == BodyShape::polygon;
+    if (prism && scene.dimensions == 3 && !places.has(path + ".z"))
+        refuse(places.of(path), path + ".z is missing", "a polygon in 3-D is a prism along z", "Add z = [0, 1]?");
+    if (prism && scene.dimensions == 2 && places.has(path + ".z"))
+        refuse(places.of(path + ".z"), path + ".z is not used", "the scene has 2 dimensions", "Remove it?");
+    if (body.shape == BodyShape::box)
+        for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+            if (!(body.max[a] > body.min[a]))
+                refuse(places.of(path + ".max"), fmt::format("{} has no length along {}", path, axis_name[a]),
+                       fmt::format("min {}, max {}", body.min[a], body.max[a]), "Are they exchanged?");
+}
+
+using Point = std::array<double, 2>;
+
+double turn(const Point& a, const Point& b, const Point& c) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+}
+
+void check_crossings(const std::vector<Point>& points, const std::string& path, const Places& places) {
+    const std::size_t n = points.size();
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 2; j < n; ++j) {
+            const Point &a = points[i], &b = points[i + 1], &c = points[j], &d = points[(j + 1) % n];
+            if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
+                refuse(places.of(path + ".points"), path + " crosses itself",
+                       fmt::format("the edges after points {} and {}", i + 1, j + 1), "Put the points in order?");
+        }
+}
+
+void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, const Places& places) {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+        const double slack = 1e-9 * (scene.max[a] - scene.min[a]);
+        if (e.lower[a] < scene.min[a] - slack || e.upper[a] > scene.max[a] + slack)
+            refuse(
+                places.of("body." + body.name),
+                fmt::format("body.{} reaches from {} to {} along {}", body.name, e.lower[a], e.upper[a], axis_name[a]),
+                fmt::format("the domain from {} to {}", scene.min[a], scene.max[a]),
+                "Move the body or widen domain.min, domain.max?");
+    }
+}
+
+/// An id has 48 bits for the place in the lattice.
+void check_lattice(const Scene& scene, const BodySpec& body, const Places& places) {
+    const Extent e = extent_of(body, scene.dimensions);
+    double points = 1;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        points *= (e.upper[a] - e.lower[a]) / scene.cell * body.particles_per_cell[a] + 2;
+    if (points > std::ldexp(1, 48))
+        refuse(places.of("body." + body.name), fmt::format("body.{} spans {:.3g} particles", body.name, points),
+               "ids have room for 2^48 a body", "Use a larger domain.cell?");
+}
+
+/// Calls f(seeds) for a part of the body at a time, so that the memory stays small, until it returns true.
+template <class F>
+void each_part(const Scene& scene, std::size_t body, const F& f) {
+    const BodySeeds all(scene, static_cast<int>(body));
+    const std::int64_t rows = all.rows();
+    const std::int64_t step = scene.bodies[body].shape == BodyShape::table ? rows : 1;
+    std::vector<Seed> seeds;
+    for (std::int64_t row = 0; row < rows; row += step) {
+        seeds.clear();
+        all.fill(row, row + step, 1, seeds);
+        if (f(seeds)) return;
+    }
+}
+
+Extent extent_in(const Scene& scene, std::size_t body) {
+    if (scene.bodies[body].shape != BodyShape::table) return extent_of(scene.bodies[body], scene.dimensions);
+    Extent e{scene.max, scene.min};
+    each_part(scene, body, [&](const std::vector<Seed>& seeds) {
+        for (const Seed& s : seeds)
+            for (std::size_t a = 0; a < 3; ++a) {
+                e.lower[a] = std::min(e.lower[a], s.x[a]);
+                e.upper[a] = std::max(e.upper[a], s.x[a]);
+            }
+        return false;
+    });
+    return e;
+}
+
+bool may_touch(const Extent& a, const Extent& b, int dimensions) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions); ++k)
+        if (a.upper[k] < b.lower[k] || b.upper[k] < a.lower[k]) return false;
+    return true;
+}
+
+/// A particle of body a in body b. Two boxes are asked axis by axis, whatever their particles.
+std::optional<Triple> overlap(const Scene& scene, std::size_t a, std::size_t b) {
+    const BodySpec &mine = scene.bodies[a], &other = scene.bodies[b];
+    if (mine.shape == BodyShape::box && mine.seeding == Seeding::lattice && other.shape == BodyShape::box)
+        return first_inside(scene, mine, other);
+    std::optional<Triple> found;
+    each_part(scene, a, [&](const std::vector<Seed>& seeds) {
+        const auto at = std::find_if(seeds.begin(), seeds.end(),
+                                     [&](const Seed& s) { return is_inside(other, scene.dimensions, s.x); });
+        if (at != seeds.end()) found = at->x;
+        return found.has_value();
+    });
+    return found;
+}
+
+/// Refuses a particle of body a in body b.
+void check_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b) {
+    const std::optional<Triple> found = overlap(scene, a, b);
+    if (!found) return;
+    const std::string& name = scene.bodies[std::max(a, b)].name;
+    refuse(places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+           fmt::format("both have ({:.6g})", fmt::join(found->begin(), found->begin() + scene.dimensions, ", ")),
+           "Move or shrink one of them?");
+}
+
+/// Each pair, both ways: a thin body may pass between the other's particles.
+void check_overlaps(const Scene& scene, const Places& places) {
+    const std::size_t n = scene.bodies.size();
+    if (n < 2) return;
+    std::vector<Extent> extents;
+    for (std::size_t b = 0; b < n; ++b) extents.push_back(extent_in(scene, b));
+    for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (may_touch(extents[a], extents[b], scene.dimensions)) {
+                check_overlap(scene, places, a, b);
+                check_overlap(scene, places, b, a);
+            }
+}
+
+}  // namespace
+
+void check_polygon(const std::vector<Point>& points, const std::string& path, const Places& places) {
+    check_crossings(points, path, places);
+    double twice_area = 0;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) twice_area += turn(points[0], points[i], points[i + 1]);
+    if (twice_area == 0)
+        refuse(places.of(path + ".points"), path + " has no area", "its points lie on a line", "Move one of them?");
+}
+
+void check_bodies(const Scene& scene, const Places& places) {
+    if (scene.bodies.empty())
+        refuse(places.of("body"), "the scene has no body", "nothing would move", "Write one as [[body]]?");
+    if (scene.bodies.size() > 65535)
+        refuse(places.of("body"), fmt::format("{} bodies", scene.bodies.size()), "at most 65535",
+               "Put particles of one material into one table?");
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodySpec& body = scene.bodies[b];
+        if (body.shape != BodyShape::table) {
+            if (body.shape == BodyShape::polygon) check_polygon(body.points, "body." + body.name, places);
+            check_form(scene, body, places);
+            check_extent(scene, body, extent_of(body, scene.dimensions), places);
+            check_lattice(scene, body, places);
+        }
+    }
+}
+
+void check_particles(const Scene& scene, const Places& places) {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodySpec& body = scene.bodies[b];
+        const BodySeeds seeds(scene, static_cast<int>(b));
+        std::int64_t particles = 0;
+        for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);
+        if (particles == 0)
+            refuse(places.of("body." + body.name), fmt::format("body.{} has no particles", body.name),
+                   "it is smaller than their spacing", "Use a smaller domain.cell or more particles_per_cell?");
+    }
+    check_overlaps(scene, places);
+}
+
+}  // namespace moraine

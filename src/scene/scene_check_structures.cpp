@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/scene_check.hpp"
+#include "seeding/seed.hpp"
+#include "seeding/structure_seeds.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr char axis_name[] = "xyz";
+
+std::string path_of(const StructureSpec& s) {
+    return "structure." + s.name;
+}
+
+bool is_zero(const Triple& t) {
+    return t == Triple{};
+}
+
+void check_shape(const Scene& scene, const StructureSpec& s, const Places& places) {
+    const std::string path = path_of(s);
+    const bool flat = scene.dimensions == 2;
+    if (s.shape == StructureShape::cylinder && flat)
+        refuse(places.of(path + ".shape"), path + ".shape = \"cylinder\"", "the scene has 2 dimensions",
+               "Use shape = \"sphere\", a circle in 2-D?");
+    if (s.shape == StructureShape::plane && is_zero(s.normal))
+        refuse(places.of(path + ".normal"), path + ".normal is zero", "it has no direction", "Write normal = [0, 1]?");
+    if ((s.shape == StructureShape::cylinder || s.shape == StructureShape::capsule) && s.from == s.to)
+        refuse(places.of(path + ".to"), path + " has no length", "from and to are the same",
+               "Move one of them, or use shape = \"sphere\"?");
+    if (s.shape == StructureShape::box)
+        for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+            if (!(s.max[a] > s.min[a]))
+                refuse(places.of(path + ".max"), fmt::format("{} has no length along {}", path, axis_name[a]),
+                       fmt::format("min {}, max {}", s.min[a], s.max[a]), "Are they exchanged?");
+    if (s.shape != StructureShape::polygon) return;
+    if (!flat && !places.has(path + ".z"))
+        refuse(places.of(path), path + ".z is missing", "a polygon in 3-D is a prism along z", "Add z = [0, 1]?");
+    if (flat && places.has(path + ".z"))
+        refuse(places.of(path + ".z"), path + ".z is not used", "the scene has 2 dimensions", "Remove it?");
+    check_polygon(s.points, path, places);
+}
+
+void check_motion(const Scene& scene, const StructureSpec& s, const Places& places) {
+    const std::string path = path_of(s) + ".motion";
+    const MotionSpec& m = s.motion;
+    if (m.kind == StructureMotion::table) {
+        if (m.times.empty() || m.times.size() != m.factors.size())
+            refuse(places.of(path + ".factors"),
+                   fmt::format("{} has {} times and {} factors", path, m.times.size(), m.factors.size()),
+                   "each time has a factor", "Give as many of both?");
+        if (m.times.front() < 0 || !std::is_sorted(m.times.begin(), m.times.end(), std::less_equal<>()))
+            refuse(places.of(path + ".times"), path + ".times do not rise from 0 on", "a time is there once",
+                   "Put them in order?");
+    }
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        if (scene.periodic[a] && s.shape == StructureShape::plane && s.normal[a] != 0)
+            refuse(places.of(path_of(s) + ".normal"), path_of(s) + fmt::format(" stands across {}", axis_name[a]),
+                   "that axis is periodic", fmt::format("Remove {} from domain.periodic?", axis_name[a]));
+}
+
+/// Calls f(seed) for all particles of the scene, a row at a time.
+template <class F>
+void each_seed(const Scene& scene, const F& f) {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodySeeds body(scene, static_cast<int>(b));
+        const std::int64_t rows = body.rows();
+        const std::int64_t step = scene.bodies[b].shape == BodyShape::table ? rows : 1;
+        std::vector<Seed> seeds;
+        for (std::int64_t row = 0; row < rows; row += step) {
+            seeds.clear();
+            body.fill(row, row + step, 1, seeds);
+            for (const Seed& s : seeds) f(s);
+        }
+    }
+}
+
+void check_inside(const Scene& scene, const Places& places) {
+    const StructuresAtStart structures(scene);
+    std::int64_t left = 0;
+    each_seed(scene, [&](const Seed& seed) {
+        bool cleared = false;
+        for (std::size_t k = 0; k < scene.structures.size(); ++k) {
+            const StructureSpec& s = scene.structures[k];
+            const double distance = structures.distance(k, seed.x);
+            cleared = cleared || (s.clear && distance < 0);
+            if (s.clear || distance >= -1e-9 * scene.cell) continue;
+            refuse(places.of(path_of(s)),
+                   fmt::format("{} begins inside body.{}", path_of(s),
+                               scene.bodies[static_cast<std::size_t>(seed.body)].name),
+                   fmt::format("a particle at ({:.6g}) is {:.3g} m deep in it",
+                               fmt::join(seed.x.begin(), seed.x.begin() + scene.dimensions, ", "), -distance),
+                   "Move one of them, or set clear = true to leave such particles out?");
+        }
+        left += cleared ? 0 : 1;
+    });
+    if (left == 0)
+        refuse(places.of("structure"), "no particle is left", "the structures cover all bodies", "Move one of them?");
+}
+
+}  // namespace
+
+void check_structures(const Scene& scene, const Places& places) {
+    if (scene.structures.empty()) return;
+    for (const StructureSpec& s : scene.structures) {
+        check_shape(scene, s, places);
+        check_motion(scene, s, places);
+    }
+    check_inside(scene, places);
+}
+
+}  // namespace moraine

@@ -1,0 +1,156 @@
+#include "scene/scene_identity.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <sstream>
+
+#include "core/material/laws.hpp"
+
+namespace moraine {
+
+namespace {
+
+using Entries = std::vector<std::pair<std::string, std::string>>;
+
+template <class T>
+void add(Entries& all, const std::string& key, const T& value) {
+    if constexpr (std::is_enum_v<T>)
+        all.emplace_back(key, fmt::format("{}", static_cast<int>(value)));
+    else
+        all.emplace_back(key, fmt::format("{}", value));
+}
+
+void add_domain(Entries& all, const Scene& s) {
+    add(all, "dimensions", s.dimensions);
+    add(all, "domain.min", s.min);
+    add(all, "domain.max", s.max);
+    add(all, "domain.cell", s.cell);
+    add(all, "domain.periodic", s.periodic);
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t side = 0; side < 2; ++side) {
+            const std::string key = fmt::format("wall.{}-{}", "xyz"[a], side == 0 ? "min" : "max");
+            add(all, key + ".kind", s.walls[a][side].kind);
+            add(all, key + ".friction", s.walls[a][side].friction);
+        }
+}
+
+void add_numerics(Entries& all, const Scene& s) {
+    add(all, "time.cfl", s.cfl);
+    add(all, "time.dt", s.dt);
+    add(all, "numerics.shape", s.shape);
+    add(all, "numerics.transfer", s.transfer);
+    add(all, "numerics.flip", s.flip);
+    add(all, "numerics.order", s.order);
+    add(all, "numerics.stress_update", s.stress_update);
+    add(all, "numerics.precision", s.precision);
+    add(all, "numerics.damping", s.damping);
+    add(all, "numerics.boundary", s.boundary_spline);
+    add(all, "gravity", s.gravity);
+    add(all, "seed", s.seed);
+}
+
+void add_materials(Entries& all, const Scene& s) {
+    for (const MaterialSpec& m : s.materials) {
+        const std::string key = "material." + m.name;
+        add(all, key + ".law", m.law);
+        add(all, key + ".density", m.density);
+        add(all, key + ".volumetric", m.volumetric);
+        const LawInfo& law = *find_law(m.law);
+        for (std::size_t p = 0; p < m.parameters.size(); ++p)
+            add(all, key + "." + law.parameters[p].key, m.parameters[p]);
+    }
+}
+
+void add_bodies(Entries& all, const Scene& s) {
+    for (const BodySpec& b : s.bodies) {
+        const std::string key = "body." + b.name;
+        add(all, key + ".material", b.material);
+        add(all, key + ".shape", b.shape);
+        add(all, key + ".min", b.min);
+        add(all, key + ".max", b.max);
+        add(all, key + ".center", b.center);
+        add(all, key + ".radius", b.radius);
+        add(all, key + ".points", b.points);
+        add(all, key + ".file", b.file);
+        add(all, key + ".particles_per_cell", b.particles_per_cell);
+        add(all, key + ".seeding", b.seeding);
+        add(all, key + ".jitter", b.jitter);
+        add(all, key + ".velocity", b.velocity);
+        add(all, key + ".wave.velocity", b.wave.velocity);
+        add(all, key + ".wave.axis", b.wave.axis);
+        add(all, key + ".wave.origin", b.wave.origin);
+        add(all, key + ".wave.wavelength", b.wave.wavelength);
+        add(all, key + ".geostatic", b.geostatic);
+        add(all, key + ".geostatic.surface", b.geostatic_surface);
+        add(all, key + ".geostatic.k0", b.geostatic_k0);
+    }
+}
+
+void add_structures(Entries& all, const Scene& s) {
+    for (const StructureSpec& r : s.structures) {
+        const std::string key = "structure." + r.name;
+        add(all, key + ".shape", r.shape);
+        add(all, key + ".point", r.point);
+        add(all, key + ".normal", r.normal);
+        add(all, key + ".center", r.center);
+        add(all, key + ".radius", r.radius);
+        add(all, key + ".from", r.from);
+        add(all, key + ".to", r.to);
+        add(all, key + ".min", r.min);
+        add(all, key + ".max", r.max);
+        add(all, key + ".points", r.points);
+        add(all, key + ".clear", r.clear);
+        add(all, key + ".contact.law", r.law);
+        add(all, key + ".contact.friction", r.friction);
+        add(all, key + ".contact.alpha", r.alpha);
+        add(all, key + ".contact.su", r.su);
+        add(all, key + ".contact.penalty", r.penalty);
+        add(all, key + ".motion.kind", r.motion.kind);
+        add(all, key + ".motion.velocity", r.motion.velocity);
+        add(all, key + ".motion.ramp", r.motion.ramp);
+        add(all, key + ".motion.amplitude", r.motion.amplitude);
+        add(all, key + ".motion.period", r.motion.period);
+        add(all, key + ".motion.times", r.motion.times);
+        add(all, key + ".motion.factors", r.motion.factors);
+        add(all, key + ".motion.mass", r.motion.mass);
+        add(all, key + ".motion.force", r.motion.force);
+    }
+}
+
+}  // namespace
+
+Entries scene_identity(const Scene& scene) {
+    Entries all;
+    add_domain(all, scene);
+    add_numerics(all, scene);
+    add_materials(all, scene);
+    add_bodies(all, scene);
+    add_structures(all, scene);
+    return all;
+}
+
+std::string identity_text(const Scene& scene) {
+    std::string text;
+    for (const auto& [key, value] : scene_identity(scene)) text += key + " = " + value + "\n";
+    return text;
+}
+
+std::string first_difference(const Scene& scene, const std::string& stored) {
+    std::map<std::string, std::string> before;
+    std::istringstream lines(stored);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t at = line.find(" = ");
+        if (at != std::string::npos) before[line.substr(0, at)] = line.substr(at + 3);
+    }
+    for (const auto& [key, value] : scene_identity(scene)) {
+        const auto it = before.find(key);
+        if (it == before.end()) return key + " is new";
+        if (it->second != value) return fmt::format("{} is {} and was {}", key, value, it->second);
+        before.erase(it);
+    }
+    return before.empty() ? "" : before.begin()->first + " is gone";
+}
+
+}  // namespace moraine

@@ -1,0 +1,22 @@
+#pragma once
+// What makes a scene the same scene: a restart may change time.end, output, balance, device and ranks,
+// and nothing else.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+/// Keys and values of all that a restart must not change, in a fixed order. Doubles as they read back.
+std::vector<std::pair<std::string, std::string>> scene_identity(const Scene& scene);
+
+/// The identity as text, one `key = value` per line, for a checkpoint's header.
+std::string identity_text(const Scene& scene);
+
+/// The first key in which `scene` differs from a stored identity, with both values; empty: the same.
+std::string first_difference(const Scene& scene, const std::string& stored);
+
+}  // namespace moraine

@@ -1,0 +1,115 @@
+#pragma once
+// The table of keys of a scene: the one place that knows a key's name, type, unit, range, default and
+// meaning. It drives reading (scene.cpp), unknown-key detection, range checks (scene_values.hpp) and
+// the test of inputs/reference.toml, so that these cannot disagree.
+//
+// A default is TOML text and is read like a value of the file. The keys of a material's law come from
+// core/material/laws.hpp.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/material/laws.hpp"
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+enum class KeyType {
+    text,
+    name,      ///< text of letters, digits, _ and -: it can be a part of --set paths
+    choice,    ///< one of `choices`
+    real,      ///< also written as a whole number
+    integer,   ///< whole number
+    vector,    ///< as many numbers as the scene has dimensions
+    pair,      ///< two numbers, rising
+    per_axis,  ///< a whole number, or one for each dimension
+    axes,      ///< list of "x", "y", "z"
+    words,     ///< list of strings
+    points,    ///< list of [x, y], at least three
+    list,      ///< list of numbers
+    truth,     ///< true or false
+};
+
+struct KeyRange {
+    double lower = -std::numeric_limits<double>::infinity();
+    double upper = std::numeric_limits<double>::infinity();
+    bool open_lower = false;  ///< the bound itself is not allowed
+    bool open_upper = false;
+
+    bool holds(double x) const {
+        return (open_lower ? x > lower : x >= lower) && (open_upper ? x < upper : x <= upper);
+    }
+};
+
+struct SceneKey {
+    std::string table = {};  ///< "", "domain", "body", "body.wave", ...
+    std::string name = {};
+    KeyType type = KeyType::real;
+    std::string unit = "-";
+    std::optional<std::string> standard = {};  ///< default as TOML; none: required; empty: may be absent
+    KeyRange range = {};
+    std::vector<std::string> choices = {};
+    std::vector<std::string> only = {};  ///< values of the table's selector that use the key; empty: all
+    std::string meaning = {};
+
+    bool required() const { return !standard; }
+};
+
+/// A value of the file, checked against its key; the members that its type names are set.
+struct KeyValue {
+    std::string text;                           ///< text, name, choice
+    int choice = -1;                            ///< choice: position in the list
+    double real = 0;                            ///< real
+    std::int64_t integer = 0;                   ///< integer
+    bool truth = false;                         ///< truth
+    std::vector<double> numbers;                ///< vector, pair, per_axis, list
+    std::vector<int> axes;                      ///< axes: 0, 1, 2
+    std::vector<std::string> words;             ///< words
+    std::vector<std::array<double, 2>> points;  ///< points
+
+    Triple triple() const;
+};
+
+template <class Target>
+struct KeyRow {
+    SceneKey key;
+    void (*set)(Target&, const KeyValue&);
+};
+
+const std::vector<KeyRow<Scene>>& scene_rows();
+const std::vector<KeyRow<MaterialSpec>>& material_rows();
+const std::vector<KeyRow<BodySpec>>& body_rows();
+/// One [[wall]] and the face that it is about.
+struct FacedWall {
+    int face = 0;  ///< 2 axis + (upper ? 1 : 0)
+    WallSpec wall;
+};
+const std::vector<KeyRow<FacedWall>>& wall_rows();
+const std::vector<KeyRow<StructureSpec>>& structure_rows();
+
+/// The key of a law's parameter.
+SceneKey parameter_key(const LawInfo& law, const Parameter& parameter);
+
+/// Every key of a scene, in the order of the documentation.
+std::vector<SceneKey> all_scene_keys();
+
+/// The key whose value decides which others a table uses ("shape" of "body"); empty: none.
+std::string selector_of(const std::string& table);
+
+/// What output.fields may name in this scene.
+std::vector<std::string> output_field_names(const Scene& scene);
+
+/// "(0, 1.5]", ">= 0"; empty when any number will do.
+std::string range_text(const KeyRange& range);
+
+/// "a number [s]", "one of ..."
+std::string type_text(const SceneKey& key);
+
+/// The key's line in the documentation: type, unit, range; default. Meaning.
+std::string describe(const SceneKey& key);
+
+}  // namespace moraine

@@ -1,0 +1,179 @@
+// Keys of the tables that are written as often as needed: [[material]], [[body]], [[wall]].
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+using enum KeyType;
+using M = MaterialSpec;
+using B = BodySpec;
+using W = FacedWall;
+using V = KeyValue;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr KeyRange above_zero{0, infinite, true, false};
+constexpr KeyRange from_zero{0, infinite, false, false};
+
+const std::vector<KeyRow<MaterialSpec>> materials{
+    {{.table = "material", .name = "name", .type = name, .meaning = "By which bodies and --set refer to it."},
+     [](M& m, const V& v) { m.name = v.text; }},
+    {{.table = "material",
+      .name = "law",
+      .type = choice,
+      .choices = law_names(),
+      .meaning = "Constitutive law; it says which of the keys below are used."},
+     [](M& m, const V& v) { m.law = v.text; }},
+    {{.table = "material",
+      .name = "density",
+      .unit = "kg/m3",
+      .range = above_zero,
+      .meaning = "Of the unstrained material."},
+     [](M& m, const V& v) { m.density = v.real; }},
+    {{.table = "material",
+      .name = "volumetric",
+      .type = choice,
+      .standard = "\"particle\"",
+      .choices = {"particle", "cell"},
+      .meaning =
+          "Volumetric rate and pressure: each particle's, or the mean of a cell, against locking near nu = 0.5."},
+     [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
+};
+
+const std::vector<KeyRow<BodySpec>> bodies{
+    {{.table = "body", .name = "name", .type = name, .meaning = "By which --set refers to it."},
+     [](B& b, const V& v) { b.name = v.text; }},
+    // Resolved to Scene::materials by the reader, which knows their names.
+    {{.table = "body", .name = "material", .type = name, .meaning = "Name of a material."}, [](B&, const V&) {}},
+    {{.table = "body",
+      .name = "shape",
+      .type = choice,
+      .choices = {"box", "polygon", "sphere", "table"},
+      .meaning = "A polygon in 3-D is a prism along z, a sphere in 2-D a disk, a table a file of particles."},
+     [](B& b, const V& v) { b.shape = static_cast<BodyShape>(v.choice); }},
+    {{.table = "body", .name = "min", .type = vector, .unit = "m", .only = {"box"}, .meaning = "Lower corner."},
+     [](B& b, const V& v) { b.min = v.triple(); }},
+    {{.table = "body", .name = "max", .type = vector, .unit = "m", .only = {"box"}, .meaning = "Upper corner."},
+     [](B& b, const V& v) { b.max = v.triple(); }},
+    {{.table = "body",
+      .name = "points",
+      .type = points,
+      .unit = "m",
+      .only = {"polygon"},
+      .meaning = "Corners in x and y, either way round."},
+     [](B& b, const V& v) { b.points = v.points; }},
+    {{.table = "body",
+      .name = "z",
+      .type = pair,
+      .unit = "m",
+      .standard = "",
+      .only = {"polygon"},
+      .meaning = "Ends of the prism; needed in 3-D, not used in 2-D."},
+     [](B& b, const V& v) { b.min[2] = v.numbers[0], b.max[2] = v.numbers[1]; }},
+    {{.table = "body", .name = "center", .type = vector, .unit = "m", .only = {"sphere"}, .meaning = "Of the sphere."},
+     [](B& b, const V& v) { b.center = v.triple(); }},
+    {{.table = "body",
+      .name = "radius",
+      .unit = "m",
+      .range = above_zero,
+      .only = {"sphere"},
+      .meaning = "Of the sphere."},
+     [](B& b, const V& v) { b.radius = v.real; }},
+    {{.table = "body",
+      .name = "file",
+      .type = text,
+      .only = {"table"},
+      .meaning = ".csv or .h5 with x, y, z and, if wanted, vx, vy, vz [m/s] and mass [kg]; relative to the scene."},
+     [](B& b, const V& v) { b.file = v.text; }},
+    {{.table = "body",
+      .name = "particles_per_cell",
+      .type = per_axis,
+      .standard = "2",
+      .range = {1, 32},
+      .meaning = "Along each axis; boxes round it to fit, so that their volume is exact."},
+     [](B& b, const V& v) {
+         for (std::size_t a = 0; a < v.numbers.size(); ++a) b.particles_per_cell[a] = static_cast<int>(v.numbers[a]);
+     }},
+    {{.table = "body",
+      .name = "seeding",
+      .type = choice,
+      .standard = "\"lattice\"",
+      .choices = {"lattice", "jittered"},
+      .only = {"box", "polygon", "sphere"},
+      .meaning = "Particles on a lattice, or moved from it at random."},
+     [](B& b, const V& v) { b.seeding = static_cast<Seeding>(v.choice); }},
+    {{.table = "body",
+      .name = "jitter",
+      .standard = "0.25",
+      .range = {0, 0.5},
+      .only = {"box", "polygon", "sphere"},
+      .meaning = "Largest move along an axis over the particles' spacing; used by seeding jittered."},
+     [](B& b, const V& v) { b.jitter = v.real; }},
+    {{.table = "body",
+      .name = "velocity",
+      .type = vector,
+      .unit = "m/s",
+      .standard = "[0, 0, 0]",
+      .meaning = "At the start; a table's own velocities are added."},
+     [](B& b, const V& v) { b.velocity = v.triple(); }},
+
+    {{.table = "body.wave",
+      .name = "velocity",
+      .type = vector,
+      .unit = "m/s",
+      .meaning = "Amplitude: v += velocity sin(2 pi (x[axis] - origin) / wavelength) at the start."},
+     [](B& b, const V& v) { b.wave.velocity = v.triple(); }},
+    {{.table = "body.wave",
+      .name = "axis",
+      .type = choice,
+      .standard = "\"x\"",
+      .choices = {"x", "y", "z"},
+      .meaning = "Along which the velocity varies."},
+     [](B& b, const V& v) { b.wave.axis = v.choice; }},
+    {{.table = "body.wave", .name = "origin", .unit = "m", .standard = "0.0", .meaning = "A place where it is zero."},
+     [](B& b, const V& v) { b.wave.origin = v.real; }},
+    {{.table = "body.wave", .name = "wavelength", .unit = "m", .range = above_zero, .meaning = "Length of one period."},
+     [](B& b, const V& v) { b.wave.wavelength = v.real; }},
+
+    {{.table = "body.geostatic",
+      .name = "surface",
+      .unit = "m",
+      .meaning = "Height of the free surface: the start is sigma_v = -density g (surface - height)."},
+     [](B& b, const V& v) { b.geostatic = true, b.geostatic_surface = v.real; }},
+    {{.table = "body.geostatic",
+      .name = "k0",
+      .standard = "1.0",
+      .range = from_zero,
+      .meaning = "sigma_h / sigma_v; 1: a fluid's pressure."},
+     [](B& b, const V& v) { b.geostatic_k0 = v.real; }},
+};
+
+const std::vector<KeyRow<FacedWall>> walls{
+    {{.table = "wall",
+      .name = "face",
+      .type = choice,
+      .choices = {"x-min", "x-max", "y-min", "y-max", "z-min", "z-max"},
+      .meaning = "Face of the domain; --set refers to the wall by it. A face without a wall is as kind none."},
+     [](W& w, const V& v) { w.face = v.choice; }},
+    {{.table = "wall",
+      .name = "kind",
+      .type = choice,
+      .choices = {"none", "no-slip", "free-slip", "friction", "open"},
+      .meaning = "open: what leaves is counted and gone; none: a particle that gets there ends the run."},
+     [](W& w, const V& v) { w.wall.kind = static_cast<WallKind>(v.choice); }},
+    {{.table = "wall", .name = "friction", .range = from_zero, .only = {"friction"}, .meaning = "Coulomb coefficient."},
+     [](W& w, const V& v) { w.wall.friction = v.real; }},
+};
+
+}  // namespace
+
+const std::vector<KeyRow<MaterialSpec>>& material_rows() {
+    return materials;
+}
+const std::vector<KeyRow<BodySpec>>& body_rows() {
+    return bodies;
+}
+const std::vector<KeyRow<FacedWall>>& wall_rows() {
+    return walls;
+}
+
+}  // namespace moraine

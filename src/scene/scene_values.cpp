@@ -1,0 +1,217 @@
+#include "scene/scene_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "core/error.hpp"
+
+namespace moraine {
+namespace {
+
+std::string text_of(const toml::node& node) {
+    std::ostringstream out;
+    node.visit([&](const auto& n) { out << n; });
+    return out.str();
+}
+
+/// The value without its quotes, when that is what the key needs.
+std::string without_quotes(const toml::node& node) {
+    const auto* text = node.as_string();
+    if (!text) return "";
+    try {
+        const toml::table parsed = toml::parse("v = " + text->get());
+        return parsed.size() == 1 && parsed.get("v")->is_number() ? text->get() : "";
+    } catch (const toml::parse_error&) {
+        return "";
+    }
+}
+
+[[noreturn]] void refuse_type(const toml::node& node, const KeyContext& c) {
+    const bool number = c.key.type == KeyType::real || c.key.type == KeyType::integer;
+    const std::string bare = number ? without_quotes(node) : "";
+    const std::string help = !bare.empty() ? fmt::format("Did you mean {}, without quotes?", bare)
+                             : c.key.standard && !c.key.standard->empty()
+                                 ? fmt::format("Write it as in {} = {}?", c.key.name, *c.key.standard)
+                                 : fmt::format("Look up {} in inputs/reference.toml?", c.key.name);
+    refuse(c.place, fmt::format("{} is {}", c.path, kind_of(node)), "must be " + type_text(c.key), help);
+}
+
+std::string mended(double value, const SceneKey& key) {
+    const KeyRange& range = key.range;
+    if (std::isfinite(value) && value < 0 && range.lower == 0 && range.holds(-value))
+        return fmt::format("Did you mean {}?", shortest(-value));
+    if (key.standard && !key.standard->empty() && key.type != KeyType::per_axis)
+        return fmt::format("Did you mean {}, the default?", *key.standard);
+    const bool low = !(value > range.lower);
+    const double bound = low ? range.lower : range.upper;
+    if (bound != 0 && std::isfinite(bound)) {
+        const bool open = low ? range.open_lower : range.open_upper;
+        return fmt::format("Did you mean {}?", shortest(open ? bound + (low ? 0.01 : -0.01) : bound));
+    }
+    return fmt::format("Look up {} in inputs/reference.toml?", key.name);
+}
+
+double checked(double value, const KeyContext& c) {
+    if (!std::isfinite(value))
+        refuse(c.place, fmt::format("{} = {}", c.path, value), "must be a finite number", mended(value, c.key));
+    if (!c.key.range.holds(value))
+        refuse(c.place, fmt::format("{} = {}", c.path, shortest(value)), "must be " + range_text(c.key.range),
+               mended(value, c.key));
+    return value;
+}
+
+double real(const toml::node& node, const KeyContext& c) {
+    if (!node.is_number()) refuse_type(node, c);
+    return checked(*node.value<double>(), c);
+}
+
+std::int64_t integer(const toml::node& node, const KeyContext& c) {
+    if (!node.is_integer()) refuse_type(node, c);
+    const std::int64_t value = node.as_integer()->get();
+    checked(static_cast<double>(value), c);
+    return value;
+}
+
+std::string string(const toml::node& node, const KeyContext& c) {
+    if (!node.is_string()) refuse_type(node, c);
+    return node.as_string()->get();
+}
+
+std::string name(const toml::node& node, const KeyContext& c) {
+    std::string text = string(node, c);
+    const auto plain = [](unsigned char ch) { return std::isalnum(ch) || ch == '_' || ch == '-'; };
+    if (text.empty() || !std::all_of(text.begin(), text.end(), plain))
+        refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be letters, digits, _ and -", "Rename it?");
+    return text;
+}
+
+int choice(const toml::node& node, const KeyContext& c, const std::vector<std::string>& choices) {
+    const std::string text = string(node, c);
+    const auto found = std::find(choices.begin(), choices.end(), text);
+    if (found == choices.end())
+        refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be one of " + listed(choices),
+               suggest(text, choices));
+    return static_cast<int>(found - choices.begin());
+}
+
+const toml::array& array(const toml::node& node, const KeyContext& c) {
+    if (!node.is_array()) refuse_type(node, c);
+    return *node.as_array();
+}
+
+std::vector<double> numbers(const toml::node& node, const KeyContext& c, int count) {
+    const toml::array& list = array(node, c);
+    if (static_cast<int>(list.size()) != count)
+        refuse(c.place, fmt::format("{} has {} number{}", c.path, list.size(), list.size() == 1 ? "" : "s"),
+               "must be " + type_text(c.key), fmt::format("Give {}?", count));
+    std::vector<double> out;
+    for (const toml::node& item : list)
+        out.push_back(c.key.type == KeyType::per_axis ? static_cast<double>(integer(item, c)) : real(item, c));
+    return out;
+}
+
+std::vector<double> per_axis(const toml::node& node, const KeyContext& c) {
+    if (node.is_array()) return numbers(node, c, c.dimensions);
+    return std::vector<double>(static_cast<std::size_t>(c.dimensions), static_cast<double>(integer(node, c)));
+}
+
+std::vector<double> pair(const toml::node& node, const KeyContext& c) {
+    std::vector<double> ends = numbers(node, c, 2);
+    if (!(ends[0] < ends[1]))
+        refuse(c.place, fmt::format("{} = {}", c.path, text_of(node)), "must be two rising numbers", "Exchange them?");
+    return ends;
+}
+
+std::vector<std::array<double, 2>> points(const toml::node& node, const KeyContext& c) {
+    const toml::array& list = array(node, c);
+    if (list.size() < 3)
+        refuse(c.place, fmt::format("{} has {} points", c.path, list.size()), "must be " + type_text(c.key),
+               "Add the missing corners?");
+    std::vector<std::array<double, 2>> out;
+    for (const toml::node& item : list) {
+        const std::vector<double> xy = numbers(item, c, 2);
+        out.push_back({xy[0], xy[1]});
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string place_of(const toml::node& node, const std::string& file) {
+    const toml::source_region& source = node.source();
+    if (source.path && source.path->starts_with("--set")) return *source.path;
+    if (source.begin.line == 0) return file;
+    return fmt::format("{}:{}", file, source.begin.line);
+}
+
+std::string kind_of(const toml::node& node) {
+    if (node.is_string()) return "a string";
+    if (node.is_integer()) return fmt::format("the whole number {}", node.as_integer()->get());
+    if (node.is_floating_point()) return fmt::format("the number {}", node.as_floating_point()->get());
+    if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
+    if (node.is_array()) return "a list";
+    if (node.is_table()) return "a table";
+    return "a date or time";
+}
+
+KeyValue read_value(const toml::node& node, const KeyContext& c) {
+    static const std::vector<std::string> axis_names{"x", "y", "z"};
+    KeyValue value;
+    switch (c.key.type) {
+        case KeyType::text:
+            value.text = string(node, c);
+            break;
+        case KeyType::name:
+            value.text = name(node, c);
+            break;
+        case KeyType::choice:
+            value.choice = choice(node, c, c.key.choices);
+            value.text = c.key.choices[static_cast<std::size_t>(value.choice)];
+            break;
+        case KeyType::real:
+            value.real = real(node, c);
+            break;
+        case KeyType::integer:
+            value.integer = integer(node, c);
+            break;
+        case KeyType::vector:
+            value.numbers = numbers(node, c, c.dimensions);
+            break;
+        case KeyType::pair:
+            value.numbers = pair(node, c);
+            break;
+        case KeyType::per_axis:
+            value.numbers = per_axis(node, c);
+            break;
+        case KeyType::axes:
+            for (const toml::node& item : array(node, c)) value.axes.push_back(choice(item, c, axis_names));
+            break;
+        case KeyType::words:
+            for (const toml::node& item : array(node, c)) value.words.push_back(string(item, c));
+            break;
+        case KeyType::points:
+            value.points = points(node, c);
+            break;
+        case KeyType::list:
+            for (const toml::node& item : array(node, c)) value.numbers.push_back(real(item, c));
+            break;
+        case KeyType::truth:
+            if (!node.is_boolean()) refuse_type(node, c);
+            value.truth = node.as_boolean()->get();
+            break;
+    }
+    return value;
+}
+
+KeyValue standard_value(const SceneKey& key, int dimensions) {
+    toml::table parsed = toml::parse("v = " + *key.standard);
+    toml::node& node = *parsed.get("v");
+    if (key.type == KeyType::vector)  // written for three axes
+        while (static_cast<int>(node.as_array()->size()) > dimensions) node.as_array()->pop_back();
+    return read_value(node, {key, key.name, "default", dimensions});
+}
+
+}  // namespace moraine

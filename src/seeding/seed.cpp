@@ -1,0 +1,99 @@
+#include "seeding/seed.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/hash.hpp"
+
+namespace moraine {
+namespace {
+
+/// Uniform in [-1, 1).
+double uniform(std::uint64_t seed, std::uint64_t id, std::uint64_t axis) {
+    const std::uint64_t bits = mix(mix(mix(seed) ^ id) + axis);
+    return std::ldexp(static_cast<double>(bits >> 11), -52) - 1;
+}
+
+}  // namespace
+
+Triple start_velocity(const BodySpec& body, const Triple& x) {
+    Triple v = body.velocity;
+    const WaveSpec& wave = body.wave;
+    if (!(wave.wavelength > 0)) return v;
+    const double phase = (x[static_cast<std::size_t>(wave.axis)] - wave.origin) / wave.wavelength;
+    for (std::size_t a = 0; a < 3; ++a) v[a] += wave.velocity[a] * std::sin(2 * std::numbers::pi * phase);
+    return v;
+}
+
+BodySeeds::BodySeeds(const Scene& scene, int body)
+    : scene_(scene), body_(scene.bodies[static_cast<std::size_t>(body)]), index_(body) {
+    if (body_.shape == BodyShape::table)
+        table_ = read_particle_table(scene, body_);
+    else
+        lattice_ = lattice_of(scene, body_);
+}
+
+std::int64_t BodySeeds::rows() const {
+    if (body_.shape == BodyShape::table) return static_cast<std::int64_t>(table_.x.size());
+    return lattice_.count[static_cast<std::size_t>(scene_.dimensions - 1)];
+}
+
+/// Calls f(lattice index, place) for the lattice points of rows [first, last) that are in the body.
+template <class F>
+void BodySeeds::each_point(std::int64_t first, std::int64_t last, const F& f) const {
+    const bool flat = scene_.dimensions == 2;
+    const auto& n = lattice_.count;
+    for (std::int64_t k = flat ? 0 : first; k < (flat ? 1 : last); ++k)
+        for (std::int64_t j = flat ? first : 0; j < (flat ? last : n[1]); ++j)
+            for (std::int64_t i = 0; i < n[0]; ++i) {
+                const Triple x{lattice_.place(0, i), lattice_.place(1, j), flat ? 0 : lattice_.place(2, k)};
+                if (body_.shape != BodyShape::box && !is_inside(body_, scene_.dimensions, x)) continue;
+                f(i + n[0] * (j + n[1] * k), x);
+            }
+}
+
+std::int64_t BodySeeds::count(std::int64_t first, std::int64_t last) const {
+    if (body_.shape == BodyShape::table) return last - first;
+    if (body_.shape == BodyShape::box)
+        return (last - first) * lattice_.count[0] * (scene_.dimensions == 2 ? 1 : lattice_.count[1]);
+    std::int64_t sum = 0;
+    each_point(first, last, [&](std::int64_t, const Triple&) { ++sum; });
+    return sum;
+}
+
+void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, std::vector<Seed>& out) const {
+    if (body_.shape == BodyShape::table) {
+        for (std::int64_t r = first; r < last; ++r) out.push_back(table_seed(r));
+        return;
+    }
+    const double volume = measure_of(body_, scene_.dimensions) / static_cast<double>(total);
+    const double mass = scene_.materials[static_cast<std::size_t>(body_.material)].density * volume;
+    const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
+    each_point(first, last, [&](std::int64_t point, const Triple& lattice_x) {
+        const std::uint64_t id = base | static_cast<std::uint64_t>(point);
+        const Triple x = body_.seeding == Seeding::jittered ? jittered(id, lattice_x) : lattice_x;
+        out.push_back({id, index_, x, mass, volume, start_velocity(body_, x)});
+    });
+}
+
+Seed BodySeeds::table_seed(std::int64_t row) const {
+    const auto r = static_cast<std::size_t>(row);
+    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
+    double volume = 1;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene_.dimensions); ++a)
+        volume *= scene_.cell / body_.particles_per_cell[a];
+    if (!table_.mass.empty()) volume = table_.mass[r] / density;
+    Triple velocity = start_velocity(body_, table_.x[r]);
+    for (std::size_t a = 0; a < 3; ++a) velocity[a] += table_.velocity[r][a];
+    const std::uint64_t id = static_cast<std::uint64_t>(index_) << 48 | static_cast<std::uint64_t>(row);
+    return {id, index_, table_.x[r], density * volume, volume, velocity};
+}
+
+Triple BodySeeds::jittered(std::uint64_t id, const Triple& x) const {
+    Triple moved = x;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene_.dimensions); ++a)
+        moved[a] += body_.jitter * lattice_.spacing[a] * uniform(scene_.seed, id, a);
+    return is_inside(body_, scene_.dimensions, moved) ? moved : x;
+}
+
+}  // namespace moraine

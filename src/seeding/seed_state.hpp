@@ -1,0 +1,44 @@
+#pragma once
+// The state that a seed (seeding/seed.hpp) begins with: where it is filed, and its stress.
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/method.hpp"
+#include "seeding/seed.hpp"
+
+namespace moraine {
+
+/// Place along an axis of what is at x [m], before blocks wrap along periodic axes.
+template <class Real, int Dim>
+Place<Real> place_along(const Scene& scene, const Method<Host, Real, Dim>& method, int a, double x) {
+    const auto i = static_cast<std::size_t>(a);
+    Place<Real> at = place<Real>((x - scene.min[i]) / scene.cell + method.stencil.offset());
+    at.block += file_below(method.ends.cell[a][1], method.ends.fraction[a][1], at.block, at.u);
+    return at;
+}
+
+/// Gravity's main axis.
+inline int up_axis(const Scene& scene) {
+    std::size_t up = 0;
+    for (std::size_t a = 1; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        if (std::fabs(scene.gravity[a]) > std::fabs(scene.gravity[up])) up = a;
+    return static_cast<int>(up);
+}
+
+/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v, along gravity's main axis: the normal components at a
+/// height [m]. Zero where the body has none.
+template <class Real>
+Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, double height) {
+    Vec<Real, 3> stress = zero_vec<Real, 3>();
+    if (!body.geostatic) return stress;
+    const auto up = static_cast<std::size_t>(up_axis(scene));
+    const double weight =
+        scene.materials[static_cast<std::size_t>(body.material)].density * std::fabs(scene.gravity[up]);
+    const double depth = std::max(0.0, body.geostatic_surface - height);
+    for (std::size_t a = 0; a < 3; ++a)
+        stress[static_cast<int>(a)] = static_cast<Real>(-weight * depth * (a == up ? 1 : body.geostatic_k0));
+    return stress;
+}
+
+}  // namespace moraine

@@ -1,0 +1,177 @@
+#include "seeding/seed_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "io/h5.hpp"
+#include "io/input_error.hpp"
+
+namespace moraine {
+namespace {
+
+const std::vector<std::string>& column_names(int dimensions) {
+    static const std::vector<std::string> names[] = {{"x", "y", "vx", "vy", "mass"},
+                                                     {"x", "y", "z", "vx", "vy", "vz", "mass"}};
+    return names[dimensions - 2];
+}
+
+/// Rows of columns, in the order of column_names; empty where the file has no such column.
+using Columns = std::vector<std::vector<double>>;
+
+/// Where row r stands.
+using PlaceOfRow = std::function<std::string(std::size_t)>;
+
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells(1);
+    for (const char c : line)
+        if (c == ',')
+            cells.emplace_back();
+        else if (c != ' ' && c != '\t' && c != '\r')
+            cells.back() += c;
+    return cells;
+}
+
+double number(const std::string& text, const std::string& place, const std::string& column) {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto result = std::from_chars(text.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value))
+        refuse(place, fmt::format("{} = {}", column, quote(text)), "must be a finite number",
+               "Is the decimal sign a point and the separator a comma?");
+    return value;
+}
+
+/// Positions in column_names of the header's words.
+std::vector<std::size_t> read_header(const std::vector<std::string>& words, const std::vector<std::string>& names,
+                                     const std::string& place) {
+    std::vector<std::size_t> columns;
+    for (const std::string& word : words) {
+        const auto found = std::find(names.begin(), names.end(), word);
+        if (found == names.end())
+            refuse(place, fmt::format("column {}", quote(word)), "must be one of " + listed(names),
+                   suggest(word, names));
+        columns.push_back(static_cast<std::size_t>(found - names.begin()));
+        if (std::count(columns.begin(), columns.end(), columns.back()) > 1)
+            refuse(place, fmt::format("column {} is there twice", word), "each column once", "Remove one?");
+    }
+    return columns;
+}
+
+Columns read_csv(const std::string& path, const std::vector<std::string>& names, std::vector<int>& line_of) {
+    std::ifstream file(path);
+    if (!file) refuse(path, "the table cannot be read", "no such file or no permission", "Is body.file right?");
+    Columns data(names.size());
+    std::vector<std::size_t> columns;
+    std::string line;
+    for (int n = 1; std::getline(file, line); ++n) {
+        if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+        const std::string place = fmt::format("{}:{}", path, n);
+        const std::vector<std::string> cells = cells_of(line);
+        if (columns.empty()) {
+            columns = read_header(cells, names, place);
+            continue;
+        }
+        if (cells.size() != columns.size())
+            refuse(place, fmt::format("{} numbers", cells.size()),
+                   fmt::format("the header has {} columns", columns.size()), "Is the line complete?");
+        for (std::size_t c = 0; c < cells.size(); ++c)
+            data[columns[c]].push_back(number(cells[c], place, names[columns[c]]));
+        line_of.push_back(n);
+    }
+    return data;
+}
+
+std::vector<double> read_dataset(hid_t file, const std::string& name) {
+    const H5Id set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, "it cannot be opened");
+    const H5Id space(H5Dget_space(set), H5Sclose, "it has no extent");
+    if (H5Sget_simple_extent_ndims(space) != 1) throw H5Failure("it must have one dimension");
+    std::vector<double> data(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    if (data.empty()) return data;
+    h5_check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "it cannot be read");
+    return data;
+}
+
+Columns read_h5(const std::string& path, const std::vector<std::string>& names) {
+    const H5Quiet quiet;
+    Columns data(names.size());
+    std::string now;
+    try {
+        const H5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "no such file, or not HDF5");
+        for (std::size_t c = 0; c < names.size(); ++c) {
+            now = names[c];
+            if (H5Lexists(file, now.c_str(), H5P_DEFAULT) > 0) data[c] = read_dataset(file, now);
+        }
+    } catch (const H5Failure& failure) {
+        refuse(path, now.empty() ? "the table cannot be read" : fmt::format("dataset {}", quote(now)), failure.what(),
+               now.empty() ? "Is body.file right?" : "Write it as a list of numbers?");
+    }
+    return data;
+}
+
+/// The columns that are there have one length, and x, y, z are there.
+void check_columns(const Columns& data, const std::vector<std::string>& names, int dimensions,
+                   const std::string& path) {
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        if (static_cast<int>(c) < dimensions && data[c].empty())
+            refuse(path, fmt::format("no {} of any particle", names[c]), "columns x, y and in 3-D z are needed",
+                   "Does the table have this column, and rows?");
+        if (!data[c].empty() && data[c].size() != data[0].size())
+            refuse(path, fmt::format("{} has {} rows", names[c], data[c].size()),
+                   fmt::format("x has {}", data[0].size()), "Is the file complete?");
+    }
+}
+
+void check_row(const Scene& scene, const ParticleTable& table, std::size_t r, const PlaceOfRow& place_of_row) {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+        const double x = table.x[r][a];
+        if (!(x >= scene.min[a] && x <= scene.max[a]))
+            refuse(place_of_row(r), fmt::format("{} = {}", "xyz"[a], x),
+                   fmt::format("outside the domain, {} to {}", scene.min[a], scene.max[a]), "Is it in metres?");
+        if (!std::isfinite(table.velocity[r][a]))
+            refuse(place_of_row(r), fmt::format("v{} = {}", "xyz"[a], table.velocity[r][a]), "must be finite",
+                   "Is the column complete?");
+    }
+    if (!table.mass.empty() && !(table.mass[r] > 0 && std::isfinite(table.mass[r])))
+        refuse(place_of_row(r), fmt::format("mass = {}", table.mass[r]), "must be > 0", "Is it in kilograms?");
+}
+
+}  // namespace
+
+std::string table_path(const Scene& scene, const BodySpec& body) {
+    return (std::filesystem::path(scene.path).parent_path() / body.file).string();
+}
+
+ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
+    const std::string path = table_path(scene, body);
+    const std::vector<std::string>& names = column_names(scene.dimensions);
+    const bool csv = path.ends_with(".csv");
+    if (!csv && !path.ends_with(".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
+    std::vector<int> line_of;
+    const Columns data = csv ? read_csv(path, names, line_of) : read_h5(path, names);
+    check_columns(data, names, scene.dimensions, path);
+    const PlaceOfRow place_of_row = [&](std::size_t r) {
+        return csv ? fmt::format("{}:{}", path, line_of[r]) : fmt::format("{}, row {}", path, r);
+    };
+    ParticleTable table;
+    const std::size_t rows = data[0].size();
+    const std::size_t d = static_cast<std::size_t>(scene.dimensions);
+    table.x.resize(rows);
+    table.velocity.resize(rows);
+    table.mass = data[2 * d];
+    for (std::size_t r = 0; r < rows; ++r) {
+        for (std::size_t a = 0; a < d; ++a) {
+            table.x[r][a] = data[a][r];
+            if (!data[d + a].empty()) table.velocity[r][a] = data[d + a][r];
+        }
+        check_row(scene, table, r, place_of_row);
+    }
+    return table;
+}
+
+}  // namespace moraine

@@ -1,0 +1,26 @@
+#pragma once
+// A table of particles: .csv with a header line, or .h5 with one dataset for each column.
+//
+// Columns x, y, z [m] (as many as the scene has dimensions), optional vx, vy, vz [m/s] and mass [kg].
+
+#include <string>
+#include <vector>
+
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+struct ParticleTable {
+    std::vector<Triple> x;
+    std::vector<Triple> velocity;  ///< zero where the table has none
+    std::vector<double> mass;      ///< empty: from density and particles_per_cell
+};
+
+/// Throws InputError with file and line (csv) or dataset (h5); also for a particle outside the domain.
+/// Not collective: every rank that calls it reads the whole file.
+ParticleTable read_particle_table(const Scene& scene, const BodySpec& body);
+
+/// Path of the body's file: relative to the scene's folder.
+std::string table_path(const Scene& scene, const BodySpec& body);
+
+}  // namespace moraine

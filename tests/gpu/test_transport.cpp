@@ -1,0 +1,93 @@
+#include <cuda_runtime.h>
+#include <doctest/doctest.h>
+
+#include "gpu/memory/stream.hpp"
+#include "gpu/transport/mpi_transport.hpp"
+#include "gpu/transport/nccl_transport.hpp"
+#include "gpu/transport/peer_transport.hpp"
+#include "gpu/transport/transport_trial.hpp"
+
+using namespace moraine;
+
+// One set of demands for all wires. Ranks take the devices in turn; several may share one.
+
+namespace {
+
+void take_device(const Comm& comm) {
+    int devices = 0;
+    gpu::check(cudaGetDeviceCount(&devices), "Counting devices");
+    gpu::check(cudaSetDevice(comm.rank() % devices), "Choosing a device");
+}
+
+bool has_device_of_its_own(const Comm& comm) {
+    int devices = 0;
+    gpu::check(cudaGetDeviceCount(&devices), "Counting devices");
+    return comm.size() <= devices;
+}
+
+/// All that can be had here.
+std::vector<std::unique_ptr<gpu::WireMaker>> all_wires(const Comm& comm) {
+    std::vector<std::unique_ptr<gpu::WireMaker>> all;
+    all.push_back(gpu::mpi_wires(comm, gpu::MpiMemory::pinned));
+    all.push_back(gpu::peer_wires(comm));
+    if (gpu::why_no_nccl().empty() && has_device_of_its_own(comm)) all.push_back(gpu::nccl_wires(comm));
+    if (gpu::mpi_is_cuda_aware()) all.push_back(gpu::mpi_wires(comm, gpu::MpiMemory::device));
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("messages of any length arrive as they were sent, round after round, after every new opening") {
+    const Comm comm(MPI_COMM_WORLD);
+    take_device(comm);
+    for (const auto& wires : all_wires(comm)) {
+        CAPTURE(wires->name());
+        const std::unique_ptr<gpu::Wire> wire = wires->make(21);
+        for (std::size_t bytes : {std::size_t(16), std::size_t(4096), std::size_t(3) << 20, std::size_t(256)})
+            CHECK(gpu::wire_trial(comm, *wire, bytes, 7) == "");
+    }
+}
+
+TEST_CASE("a message of more than 2 GiB arrives") {
+    const Comm comm(MPI_COMM_WORLD);
+    if (comm.size() != 2) return;
+    take_device(comm);
+    const std::size_t bytes = (std::size_t(9) << 28) + 4096;
+    for (const auto& wires : all_wires(comm)) {
+        CAPTURE(wires->name());
+        const std::unique_ptr<gpu::Wire> wire = wires->make(22);
+        wire->open({{1 - comm.rank(), bytes, bytes}});
+        const gpu::Stream stream;
+        const auto pointer = [](const std::byte* const* array) {
+            std::byte* p = nullptr;
+            gpu::check(cudaMemcpy(&p, array, sizeof(p), cudaMemcpyDeviceToHost), "Reading");
+            return p;
+        };
+        std::byte* const out = pointer(wire->outgoing());
+        const gpu::MessageHead head{bytes, 5};
+        const std::uint64_t last = 0x1234567 + static_cast<std::uint64_t>(comm.rank());
+        gpu::check(cudaMemcpyAsync(out, &head, sizeof(head), cudaMemcpyDefault, stream), "Writing");
+        gpu::check(cudaMemcpyAsync(out + bytes - 8, &last, 8, cudaMemcpyDefault, stream), "Writing");
+        wire->start(stream);
+        wire->post();
+        wire->finish(stream);
+        std::uint64_t found = 0;
+        gpu::check(cudaMemcpyAsync(&found, pointer(wire->incoming()) + bytes - 8, 8, cudaMemcpyDefault, stream),
+                   "Reading");
+        stream.wait();
+        CHECK(found == 0x1234567 + static_cast<std::uint64_t>(1 - comm.rank()));
+    }
+}
+
+TEST_CASE("what is asked for and cannot be had is refused, and auto finds something") {
+    const Comm comm(MPI_COMM_WORLD);
+    take_device(comm);
+    std::string words;
+    const std::unique_ptr<gpu::WireMaker> found = gpu::choose_wires(comm, "auto", words);
+    CHECK(found != nullptr);
+    MESSAGE(words);
+    CHECK(words.find(found->name()) != std::string::npos);
+    if (!gpu::mpi_is_cuda_aware()) CHECK_THROWS_AS(gpu::choose_wires(comm, "mpi", words), InputError);
+    if (!has_device_of_its_own(comm)) CHECK_THROWS_AS(gpu::choose_wires(comm, "nccl", words), InputError);
+    CHECK(std::string(gpu::choose_wires(comm, "host", words)->name()) == "host");
+}

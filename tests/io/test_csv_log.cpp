@@ -1,0 +1,69 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "core/error.hpp"
+#include "io/csv_log.hpp"
+#include "io/test_folder.hpp"
+
+using namespace moraine;
+
+TEST_CASE("a row reads back to the same bits, and is on the disk at once") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    CsvLog log(comm, folder / "h.csv", {"step", "time_s", "x_m"});
+    const double values[] = {12, 0.1 + 0.2, -4.9406564584124654e-324};
+    log.row(comm.is_root() ? std::span<const double>(values) : std::span<const double>());
+    if (comm.is_root()) {
+        std::istringstream text(content_of(folder / "h.csv"));
+        std::string line;
+        std::getline(text, line);
+        CHECK(line == "step,time_s,x_m");
+        for (const double value : values) {
+            std::getline(text, line, value == values[2] ? '\n' : ',');
+            CHECK(std::strtod(line.c_str(), nullptr) == value);
+        }
+    }
+    const double huge[] = {1e15, std::numeric_limits<double>::quiet_NaN(), 1};
+    log.row(huge);
+    CHECK(content_of(folder / "h.csv").find("\n1000000000000000,nan,1\n") != std::string::npos);
+}
+
+TEST_CASE("a row may hold words, and is kept or dropped like any other") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "b.csv";
+    {
+        CsvLog log(comm, path, {"step", "reason", "gain"});
+        log.row(std::vector<CsvCell>{1.0, "no better plan", 0.5});
+        log.row(std::vector<CsvCell>{2.0, "", std::numeric_limits<double>::quiet_NaN()});
+    }
+    CHECK(content_of(path) == "step,reason,gain\n1,no better plan,0.5\n2,,nan\n");
+    comm.barrier();
+    const CsvLog resumed(comm, path, {"step", "reason", "gain"}, ResumeAfter{"step", 1});
+    CHECK(content_of(path) == "step,reason,gain\n1,no better plan,0.5\n");
+}
+
+TEST_CASE("a resumed table keeps the rows up to the checkpoint and drops later and torn ones") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "h.csv";
+    if (comm.is_root()) set_content(path, "step,time_s\n1,0.1\n2,0.2\nrubbish\n3,0.30000000000000004\n4,0.4\n5,0.");
+    comm.barrier();
+    CsvLog log(comm, path, {"step", "time_s"}, ResumeAfter{"time_s", 0.1 + 0.2});
+    CHECK(content_of(path) == "step,time_s\n1,0.1\n2,0.2\n3,0.30000000000000004\n");
+    comm.barrier();
+    const double next[] = {4, 0.5};
+    log.row(next);
+    CHECK(content_of(path) == "step,time_s\n1,0.1\n2,0.2\n3,0.30000000000000004\n4,0.5\n");
+    comm.barrier();
+    CHECK_THROWS_AS(CsvLog(comm, path, {"step", "x_m"}, ResumeAfter{"step", 1}), InputError);
+    CHECK_THROWS_AS(CsvLog(comm, folder / "absent/h.csv", {"step"}), MachineError);
+    comm.barrier();
+    const CsvLog anew(comm, path, {"step"});
+    CHECK(content_of(path) == "step\n");
+    const CsvLog first(comm, folder / "new.csv", {"step"}, ResumeAfter{"step", 1});
+    CHECK(content_of(folder / "new.csv") == "step\n");
+}

@@ -1,0 +1,76 @@
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "predict/capacity.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace moraine;
+
+namespace {
+
+const std::string slurry = inputs_folder() + "/slurry_runout_3d.toml";
+
+/// What is said of the 3-D slurry with cells of `cell` on a machine; empty if it fits.
+std::string said(const std::string& cell, const Machine& machine) {
+    try {
+        read_scene(slurry, {"domain.cell=" + cell}, [&](const Scene& s) { check_capacity(s, machine); });
+    } catch (const InputError& e) {
+        const std::string words = e.what();
+        return words.substr(words.find("slurry_runout_3d.toml"));
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the estimate has the particles of boxes and tables exactly, of others within 2 %, and the blocks within 15 %") {
+    for (const char* name : {"slurry_runout", "slurry_runout_3d", "granular_column", "elastic_bar", "first_scene"}) {
+        CAPTURE(name);
+        const Scene scene = read_scene(inputs_folder() + "/" + name + ".toml");
+        const Prediction rough = estimate(scene), exact = predict(scene);
+        CHECK(rough.particles == exact.particles);
+        CHECK(static_cast<double>(rough.blocks) == doctest::Approx(static_cast<double>(exact.blocks)).epsilon(0.15));
+    }
+    const Scene all = read_scene(inputs_folder() + "/reference.toml");
+    CHECK(static_cast<double>(estimate(all).particles) ==
+          doctest::Approx(static_cast<double>(predict(all).particles)).epsilon(0.02));
+}
+
+TEST_CASE("a scene that needs more memory than the machine has is refused with what would do") {
+    CHECK(said("0.1", {1, 1, 24e9}).empty());
+    CHECK(said("0.02", {1, 1, 24e9}) ==
+          "slurry_runout_3d.toml: 1.25e+08 particles need 25.8 GB of memory for 1 rank here (this machine has 24 GB). "
+          "Use 2 such machines with 1 rank each, or a domain.cell of 0.021 m?");
+    CHECK(said("0.02", {2, 1, 24e9}).empty());
+    CHECK(said("0.02", {2, 2, 24e9})
+              .find("for 2 ranks here (this machine has 24 GB). Use 2 such machines with 2 ranks "
+                    "each") != std::string::npos);
+    CHECK(said("0.02", {1, 1, 0}).empty());
+}
+
+TEST_CASE("of a run on devices the memory of the host beside them counts") {
+    Machine four{4, 4, 128e9};
+    CHECK(said("0.008", four).find("1.95e+09 particles need 40") != std::string::npos);  // in all ranks
+    four.devices = true;
+    CHECK(said("0.008", four).find("Or --no-particles?") != std::string::npos);
+    four.writes_particles = false;
+    CHECK(said("0.008", four).empty());
+}
+
+TEST_CASE("more particles than a rank can number are refused at once, whatever the memory") {
+    const auto start = std::chrono::steady_clock::now();
+    CHECK(said("0.001", {64, 1, 0}) ==
+          "slurry_runout_3d.toml: 1e+12 particles on 64 ranks (a rank numbers at most 4294967295). Use 257 ranks, or a "
+          "domain.cell of 0.0016 m?");
+    CHECK(said("0.001", {1, 1, 24e9}).find("on 1 rank (a rank numbers") != std::string::npos);
+    CHECK(said("0.0001", {1, 1, 0}).find("body.reservoir spans 1e+15 particles (ids have room") != std::string::npos);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+}
+
+TEST_CASE("this machine has memory") {
+    CHECK(host_memory() > 1e8);
+    CHECK(host_memory() < 1e15);
+}

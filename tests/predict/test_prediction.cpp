@@ -1,0 +1,97 @@
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "app/check_report.hpp"
+#include "predict/prediction.hpp"
+#include "scene/scene_text.hpp"
+
+using namespace moraine;
+
+TEST_CASE("the prediction counts particles and mass exactly, and occupied blocks") {
+    const Prediction p = predict(read_scene(inputs_folder() + "/slurry_runout.toml"));
+    CHECK(p.particles == 20000);
+    CHECK(p.mass == doctest::Approx(75000).epsilon(1e-12));
+    // 100 x 50 cells, filed half a cell further: cells 0 to 100 and 0 to 50, in blocks of 4.
+    CHECK(p.blocks == 26 * 13);
+}
+
+TEST_CASE("the prediction's step is that of the wave and the speed of the start, or fixed") {
+    const double c = std::sqrt(2.5e5 * 0.505 / (1.495 * 0.01) / 1500);
+    const std::string path = inputs_folder() + "/slurry_runout.toml";
+    const Prediction p = predict(read_scene(path, {"body.reservoir.velocity=[3.0, 4.0]"}));
+    CHECK(p.dt == doctest::Approx(0.8 * 0.76 * 0.1 / (c + 5)));
+    CHECK(p.steps == std::ceil(20 / p.dt));
+    CHECK(predict(read_scene(path, {"time.dt=1e-3"})).steps == 20000);
+}
+
+TEST_CASE("a periodic axis has no block beyond its end") {
+    const std::string path = inputs_folder() + "/slurry_runout.toml";
+    const std::vector<std::string> full{"domain.max=[10.0, 7.5]", "domain.cell=0.125", "wall.x-min.kind=none"};
+    CHECK(predict(read_scene(path, full)).blocks == 21 * 11);
+    const std::string text = replaced(replaced(good_scene, "max = [4.0, 2.0]", "max = [0.8, 2.0]\nperiodic = [\"x\"]"),
+                                      "max = [1.0, 1.0]", "max = [0.8, 1.0]");
+    const Scene scene = read_text(text.substr(0, text.find("[[body]]\nname = \"disk\"")));
+    CHECK(predict(scene).blocks == 2 * 3);
+}
+
+TEST_CASE("memory follows particles, precision and ranks") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    const Scene scene = read_scene(path, {"domain.cell=0.2", "balance.interval=10"});
+    const Prediction p = predict(scene);
+    const double one = bytes_per_rank(scene, p, 1);
+    // position, velocity, stress, volume, mass, ln J; id, body, list; the law's scalars
+    CHECK(one / static_cast<double>(p.particles) > 24 + 24 + 48 + 24 + 8 + 2 + 12);
+    CHECK(one / static_cast<double>(p.particles) < 260);
+    const double quarter = bytes_per_rank(scene, p, 4);  // and the apron of a smaller share
+    CHECK(quarter > one / 4);
+    CHECK(quarter < 1.1 * one / 4);
+    const Scene apic = read_scene(path, {"domain.cell=0.2", "numerics.transfer=apic"});
+    CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
+    const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
+    CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
+}
+
+TEST_CASE("boxes on a lattice are predicted in closed form as particle by particle, and in no time") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    for (const char* precision : {"single", "double"})
+        for (const char* size : {"[5.0, 5.0, 5.0]", "[4.97, 3.31, 2.05]"}) {
+            CAPTURE(size);
+            Scene scene = read_scene(path, {std::string("body.reservoir.max=") + size, "domain.cell=0.2",
+                                            std::string("numerics.precision=") + precision});
+            scene.bodies[0].wave = {{0, 0.5, 1}, 1, 0.3, 0.7};
+            const Prediction closed = predict(scene);
+            scene.bodies[0].seeding = Seeding::jittered;  // by nothing
+            const Prediction counted = predict(scene);
+            CHECK(closed.particles == counted.particles);
+            CHECK(closed.blocks == counted.blocks);
+            CHECK(closed.node_blocks == counted.node_blocks);
+            CHECK(closed.dt == counted.dt);
+            CHECK(closed.mass == doctest::Approx(counted.mass).epsilon(1e-12));
+        }
+    const auto start = std::chrono::steady_clock::now();
+    CHECK(predict(read_scene(path, {"domain.cell=0.01"})).particles == 1000000000);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30));
+}
+
+TEST_CASE("beside devices the host's memory follows blocks where a lattice is made there, else particles") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    Scene scene = read_scene(path, {"domain.cell=0.01", "numerics.precision=single"});
+    Prediction p = predict(scene);
+    const double quarter = host_bytes_beside_device(scene, p, 4, false);
+    CHECK(quarter < 4e9);
+    CHECK(host_bytes_beside_device(scene, p, 4, true) > quarter + 10e9);
+    p.particles *= 10;
+    CHECK(host_bytes_beside_device(scene, p, 4, false) == quarter);
+    scene.bodies[0].seeding = Seeding::jittered;
+    CHECK(host_bytes_beside_device(scene, p, 4, false) > 0.25 * 100 * static_cast<double>(p.particles));
+}
+
+TEST_CASE("the report names all that a run will need") {
+    const std::string report = check_report(read_scene(inputs_folder() + "/elastic_bar.toml"), 4);
+    for (const char* word : {"particles  800", "blocks", "dt", "steps", "memory", "4 ranks"}) {
+        CAPTURE(word);
+        CHECK(report.find(word) != std::string::npos);
+    }
+}

@@ -1,0 +1,90 @@
+#include <doctest/doctest.h>
+
+#include "lattice_scenes.hpp"
+#include "simulation/simulation.hpp"
+
+using namespace moraine;
+
+// Lattices that every owner makes for itself have the bits of those that are made by rows and sent.
+
+namespace {
+
+struct Start {
+    std::uint64_t lists, state;
+    std::int64_t particles;
+    double signal, mass_cutoff, quantum, mass, strain, energy;
+    bool operator==(const Start&) const = default;
+};
+
+template <class Real, int Dim>
+Start start_of(const Scene& scene, const Comm& comm, bool in_place, int steps) {
+    Simulation<Real, Dim> sim(scene, comm);
+    sim.seed_in_place(in_place);
+    sim.seed();
+    for (int n = 0; n < steps; ++n) sim.step(), sim.balance();
+    sim.conclude();
+    const RunClock<Dim>& c = sim.clock();
+    return {sim.state_hash(true),
+            sim.state_hash(),
+            comm.sum(sim.engine().census().particles),
+            c.signal,
+            c.mass_cutoff,
+            c.quantum_scale,
+            c.start_mass,
+            c.start_strain,
+            c.start_energy};
+}
+
+Start start_of(const Scene& scene, bool single, const Comm& comm, bool in_place, int steps) {
+    if (scene.dimensions == 2)
+        return single ? start_of<float, 2>(scene, comm, in_place, steps)
+                      : start_of<double, 2>(scene, comm, in_place, steps);
+    return single ? start_of<float, 3>(scene, comm, in_place, steps)
+                  : start_of<double, 3>(scene, comm, in_place, steps);
+}
+
+}  // namespace
+
+TEST_CASE("a lattice that is made in place is the one that is made by rows, to the bit") {
+    const Comm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    for (const Scene& scene : test::lattice_scenes())
+        for (bool single : {true, false}) {
+            CAPTURE(scene.dimensions);
+            CAPTURE(scene.bodies.size());
+            CAPTURE(static_cast<int>(scene.shape));
+            CAPTURE(single);
+            REQUIRE(is_lattice(scene));
+            const Start rows = start_of(scene, single, self, false, 0);
+            CHECK(rows.particles > 100);
+            CHECK(start_of(scene, single, self, true, 0) == rows);
+            CHECK(start_of(scene, single, all, true, 0) == rows);
+        }
+}
+
+TEST_CASE("and steps on from there are the same, under any partitioner") {
+    const Comm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    for (Scene scene : {test::odd_boxes(), test::stacked_boxes()}) {
+        const Start rows = start_of(scene, false, self, false, 12);
+        for (const char* partitioner : {"morton", "shuffle", "slabs"}) {
+            CAPTURE(partitioner);
+            scene.balance.partitioner = partitioner;
+            scene.balance.trigger = Trigger::every;
+            scene.balance.interval = 5;
+            scene.balance.weight = partitioner == std::string("morton") ? "cost" : "particles";
+            CHECK(start_of(scene, false, all, true, 12) == rows);
+        }
+    }
+}
+
+TEST_CASE("jitter, other shapes and structures that clear are left to the rows") {
+    Scene scene = test::odd_boxes();
+    CHECK(is_lattice(scene));
+    scene.structures.push_back({});
+    CHECK(is_lattice(scene));
+    scene.structures.back().clear = true;
+    CHECK(!is_lattice(scene));
+    CHECK(!is_lattice(test::slurry()));
+    scene = test::odd_boxes();
+    scene.bodies[1].shape = BodyShape::sphere;
+    CHECK(!is_lattice(scene));
+}
