@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "comm/patch.hpp"
-#include "comm/transport.hpp"
-#include "core/rows.hpp"
+#include "comm/point_to_point.hpp"
+#include "core/particle_bytes.hpp"
 
 namespace moraine {
 
@@ -16,25 +16,24 @@ struct BlockMoveCount {
     std::int64_t blocks = 0;
 };
 
-/// Sends the blocks of `mine` to the ranks owner[i] and returns what this rank has then, keys ascending.
-/// Blocks of one key that come from several ranks are joined in rank order. Collective.
-template <class Space, class Real, int Dim>
-FiledBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const FiledBlocks& mine,
-                        const std::vector<std::int32_t>& owner, BlockMoveCount& moved) {
-    struct Piece {
-        Key key;
-        int from;
-        std::vector<std::uint32_t> slot;
-    };
-    const auto ranks = static_cast<std::size_t>(comm.size());
-    std::vector<Piece> pieces;
-    std::vector<FiledBlocks> to(ranks);
+/// A block's part that one rank held, in the slots where it is now.
+struct MovedBlock {
+    Key key;
+    int from;  ///< rank
+    std::vector<std::uint32_t> slot;
+};
+
+/// Blocks by the rank that they go to; those that stay become entries of `moved_blocks`. Not collective.
+inline std::vector<FiledBlocks> split_by_owner(const Comm& comm, const FiledBlocks& mine,
+                                               const std::vector<std::int32_t>& owner,
+                                               std::vector<MovedBlock>& moved_blocks, BlockMoveCount& moved) {
+    std::vector<FiledBlocks> to(static_cast<std::size_t>(comm.size()));
     std::size_t at = 0;
     for (std::size_t b = 0; b < mine.key.size(); at += mine.count[b], ++b) {
         const auto first = mine.slot.begin() + static_cast<std::ptrdiff_t>(at);
         const auto last = first + static_cast<std::ptrdiff_t>(mine.count[b]);
         if (owner[b] == comm.rank()) {
-            pieces.push_back({mine.key[b], comm.rank(), {first, last}});
+            moved_blocks.push_back({mine.key[b], comm.rank(), {first, last}});
             continue;
         }
         FiledBlocks& leaving = to[static_cast<std::size_t>(owner[b])];
@@ -44,53 +43,72 @@ FiledBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const 
         moved.particles += mine.count[b];
         ++moved.blocks;
     }
+    return to;
+}
 
-    std::vector<ColumnBytes> columns = patch.particles.columns();
-    std::vector<std::vector<std::byte>> bytes(ranks);
-    for (std::size_t r = 0; r < ranks; ++r) {
-        const std::size_t n = to[r].key.size();
-        if (n == 0) continue;
-        bytes[r].resize(8 + 8 * n + padded(4 * n) + rows_bytes(columns, to[r].slot.size()));
-        const auto blocks = static_cast<std::int64_t>(n);
-        std::memcpy(bytes[r].data(), &blocks, 8);
-        std::memcpy(bytes[r].data() + 8, to[r].key.data(), 8 * n);
-        std::memcpy(bytes[r].data() + 8 + 8 * n, to[r].count.data(), 4 * n);
-        gather_rows(columns, to[r].slot, bytes[r].data() + 8 + 8 * n + padded(4 * n));
+/// A message of blocks: their number, keys, counts of particles, and the particles' rows. Empty where there are none.
+inline std::vector<std::byte> packed_blocks(const std::vector<ColumnBytes>& columns, const FiledBlocks& blocks) {
+    const std::size_t n = blocks.key.size();
+    if (n == 0) return {};
+    const std::size_t keys = 8, counts = keys + 8 * n, rows = counts + padded(4 * n);
+    std::vector<std::byte> bytes(rows + rows_bytes(columns, blocks.slot.size()));
+    const auto number = static_cast<std::int64_t>(n);
+    std::memcpy(bytes.data(), &number, 8);
+    std::memcpy(bytes.data() + keys, blocks.key.data(), 8 * n);
+    std::memcpy(bytes.data() + counts, blocks.count.data(), 4 * n);
+    gather_rows(columns, blocks.slot, bytes.data() + rows);
+    return bytes;
+}
+
+/// Takes the blocks of a message (packed_blocks) into free slots. Not collective.
+template <class Space, class Real, int Dim>
+void unpack_blocks(const std::vector<std::byte>& bytes, int from, Patch<Space, Real, Dim>& patch,
+                   std::vector<MovedBlock>& moved_blocks) {
+    if (bytes.empty()) return;
+    std::int64_t number = 0;
+    std::memcpy(&number, bytes.data(), 8);
+    const auto n = static_cast<std::size_t>(number);
+    const std::size_t keys = 8, counts = keys + 8 * n, rows = counts + padded(4 * n);
+    std::vector<Key> key(n);
+    std::vector<std::uint32_t> count(n);
+    std::memcpy(key.data(), bytes.data() + keys, 8 * n);
+    std::memcpy(count.data(), bytes.data() + counts, 4 * n);
+    std::size_t particles = 0;
+    for (std::uint32_t c : count) particles += c;
+    const std::vector<std::uint32_t> slots = patch.take_slots(particles);
+    scatter_rows(patch.particles.columns(), slots, bytes.data() + rows);
+    auto first = slots.begin();
+    for (std::size_t b = 0; b < n; ++b) {
+        const auto last = first + static_cast<std::ptrdiff_t>(count[b]);
+        moved_blocks.push_back({key[b], from, {first, last}});
+        first = last;
     }
+}
+
+/// Sends the blocks of `mine` to the ranks owner[i] and returns what this rank has then, keys ascending.
+/// Blocks of one key that come from several ranks are joined in rank order. Collective.
+template <class Space, class Real, int Dim>
+FiledBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const FiledBlocks& mine,
+                        const std::vector<std::int32_t>& owner, BlockMoveCount& moved) {
+    std::vector<MovedBlock> blocks;
+    const std::vector<FiledBlocks> to = split_by_owner(comm, mine, owner, blocks, moved);
+    const std::vector<ColumnBytes> columns = patch.particles.columns();
+    std::vector<std::vector<std::byte>> bytes;
+    for (const FiledBlocks& leaving : to) bytes.push_back(packed_blocks(columns, leaving));
     for (const FiledBlocks& leaving : to) patch.give_slots(leaving.slot);
     const std::vector<std::vector<std::byte>> come = exchange_all(comm, bytes);
-    for (std::size_t r = 0; r < ranks; ++r) {
-        if (come[r].empty()) continue;
-        std::int64_t blocks = 0;
-        std::memcpy(&blocks, come[r].data(), 8);
-        const auto n = static_cast<std::size_t>(blocks);
-        std::vector<Key> key(n);
-        std::vector<std::uint32_t> count(n);
-        std::memcpy(key.data(), come[r].data() + 8, 8 * n);
-        std::memcpy(count.data(), come[r].data() + 8 + 8 * n, 4 * n);
-        std::size_t rows = 0;
-        for (std::uint32_t c : count) rows += c;
-        const std::vector<std::uint32_t> slots = patch.take_slots(rows);
-        columns = patch.particles.columns();
-        scatter_rows(columns, slots, come[r].data() + 8 + 8 * n + padded(4 * n));
-        auto first = slots.begin();
-        for (std::size_t b = 0; b < n; ++b) {
-            const auto last = first + static_cast<std::ptrdiff_t>(count[b]);
-            pieces.push_back({key[b], static_cast<int>(r), {first, last}});
-            first = last;
-        }
-    }
+    for (std::size_t r = 0; r < come.size(); ++r) unpack_blocks(come[r], static_cast<int>(r), patch, blocks);
 
-    std::sort(pieces.begin(), pieces.end(),
-              [](const Piece& a, const Piece& b) { return a.key != b.key ? a.key < b.key : a.from < b.from; });
+    std::sort(blocks.begin(), blocks.end(),
+              [](const MovedBlock& a, const MovedBlock& b) { return a.key != b.key ? a.key < b.key : a.from < b.from; });
     FiledBlocks result;
-    for (const Piece& piece : pieces) {
-        if (result.key.empty() || result.key.back() != piece.key) {
-            result.key.push_back(piece.key);
+    for (const MovedBlock& block : blocks) {
+        if (result.key.empty() || result.key.back() != block.key) {
+            result.key.push_back(block.key);
             result.count.push_back(0);
         }
-        result.count.back() += static_cast<std::uint32_t>(piece.slot.size());
-        result.slot.insert(result.slot.end(), piece.slot.begin(), piece.slot.end());
+        result.count.back() += static_cast<std::uint32_t>(block.slot.size());
+        result.slot.insert(result.slot.end(), block.slot.begin(), block.slot.end());
     }
     return result;
 }
