@@ -16,8 +16,8 @@ class WireMaker;
 
 struct DeviceChoice {
     bool cuda = false;
-    std::string words;                            ///< for the user: what was chosen, and why
-    std::shared_ptr<const gpu::WireMaker> wires;  ///< between devices; none: one rank, or the host
+    std::string words;                                 ///< for the user: what was chosen, and why
+    std::shared_ptr<const gpu::WireMaker> transports;  ///< between devices; none: one rank, or the host
     std::string transport = "host";
 };
 
@@ -25,8 +25,8 @@ struct DeviceChoice {
 bool wants_device(const std::string& wanted, const Comm& comm);
 
 /// `wanted` is --device: cpu, cuda, or auto (CUDA where every rank finds a device). The ranks of a machine are given
-/// its devices in turn. `transport` is --transport: auto, host, peer, nccl or mpi; tried before it is chosen. Throws
-/// InputError, the same on all ranks, where what is wanted cannot be had. Collective.
+/// its devices in turn. `transport` is --transport: auto, or one of comm/transport_names.hpp; tried before it is
+/// chosen. Throws InputError, the same on all ranks, where what is wanted cannot be had. Collective.
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport = "auto");
 
 /// Throws InputError, the same on all ranks, if a device has less free than its ranks need, `bytes` each. Collective.

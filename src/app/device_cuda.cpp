@@ -50,15 +50,15 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
     cudaDeviceProp properties{};
     gpu::check(cudaGetDeviceProperties(&properties, mine), "Asking the device");
     DeviceChoice choice{true, {}, nullptr, "none"};
-    std::string wires;
+    std::string how;
     if (comm.size() > 1) {
-        choice.wires = gpu::choose_wires(comm, transport, wires);
-        choice.transport = choice.wires->name();
+        choice.transports = gpu::choose_wires(comm, transport, how);
+        choice.transport = choice.transports->name();
     }
     keep_freed_memory();
     choice.words =
         fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name, comm.size(),
-                    comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", wires.empty() ? "" : ", ", wires);
+                    comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", how.empty() ? "" : ", ", how);
     return choice;
 }
 
@@ -79,8 +79,8 @@ void check_device_memory(double bytes, const Comm& comm) {
 
 template <class Real, int Dim>
 DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene, const Comm& comm, const DeviceChoice& choice) {
-    return [&scene, &comm, wires = choice.wires](const Method<Host, Real, Dim>& method) {
-        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, comm, method, wires.get());
+    return [&scene, &comm, transports = choice.transports](const Method<Host, Real, Dim>& method) {
+        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, comm, method, transports.get());
     };
 }
 

@@ -6,6 +6,7 @@
 #include <boost/program_options.hpp>
 #include <sstream>
 
+#include "comm/transport_names.hpp"
 #include "core/error.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_keys.hpp"
@@ -23,7 +24,12 @@ constexpr const char* usage =
     "moraine --version | --help\n\n";
 
 const std::vector<std::string> devices{"auto", "cpu", "cuda"};
-const std::vector<std::string> transports{"auto", "host", "nccl", "peer", "mpi"};
+
+std::vector<std::string> transports() {
+    std::vector<std::string> names{"auto"};
+    names.insert(names.end(), transport_names.begin(), transport_names.end());
+    return names;
+}
 
 std::vector<std::string> partitioners() {
     for (const auto& row : scene_rows())
@@ -43,7 +49,7 @@ po::options_description run_options(Options& o) {
         "set", po::value(&o.sets)->value_name("KEY=VALUE"),
         "change a key of the scene; material.NAME.key and body.NAME.key address tables; again for more")(
         "device", po::value(&o.device)->value_name("NAME"), "auto, cpu, cuda (default: auto)")(
-        "transport", po::value(&o.transport)->value_name("NAME"), "auto, host, nccl, peer, mpi (default: auto)")(
+        "transport", po::value(&o.transport)->value_name("NAME"), (listed(transports()) + " (default: auto)").c_str())(
         "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
         "restart", po::value(&o.restart)->value_name("FILE"), "go on from a checkpoint")(
         "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
@@ -135,7 +141,7 @@ Options parse_options(int argc, const char* const* argv) {
     o.command = words[0];
     parse_arguments({words.begin() + 1, words.end()}, o.command == "run" ? run_options(o) : check_options(o), o);
     check_choice("--device", o.device, devices);
-    check_choice("--transport", o.transport, transports);
+    check_choice("--transport", o.transport, transports());
     if (!o.partitioner.empty()) check_choice("--partitioner", o.partitioner, partitioners());
     if (o.ranks < 1) refuse_argument(fmt::format("--ranks {}", o.ranks), "must be at least 1", "Did you mean 1?");
     return o;

@@ -15,7 +15,7 @@ struct Options {
     bool overwrite = false;
     std::vector<std::string> sets;   ///< KEY=VALUE
     std::string device = "auto";     ///< cpu, cuda, auto
-    std::string transport = "auto";  ///< auto, host, nccl, peer, mpi
+    std::string transport = "auto";  ///< auto, or one of comm/transport_names.hpp
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start
     bool quiet = false;

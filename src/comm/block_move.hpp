@@ -99,8 +99,9 @@ FiledBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const 
     const std::vector<std::vector<std::byte>> come = exchange_all(comm, bytes);
     for (std::size_t r = 0; r < come.size(); ++r) unpack_blocks(come[r], static_cast<int>(r), patch, blocks);
 
-    std::sort(blocks.begin(), blocks.end(),
-              [](const MovedBlock& a, const MovedBlock& b) { return a.key != b.key ? a.key < b.key : a.from < b.from; });
+    std::sort(blocks.begin(), blocks.end(), [](const MovedBlock& a, const MovedBlock& b) {
+        return a.key != b.key ? a.key < b.key : a.from < b.from;
+    });
     FiledBlocks result;
     for (const MovedBlock& block : blocks) {
         if (result.key.empty() || result.key.back() != block.key) {

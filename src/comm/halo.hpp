@@ -16,7 +16,7 @@ template <class Real, int Dim>
 class Halo {
   public:
     /// Not collective; buffers for one epoch.
-    Halo(const EpochTables<Dim>& tables, Transport& wire, int width) : tables_(tables), wire_(wire) {
+    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width) : tables_(tables), messages_(messages) {
         tile_reals_ = static_cast<std::size_t>(power<Dim>(tile_side(width)) * node_reals);
         for (const PeerHalo& peer : tables.peers) {
             out_.emplace_back(capacity(peer.send));
@@ -34,12 +34,12 @@ class Halo {
             receives_.push_back({tables_.peers[k].rank, in_[k].data(), 0, static_cast<std::int64_t>(in_[k].size())});
             bytes_ += bytes;
         }
-        wire_.start(sends_, receives_);
+        messages_.start(sends_, receives_);
     }
 
     /// Waits, and puts the foreign tiles in place; tile_of is that of own blocks, then ghosts.
     void finish(const TileView<Real>& grid, std::int32_t* tile_of) {
-        wire_.finish();
+        messages_.finish();
         for (std::size_t k = 0; k < in_.size(); ++k) unpack(tables_.peers[k].receive, grid, tile_of, in_[k].data());
     }
 
@@ -87,7 +87,7 @@ class Halo {
     }
 
     const EpochTables<Dim>& tables_;
-    Transport& wire_;
+    PointToPoint& messages_;
     std::size_t tile_reals_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Parcel> sends_, receives_;

@@ -54,7 +54,7 @@ class HostEngine final : public Engine<Real, Dim> {
     const Scene& scene_;
     const Comm& comm_;
     const Method<Host, Real, Dim>& method_;
-    HostTransport halo_wire_, migration_wire_;
+    PointToPoint halo_messages_, migration_messages_;
     Share patch_;
     std::unique_ptr<Halo<Real, Dim>> halo_;
     std::unique_ptr<Migration<Host, Real, Dim>> migration_;

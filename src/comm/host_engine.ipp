@@ -7,8 +7,8 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
     : scene_(scene),
       comm_(comm),
       method_(method),
-      halo_wire_(comm, 1),
-      migration_wire_(comm, 2),
+      halo_messages_(comm, 1),
+      migration_messages_(comm, 2),
       patch_(method.needs, method.stencil.width) {}
 
 template <class Real, int Dim>
@@ -22,8 +22,8 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& fi
     halo_.reset();
     migration_.reset();
     patch_.install(std::move(tables), filed);
-    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_wire_, method_.stencil.width);
-    migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_wire_);
+    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width);
+    migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
 }
 
 template <class Real, int Dim>

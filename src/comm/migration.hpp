@@ -20,7 +20,7 @@ class Migration {
     using Share = Patch<Space, Real, Dim>;
 
     /// Not collective; buffers for one epoch.
-    Migration(Share& patch, Transport& wire) : patch_(patch), wire_(wire) {
+    Migration(Share& patch, PointToPoint& messages) : patch_(patch), messages_(messages) {
         for (const PeerHalo& peer : patch.tables().peers) {
             rooms_out_.push_back(records_per_tile * peer.send.block.size());
             rooms_in_.push_back(records_per_tile * peer.receive.block.size());
@@ -54,12 +54,12 @@ class Migration {
             crossed_ += total;
             bytes_ += bytes;
         }
-        wire_.start(sends_, receives_);
+        messages_.start(sends_, receives_);
     }
 
     /// Takes in the arrivals and files all lists anew. Collective over peers.
     void finish() {
-        wire_.finish();
+        messages_.finish();
         const std::vector<std::vector<std::byte>> rest = exchange_rest();
         for (Outgoing& o : outgoing_) patch_.give_slots(o.slot);
         patch_.give_slots(gone_);
@@ -155,8 +155,8 @@ class Migration {
                 receives.push_back({rank, receive[k].data(), 0, static_cast<std::int64_t>(receive[k].size())});
             }
         }
-        wire_.start(sends, receives);
-        wire_.finish();
+        messages_.start(sends, receives);
+        messages_.finish();
         return receive;
     }
 
@@ -185,7 +185,7 @@ class Migration {
     }
 
     Share& patch_;
-    Transport& wire_;
+    PointToPoint& messages_;
     std::vector<std::size_t> rooms_out_, rooms_in_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Outgoing> outgoing_;

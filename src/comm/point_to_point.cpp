@@ -12,7 +12,7 @@ std::int64_t pieces(std::int64_t capacity) {
 }
 }  // namespace
 
-void HostTransport::start(std::span<Parcel> sends, std::span<Parcel> receives) {
+void PointToPoint::start(std::span<Parcel> sends, std::span<Parcel> receives) {
     receives_ = receives;
     requests_.clear();
     owner_.clear();
@@ -36,7 +36,7 @@ void HostTransport::start(std::span<Parcel> sends, std::span<Parcel> receives) {
         }
 }
 
-void HostTransport::finish() {
+void PointToPoint::finish() {
     std::vector<MPI_Status> statuses(requests_.size());
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), statuses.data());
     for (std::size_t k = 0; k < requests_.size(); ++k) {
@@ -66,9 +66,9 @@ std::vector<std::vector<std::byte>> exchange_all(const Comm& comm, const std::ve
         if (sent[r] > 0) sends.push_back({peer, const_cast<std::byte*>(to[r].data()), sent[r], sent[r]});
         if (come[r] > 0) receives.push_back({peer, from[r].data(), 0, come[r]});
     }
-    HostTransport wire(comm, 3);
-    wire.start(sends, receives);
-    wire.finish();
+    PointToPoint messages(comm, 3);
+    messages.start(sends, receives);
+    messages.finish();
     return from;
 }
 

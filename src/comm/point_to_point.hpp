@@ -1,8 +1,8 @@
 #pragma once
-// Transport: move bytes between ranks. It does not know what the bytes mean.
+// Bytes between the hosts of ranks. It does not know what they mean; between devices: gpu/transport.
 //
 // Packing and unpacking belong to the callers (halo, migration, block moves): one halo and one
-// migration, whatever the wire. A message may be shorter than the capacity that both sides know;
+// migration. A message may be shorter than the capacity that both sides know;
 // capacities above 1 GiB travel in several pieces, because MPI counts are int.
 
 #include <cstddef>
@@ -22,27 +22,18 @@ struct Parcel {
     std::int64_t capacity;  ///< known to both sides, >= bytes
 };
 
-class Transport {
+/// Messages between this rank and others, by plain MPI from and to host memory: one exchange at a time.
+class PointToPoint {
   public:
-    virtual ~Transport() = default;
-    virtual const char* name() const = 0;
+    /// `tag` keeps the messages of two of these on one communicator apart. Not collective.
+    PointToPoint(const Comm& comm, int tag) : comm_(comm), tag_(tag) {}
 
-    /// Begins an exchange; parcels and buffers must stay put until finish(). One exchange at a time.
+    /// Begins an exchange; parcels and buffers must stay put until finish().
     /// Each send meets a receive of the same capacity on its peer. Not collective.
-    virtual void start(std::span<Parcel> sends, std::span<Parcel> receives) = 0;
+    void start(std::span<Parcel> sends, std::span<Parcel> receives);
 
     /// Waits until every parcel has left and arrived. Not collective.
-    virtual void finish() = 0;
-};
-
-/// Plain MPI from and to host memory.
-class HostTransport final : public Transport {
-  public:
-    /// `tag` keeps the messages of two transports on one communicator apart. Not collective.
-    HostTransport(const Comm& comm, int tag) : comm_(comm), tag_(tag) {}
-    const char* name() const override { return "host"; }
-    void start(std::span<Parcel> sends, std::span<Parcel> receives) override;
-    void finish() override;
+    void finish();
 
   private:
     const Comm& comm_;

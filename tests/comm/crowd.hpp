@@ -31,7 +31,7 @@ class Crowd {
           patch({true, true, false, 1, false}, stencil_of(scene.shape).width),
           domain_(scene),
           stencil_(stencil_of(scene.shape)),
-          wire_(comm, 2) {}
+          messages_(comm, 2) {}
 
     Comm comm;
     Share patch;
@@ -83,7 +83,7 @@ class Crowd {
         const auto topology = make_topology<Dim>(domain_, occupied, [](const BlockPosition<Dim>&) { return -1; });
         patch.install(make_epoch<Dim>(topology, domain_, stencil_, comm.rank()), filed);
         patch.refresh_memory(0.1);
-        migration = std::make_unique<Migration<Host, Real, Dim>>(patch, wire_);
+        migration = std::make_unique<Migration<Host, Real, Dim>>(patch, messages_);
     }
 
     /// A pseudo-random owner per block, new each round.
@@ -161,7 +161,7 @@ class Crowd {
   private:
     DomainBlocks<Dim> domain_;
     Stencil stencil_;
-    HostTransport wire_;
+    PointToPoint messages_;
 };
 
 inline Scene periodic_scene(int dim, int blocks_x, int blocks_y, int blocks_z) {

@@ -90,8 +90,8 @@ template <class Real, int Dim>
 void same_nodes_as_one_rank(const Comm& comm, std::uint64_t seed) {
     const World<Dim> world(seed, comm.size()), alone(seed, 1);
     Share<Real, Dim> share(world, comm.rank()), whole(alone, 0);
-    HostTransport wire(comm, 1);
-    Halo<Real, Dim> halo(share.patch.tables(), wire, world.stencil.width);
+    PointToPoint messages(comm, 1);
+    Halo<Real, Dim> halo(share.patch.tables(), messages, world.stencil.width);
     for (std::uint64_t round = 0; round < 2; ++round) {
         share.fill_tiles(round);
         whole.fill_tiles(round);
@@ -137,8 +137,8 @@ TEST_CASE("a halo message holds an occupancy byte per tile and the shared nodes 
     const Comm comm(MPI_COMM_WORLD);
     const World<2> world(4, comm.size());
     Share<double, 2> share(world, comm.rank());
-    HostTransport wire(comm, 1);
-    Halo<double, 2> halo(share.patch.tables(), wire, world.stencil.width);
+    PointToPoint messages(comm, 1);
+    Halo<double, 2> halo(share.patch.tables(), messages, world.stencil.width);
     share.fill_tiles(0);
     halo.start(share.patch.grid());
     halo.finish(share.patch.grid(), share.patch.tile_of());

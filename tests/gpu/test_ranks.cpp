@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/device.hpp"
+#include "comm/transport_names.hpp"
 #include "gpu/transport/transport.hpp"
 #include "sample_scenes.hpp"
 #include "simulation/simulation.hpp"
@@ -41,12 +42,13 @@ void compare(Scene scene, int steps) {
     const Comm all(MPI_COMM_WORLD), alone(MPI_COMM_SELF);
     const DeviceChoice single = choose_device("cuda", alone);
     const Outcome expected = run<Real, Dim>(scene, alone, single, steps);
-    for (const char* transport : {"host", "peer", "nccl"}) {
+    for (const std::string_view name : transport_names) {
+        const std::string transport(name);
         DeviceChoice device;
         try {
             device = choose_device("cuda", all, transport);
         } catch (const InputError&) {
-            continue;  // tests/gpu/test_wire has what must be there
+            continue;  // tests/gpu/test_transport.cpp has what must be there
         }
         for (const char* partitioner : {"morton", "slabs", "shuffle"}) {
             CAPTURE(transport);

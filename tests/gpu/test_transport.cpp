@@ -2,9 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "gpu/memory/stream.hpp"
-#include "gpu/transport/mpi_transport.hpp"
-#include "gpu/transport/nccl_transport.hpp"
-#include "gpu/transport/peer_transport.hpp"
+#include "gpu/transport/transport.hpp"
 #include "gpu/transport/transport_trial.hpp"
 
 using namespace moraine;
@@ -28,10 +26,8 @@ bool has_device_of_its_own(const Comm& comm) {
 /// All that can be had here.
 std::vector<std::unique_ptr<gpu::WireMaker>> all_wires(const Comm& comm) {
     std::vector<std::unique_ptr<gpu::WireMaker>> all;
-    all.push_back(gpu::mpi_wires(comm, gpu::MpiMemory::pinned));
-    all.push_back(gpu::peer_wires(comm));
-    if (gpu::why_no_nccl().empty() && has_device_of_its_own(comm)) all.push_back(gpu::nccl_wires(comm));
-    if (gpu::mpi_is_cuda_aware()) all.push_back(gpu::mpi_wires(comm, gpu::MpiMemory::device));
+    for (const gpu::TransportEntry& entry : gpu::transports())
+        if (entry.obstacle(comm).empty()) all.push_back(entry.make(comm));
     return all;
 }
 
@@ -82,12 +78,15 @@ TEST_CASE("a message of more than 2 GiB arrives") {
 TEST_CASE("what is asked for and cannot be had is refused, and auto finds something") {
     const Comm comm(MPI_COMM_WORLD);
     take_device(comm);
-    std::string words;
-    const std::unique_ptr<gpu::WireMaker> found = gpu::choose_wires(comm, "auto", words);
+    std::string message;
+    const std::unique_ptr<gpu::WireMaker> found = gpu::choose_wires(comm, "auto", message);
     CHECK(found != nullptr);
-    MESSAGE(words);
-    CHECK(words.find(found->name()) != std::string::npos);
-    if (!gpu::mpi_is_cuda_aware()) CHECK_THROWS_AS(gpu::choose_wires(comm, "mpi", words), InputError);
-    if (!has_device_of_its_own(comm)) CHECK_THROWS_AS(gpu::choose_wires(comm, "nccl", words), InputError);
-    CHECK(std::string(gpu::choose_wires(comm, "host", words)->name()) == "host");
+    MESSAGE(message);
+    CHECK(message.find(found->name()) != std::string::npos);
+    for (const gpu::TransportEntry& entry : gpu::transports())
+        if (!entry.obstacle(comm).empty())
+            CHECK_THROWS_AS(gpu::choose_wires(comm, std::string(entry.name), message), InputError);
+    CHECK_THROWS_AS(gpu::choose_wires(comm, "telex", message), InputError);
+    if (!has_device_of_its_own(comm)) CHECK_THROWS_AS(gpu::choose_wires(comm, "nccl", message), InputError);
+    CHECK(std::string(gpu::choose_wires(comm, "host", message)->name()) == "host");
 }

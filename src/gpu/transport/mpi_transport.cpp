@@ -10,9 +10,11 @@ namespace moraine::gpu {
 
 namespace {
 
+enum class MpiMemory { pinned, device };
+
 class MpiWire final : public Wire {
   public:
-    MpiWire(const Comm& comm, int tag, MpiMemory memory) : memory_(memory), transport_(comm, tag) {}
+    MpiWire(const Comm& comm, int tag, MpiMemory memory) : memory_(memory), messages_(comm, tag) {}
 
     const char* name() const override { return memory_ == MpiMemory::pinned ? "host" : "mpi"; }
     std::byte* const* outgoing() const override { return out_pointers_.out(); }
@@ -62,11 +64,11 @@ class MpiWire final : public Wire {
                 memory_ == MpiMemory::pinned ? sends_[k].data : heads_.data() + k * sizeof(MessageHead);
             sends_[k].bytes = static_cast<std::int64_t>(reinterpret_cast<const MessageHead*>(head)->bytes);
         }
-        transport_.start(sends_, receives_);
+        messages_.start(sends_, receives_);
     }
 
     void finish(cudaStream_t stream) override {
-        transport_.finish();
+        messages_.finish();
         for (const Parcel& parcel : receives_) {
             if (memory_ == MpiMemory::device) break;
             check(cudaMemcpyAsync(here_.data() + (parcel.data - pinned_in_.data()), parcel.data,
@@ -77,7 +79,7 @@ class MpiWire final : public Wire {
 
   private:
     MpiMemory memory_;
-    HostTransport transport_;
+    PointToPoint messages_;
     PinnedBytes pinned_out_, pinned_in_, heads_;
     Array<std::byte> device_out_, here_;
     std::vector<Parcel> sends_, receives_;
@@ -98,16 +100,23 @@ class MpiWires final : public WireMaker {
 
 }  // namespace
 
-bool mpi_is_cuda_aware() {
+std::string mpi_obstacle(const Comm&) {
 #if defined(MPIX_CUDA_AWARE_SUPPORT)
-    return MPIX_Query_cuda_support() == 1;
-#else
-    return false;
+    if (MPIX_Query_cuda_support() == 1) return {};
 #endif
+    return "this MPI does not take device memory";
 }
 
-std::unique_ptr<WireMaker> mpi_wires(const Comm& comm, MpiMemory memory) {
-    return std::make_unique<MpiWires>(comm, memory);
+std::unique_ptr<WireMaker> mpi_wires(const Comm& comm) {
+    return std::make_unique<MpiWires>(comm, MpiMemory::device);
+}
+
+std::string host_obstacle(const Comm&) {
+    return {};
+}
+
+std::unique_ptr<WireMaker> host_wires(const Comm& comm) {
+    return std::make_unique<MpiWires>(comm, MpiMemory::pinned);
 }
 
 }  // namespace moraine::gpu

@@ -11,11 +11,12 @@
 
 namespace moraine::gpu {
 
-enum class MpiMemory { pinned, device };
+/// From device to device. See TransportEntry. Collective.
+std::string mpi_obstacle(const Comm& comm);
+std::unique_ptr<WireMaker> mpi_wires(const Comm& comm);
 
-/// Whether this MPI takes device memory.
-bool mpi_is_cuda_aware();
-
-std::unique_ptr<WireMaker> mpi_wires(const Comm& comm, MpiMemory memory);
+/// Through memory of the host: works everywhere.
+std::string host_obstacle(const Comm& comm);
+std::unique_ptr<WireMaker> host_wires(const Comm& comm);
 
 }  // namespace moraine::gpu

@@ -3,7 +3,7 @@
 
 namespace moraine::gpu {
 
-std::string why_no_nccl() {
+std::string nccl_obstacle(const Comm&) {
     return "this program was built without NCCL";
 }
 

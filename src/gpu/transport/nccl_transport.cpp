@@ -2,6 +2,8 @@
 
 #include <nccl.h>
 
+#include <cstring>
+
 #include "gpu/memory/pinned_bytes.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/mailboxes.hpp"
@@ -15,6 +17,18 @@ void check(ncclResult_t e, const char* what) {
         throw MachineError(std::string(what) + " failed (NCCL: " + ncclGetErrorString(e) + "). Use --transport host?");
 }
 using gpu::check;
+
+/// Whether two ranks compute on one device. Collective.
+bool devices_are_shared(const Comm& comm) {
+    int device = 0;
+    cudaDeviceProp properties{};
+    check(cudaGetDevice(&device), "Asking for the device");
+    check(cudaGetDeviceProperties(&properties, device), "Asking the device");
+    const std::vector<cudaUUID_t> all = comm.all_gather(std::vector<cudaUUID_t>{properties.uuid});
+    int same = 0;
+    for (const cudaUUID_t& other : all) same += std::memcmp(&other, &properties.uuid, sizeof(other)) == 0;
+    return comm.max(static_cast<double>(same)) > 1;
+}
 
 /// All wires of a run are one communicator's: to join one takes a second.
 class Nccl {
@@ -118,8 +132,8 @@ class NcclWires final : public WireMaker {
 
 }  // namespace
 
-std::string why_no_nccl() {
-    return {};
+std::string nccl_obstacle(const Comm& comm) {
+    return devices_are_shared(comm) ? "ranks share a device, which NCCL does not allow" : "";
 }
 
 std::unique_ptr<WireMaker> nccl_wires(const Comm& comm) {

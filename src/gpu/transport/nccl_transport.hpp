@@ -7,8 +7,8 @@
 
 namespace moraine::gpu {
 
-/// Why there can be none; empty: there can.
-std::string why_no_nccl();
+/// See TransportEntry. Collective.
+std::string nccl_obstacle(const Comm& comm);
 
 std::unique_ptr<WireMaker> nccl_wires(const Comm& comm);
 

@@ -172,6 +172,11 @@ class PeerWires final : public WireMaker {
 
 }  // namespace
 
+std::string peer_obstacle(const Comm& comm) {
+    const bool on_one_host = comm.min(comm.on_this_machine().size == comm.size() ? 1.0 : 0.0) > 0;
+    return on_one_host ? "" : "the ranks are on several hosts";
+}
+
 std::unique_ptr<WireMaker> peer_wires(const Comm& comm) {
     return std::make_unique<PeerWires>(comm);
 }

@@ -10,7 +10,8 @@
 
 namespace moraine::gpu {
 
-/// All ranks must be on one host. Collective.
+/// All ranks must be on one host. See TransportEntry. Collective.
+std::string peer_obstacle(const Comm& comm);
 std::unique_ptr<WireMaker> peer_wires(const Comm& comm);
 
 }  // namespace moraine::gpu

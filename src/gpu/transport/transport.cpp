@@ -1,8 +1,9 @@
 #include "gpu/transport/transport.hpp"
 
-#include <cstring>
+#include <algorithm>
 
-#include "gpu/memory/array.hpp"
+#include "comm/transport_names.hpp"
+#include "core/error.hpp"
 #include "gpu/transport/mpi_transport.hpp"
 #include "gpu/transport/nccl_transport.hpp"
 #include "gpu/transport/peer_transport.hpp"
@@ -12,67 +13,54 @@ namespace moraine::gpu {
 
 namespace {
 
-bool on_one_host(const Comm& comm) {
-    return comm.min(comm.on_this_machine().size == comm.size() ? 1.0 : 0.0) > 0;
-}
+/// Where names become objects: a new transport is one file, one line here and its name in comm/transport_names.hpp.
+constexpr TransportEntry entries[] = {
+    {"peer", peer_obstacle, peer_wires},
+    {"nccl", nccl_obstacle, nccl_wires},
+    {"mpi", mpi_obstacle, mpi_wires},
+    {"host", host_obstacle, host_wires},
+};
+static_assert(std::ranges::equal(entries, transport_names, {}, &TransportEntry::name), "one list, one order");
 
-/// Whether two ranks compute on one device.
-bool devices_are_shared(const Comm& comm) {
-    int device = 0;
-    cudaDeviceProp properties{};
-    check(cudaGetDevice(&device), "Asking for the device");
-    check(cudaGetDeviceProperties(&properties, device), "Asking the device");
-    const std::vector<cudaUUID_t> all = comm.all_gather(std::vector<cudaUUID_t>{properties.uuid});
-    int same = 0;
-    for (const cudaUUID_t& other : all) same += std::memcmp(&other, &properties.uuid, sizeof(other)) == 0;
-    return comm.max(static_cast<double>(same)) > 1;
-}
-
-/// Why a kind of wire cannot be had, without trying it; empty: it can be tried. Collective.
-std::string obstacle(const Comm& comm, const std::string& name) {
-    if (name == "peer" && !on_one_host(comm)) return "the ranks are on several hosts";
-    if (name == "nccl" && !why_no_nccl().empty()) return why_no_nccl();
-    if (name == "nccl" && devices_are_shared(comm)) return "ranks share a device, which NCCL does not allow";
-    if (name == "mpi" && !mpi_is_cuda_aware()) return "this MPI does not take device memory";
-    return {};
-}
-
-std::unique_ptr<WireMaker> maker(const Comm& comm, const std::string& name) {
-    if (name == "peer") return peer_wires(comm);
-    if (name == "nccl") return nccl_wires(comm);
-    return mpi_wires(comm, name == "mpi" ? MpiMemory::device : MpiMemory::pinned);
-}
-
-/// The wires, tried; or null, and why not.
-std::unique_ptr<WireMaker> tried(const Comm& comm, const std::string& name, std::string& why_not) {
-    why_not = obstacle(comm, name);
+/// What `entry` makes, tried; or null, and why not.
+std::unique_ptr<WireMaker> tried(const Comm& comm, const TransportEntry& entry, std::string& why_not) {
+    why_not = entry.obstacle(comm);
     if (!why_not.empty()) return nullptr;
-    std::unique_ptr<WireMaker> wires = maker(comm, name);
-    const std::unique_ptr<Wire> wire = wires->make(90);
+    std::unique_ptr<WireMaker> factory = entry.make(comm);
+    const std::unique_ptr<Wire> wire = factory->make(90);
     why_not = wire_trial(comm, *wire, 4096, 4);
-    return why_not.empty() ? std::move(wires) : nullptr;
+    return why_not.empty() ? std::move(factory) : nullptr;
+}
+
+std::unique_ptr<WireMaker> first_that_works(const Comm& comm, std::string& message) {
+    const TransportEntry& last = entries[std::size(entries) - 1];
+    std::string why_not, passed_over;
+    for (const TransportEntry& entry : std::span(entries).first(std::size(entries) - 1)) {
+        const std::string name(entry.name);
+        if (std::unique_ptr<WireMaker> factory = tried(comm, entry, why_not)) {
+            message = "messages by " + name + " (tried and right" + passed_over + ")";
+            return factory;
+        }
+        passed_over += "; not " + name + ": " + why_not;
+    }
+    message = "messages by " + std::string(last.name) + " (" + passed_over.substr(2) + ")";
+    return last.make(comm);
 }
 
 }  // namespace
 
-std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& words) {
-    std::string why_not, passed_over;
-    if (wanted != "auto") {
-        std::unique_ptr<WireMaker> wires = tried(comm, wanted, why_not);
-        if (!wires)
-            throw InputError("--transport " + wanted + " cannot be had (" + why_not + "). Use --transport auto?");
-        words = "messages by " + wanted + " (--transport)";
-        return wires;
-    }
-    for (const char* name : {"peer", "nccl", "mpi"}) {
-        if (std::unique_ptr<WireMaker> wires = tried(comm, name, why_not)) {
-            words = std::string("messages by ") + name + " (tried and right" + passed_over + ")";
-            return wires;
-        }
-        passed_over += std::string("; not ") + name + ": " + why_not;
-    }
-    words = "messages by host (" + passed_over.substr(2) + ")";
-    return mpi_wires(comm, MpiMemory::pinned);
+std::span<const TransportEntry> transports() {
+    return entries;
+}
+
+std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& message) {
+    if (wanted == "auto") return first_that_works(comm, message);
+    const auto entry = std::ranges::find(entries, wanted, &TransportEntry::name);
+    std::string why_not = "no such transport";
+    std::unique_ptr<WireMaker> factory = entry == std::end(entries) ? nullptr : tried(comm, *entry, why_not);
+    if (!factory) throw InputError("--transport " + wanted + " cannot be had (" + why_not + "). Use --transport auto?");
+    message = "messages by " + wanted + " (--transport)";
+    return factory;
 }
 
 }  // namespace moraine::gpu

@@ -13,7 +13,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "comm/comm.hpp"
@@ -64,9 +66,20 @@ class WireMaker {
     virtual std::unique_ptr<Wire> make(int tag) const = 0;
 };
 
-/// `wanted`: host, peer, nccl, mpi, or auto: the fastest that works between all ranks, which is tried. The words say
+/// One row of the table of transports.
+struct TransportEntry {
+    std::string_view name;
+    /// Why it cannot be had, without trying it; empty: it can be tried. Collective.
+    std::string (*obstacle)(const Comm&);
+    std::unique_ptr<WireMaker> (*make)(const Comm&);  ///< collective
+};
+
+/// All, by the names of comm/transport_names.hpp and in that order.
+std::span<const TransportEntry> transports();
+
+/// `wanted`: one of transport_names, or auto: the first that works between all ranks, which is tried. The message says
 /// what and why. Throws InputError, the same on all ranks, where what is wanted cannot be had. The current device is
 /// this rank's. Collective.
-std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& words);
+std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& message);
 
 }  // namespace moraine::gpu
