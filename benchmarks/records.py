@@ -8,7 +8,6 @@ import json
 
 ABOUT = ("commit", "machine", "cores", "compiler", "march", "device", "driver", "runtime")  # lines under one header agree in these
 FEWEST = 3  # lines of one shape that are worth a header
-DIGITS = 6  # of floating-point numbers; integers and hashes are kept whole
 
 
 def loads(text):
@@ -39,16 +38,10 @@ def read(path):
     return loads(path.read_text()) if path.exists() else []
 
 
-def shorter(value, digits=DIGITS):
-    """The same with every floating-point number in it to so many digits."""
-    if isinstance(value, dict):
-        return {k: shorter(v, digits) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [shorter(v, digits) for v in value]
-    if not isinstance(value, float) or value != value or abs(value) == float("inf"):
-        return value
-    short = float(f"{value:.{digits}g}")
-    return int(short) if short.is_integer() and abs(short) < 1e15 else short
+def shorter(values, digits):
+    """Floating-point numbers to so many digits."""
+    short = [float(f"{v:.{digits}g}") for v in values]
+    return [int(v) if v.is_integer() and abs(v) < 1e15 else v for v in short]
 
 
 def flat(line, outer=()):
@@ -81,7 +74,7 @@ def same(lines, path):
 
 def dumps(lines):
     text = []
-    for (_, paths), group in groups([shorter(x) for x in lines]):
+    for (_, paths), group in groups(lines):
         common = {path[0]: group[0][path[0]] for path in paths if same(group, path)} if len(group) >= FEWEST else {}
         columns = [path for path in paths if path[0] not in common]
         rows = [list(flat(x)) == paths and common != {} for x in group]

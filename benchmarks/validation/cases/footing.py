@@ -42,7 +42,7 @@ def measure(rung):
     places = () if stiff else (0.02, 0.05, 0.1)
     figures = {"Nc": load[use].mean()} | {f"Nc at {at}": numpy.interp(at, u, mean) for at in places}
     figures["noise [%]"] = 100 * norms.rms((load[use] - mean[use]) / mean[use])
-    return figures, {"load": (u, load), "mean": (u, mean)}
+    return figures, {"mean": (u, mean)}
 
 
 def rows(ladders):

@@ -40,6 +40,13 @@ def fit(name, w):
     return a * w**b
 
 
+def error(variant, w, load):
+    """Mean and largest of load / fit - 1 over 0.1 <= w/D <= 0.5 in per cent."""
+    use = (w >= 0.1) & (w <= 0.5)
+    off = 100 * (load[use] / fit(variant, w[use]) - 1)
+    return {"mean error [%]": off.mean(), "largest error [%]": off[numpy.abs(off).argmax()]}
+
+
 def measure(rung):
     pipe = rung.structure("pipe")
     w, load = -pipe["displacement_y_m"] / D, 2 * pipe["force_y_N"] / (D * SU)
@@ -47,22 +54,14 @@ def measure(rung):
     use = (w >= 0.1) & (w <= 0.5)
     figures = {f"V/(D su) at {at}": numpy.interp(at, w, mean) for at in (0.1, 0.2, 0.3, 0.4, 0.49)}
     figures["noise [%]"] = 100 * norms.rms((load[use] - mean[use]) / mean[use])
-    return figures, {"load": (w, load), "mean": (w, mean)}
-
-
-def error(line):
-    """Mean and largest of mean / fit - 1 over 0.1 <= w/D <= 0.5 in per cent."""
-    w, load = map(numpy.array, line["curves"]["mean"])
-    use = (w >= 0.1) & (w <= 0.5)
-    off = 100 * (load[use] / fit(line["variant"], w[use]) - 1)
-    return off.mean(), off[numpy.abs(off).argmax()]
+    return figures | error(rung.variant, w, mean), {"mean": (w, mean)}
 
 
 def rows(ladders):
     found = []
     for variant, lines in ladders.items():
         for x in lines:
-            mean, worst = error(x)
+            mean, worst = x["figures"]["mean error [%]"], x["figures"]["largest error [%]"]
             found.append(Row(f"{variant}, D/{x['level']}: mean error of V", f"{mean:+.1f} % (largest {worst:+.1f} %)", "5 % at D/40", abs(mean) <= 5))
             noise = x["figures"]["noise [%]"]
             found.append(Row(f"{variant}, D/{x['level']}: noise", f"{noise:.2f} %", "2 % at D/40", noise <= 2))
@@ -78,5 +77,5 @@ def plots(ladders):
     lines = [(f"{v} D/{z['level']}", *z["curves"]["mean"], "-") for v, zs in ladders.items() for z in zs]
     lines += [(f"{name}, Merifield et al. 2009", w, fit(name, w), style) for name, style in (("smooth", "k--"), ("rough", "k:"))]
     found = [Plot("load", "Load of the pipe", "w / D", "V / (D su)", lines, False)]
-    errors = [(v, [D / z["level"] for z in zs], [abs(error(z)[0]) / 100 for z in zs], "o-") for v, zs in ladders.items()]
+    errors = [(v, [D / z["level"] for z in zs], [abs(z["figures"]["mean error [%]"]) / 100 for z in zs], "o-") for v, zs in ladders.items()]
     return found + [Plot("error", "Mean error against the fits", "h [m]", "|mean error of V|", errors, True)]

@@ -66,7 +66,7 @@ def measure(rung):
                "noise [%]": PER_CENT * norms.rms(noise), "noise of cells [%]": PER_CENT * norms.rms(means),
                "E_h to R6a [%]": 100 * norms.l1(h, arrested(x)[1]), "E_h to R6c [%]": 100 * norms.l1(h, arrested(x, True)[1]),
                "unaccounted / potential [%]": 100 * history["unaccounted_J"][-1] / history["potential_J"][0]}
-    return figures, {"front": (history["time_s"], history["front_m"]), "front 99.5 %": (series.times, fronts), "depth": (x, h)}
+    return figures, {"front": (history["time_s"], history["front_m"]), "depth": (x, h)}
 
 
 def rows(ladders):

@@ -56,7 +56,7 @@ def measure(rung):
     mean = norms.moving_average(w, load, 0.02)
     use = w >= w[-1] - 0.2
     figures = {"Nc": load[use].mean(), "noise [%]": 100 * norms.rms((load[use] - mean[use]) / mean[use])}
-    return figures, {"load": (w, load), "mean": (w, mean)}
+    return figures, {"mean": (w, mean)}
 
 
 def rows(ladders):
