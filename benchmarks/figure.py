@@ -41,11 +41,11 @@ def tidy(node, used):
             node.attrib[key] = re.sub(r"#(\w+)", lambda m: "#" + used[m[1]], value)
         elif key == "d":
             digits = 1 if "clip-path" in node.attrib else 2  # curves; shapes of marks are a few points wide
-            node.attrib[key] = re.sub(r"\s*([MLCQzZ])\s*", r"\1", rounded(value, digits))
+            node.attrib[key] = re.sub(r"\s*([MLCQzZ])\s*", r"\1", rounded(value, digits)).rstrip()
         elif key == "style":
             node.attrib[key] = re.sub(r"\s*([:;])\s*", r"\1", FAMILY.sub("sans-serif", value))
         elif key != f"{{{LINK}}}href":
-            node.attrib[key] = rounded(value)
+            node.attrib[key] = rounded(value, 1 if key in ("x", "y") else 2)
     children = []
     for child in node:
         tidy(child, used)
@@ -71,7 +71,7 @@ def small(text):
             x.attrib["class"] = names[x.attrib.pop("style")]
     sheet = next(root.iter(f"{{{SVG}}}style"))
     sheet.text = re.sub(r"\s*([:;])\s*", r"\1", sheet.text) + "".join(f"\n.{name}{{{style}}}" for style, name in names.items())
-    return tree.tostring(root, encoding="unicode") + "\n"
+    return tree.tostring(root, encoding="unicode").replace(" />", "/>") + "\n"
 
 
 def save(plt, figure, path, tight=True):

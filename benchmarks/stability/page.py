@@ -2,7 +2,7 @@
 import figure
 
 LIMIT = "least adrift"
-WHOLE = "S22-whole"  # lines of a build that takes whole steps: docs/stability.md has what they say
+WHOLE = "S22-whole"  # scenes that fail with a build that takes whole steps: docs/stability.md has what they say
 CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrift", "2-D free", "2-D jittered", "3-D adrift", "3-D free")
 
 
@@ -64,7 +64,7 @@ def results(lines, words):
         "", f"{machines}; commit {commits}. `-`: no goal.", "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
         "makes this page, a page of each case, the map of S1 and [results.jsonl](results.jsonl), which has every line. Hours on one core. S5 and S11 are taken from "
         "[accuracy](../accuracy/results.md).", "",
-        f"{WHOLE} in results.jsonl: the scenes of S22 at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n"
+        f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n"
 
 
 def case_page(case, about, lines):
@@ -81,7 +81,7 @@ def plot(lines, path):
         return
     values = [[x["numbers"].get(c) or float("nan") for c in CLOUDS] for x in lines]
     drawing, axes = plt.subplots(figsize=(7, 1.2 + 0.2 * len(lines)))
-    image = axes.imshow(values, aspect="auto", cmap="viridis", vmin=0, vmax=2.5)
+    axes.imshow(values, aspect="auto", cmap="viridis", vmin=0, vmax=2.5)
     for i, row in enumerate(values):
         for j, value in enumerate(row):
             if value == value:
@@ -89,5 +89,4 @@ def plot(lines, path):
     axes.set_xticks(range(len(CLOUDS)), CLOUDS, rotation=30, ha="right")
     axes.set_yticks(range(len(lines)), [x["configuration"] for x in lines])
     axes.set_title("largest stable dt c / h")
-    drawing.colorbar(image)
     figure.save(plt, drawing, path)

@@ -26,8 +26,8 @@ from runs import table
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-DIGITS = 5  # of what is kept of curves
-POINTS = 210  # of a curve at most: of a longer one every second, third, ... point is kept
+DIGITS = 4  # of what is kept of curves, which plots show and nothing else is made of
+POINTS = 160  # of a curve at most: of a longer one every second, third, ... point is kept
 
 
 def cases():
@@ -126,8 +126,9 @@ def climb(case, variant, level, args):
         print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)
         return dict(line, failed=failed)
     rung = Rung(directory, name, level, args.program)
-    for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "particle_steps_per_s", "state_hash"):
+    for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "state_hash"):
         line[what] = rung.summary[what]
+    line["wall_s"] = round(line["wall_s"], 2)
     try:
         figures, curves = case.measure(rung)
     except (OSError, KeyError, IndexError, ValueError) as error:  # the other levels go on

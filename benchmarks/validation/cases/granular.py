@@ -39,6 +39,7 @@ LAWS = {"mu-i": "sand", "drucker-prager": "sand-without-rate"}
 SEEDS = range(1, 6)
 WIDTH, GRAIN, GRAVITY = 0.1, 1e-3, 9.81
 BIN = WIDTH / 20
+VOLUME = "runout, 1 % ahead"  # of the volume
 
 
 def column(law, aspect, *more):
@@ -67,9 +68,8 @@ def front(x, volume):
     return middles[k] + BIN * (h[k] - GRAIN) / (h[k] - h[k + 1])
 
 
-def volume_front(line, ahead=0.01):
+def volume_front(x, h, ahead=0.01):
     """Runout of the place with a share `ahead` of the volume beyond it."""
-    x, h = map(numpy.array, line["curves"]["depth"])
     return numpy.interp(1 - ahead, h.cumsum() / h.sum(), x + 0.5 * BIN) / WIDTH - 1
 
 
@@ -88,7 +88,7 @@ def measure(rung):
     x, h = norms.depth(end[:, 0], volume, 0.0, fronts[-1] + 2 * BIN, BIN)
     late = numpy.abs(series.times - 0.9 * series.times[-1]).argmin()
     reached = series.times[numpy.flatnonzero(fronts < WIDTH + 0.98 * (fronts[-1] - WIDTH))[-1]]
-    figures = {"a": aspect, "runout": runout, "against experiments [%]": 100 * (runout / published(aspect) - 1), "H_f / L0": h[:2].mean() / WIDTH,
+    figures = {"a": aspect, "runout": runout, "against experiments [%]": 100 * (runout / published(aspect) - 1), VOLUME: volume_front(x, h), "H_f / L0": h[:2].mean() / WIDTH,
                "98 % after [(H/g)^(1/2)]": reached * math.sqrt(GRAVITY / height), "creep [% of the runout]": 100 * (fronts[-1] - fronts[late]) / (runout * WIDTH),
                "unaccounted / potential [%]": 100 * history["unaccounted_J"][-1] / history["potential_J"][0]}
     return figures, {"front": (series.times, fronts), "depth": (x, h)}
@@ -115,7 +115,7 @@ def rows(ladders):
     found = [row for *_, row in sorted(found, key=lambda x: x[:2])]
     if len(seeds) > 1:
         found.append(spread_row([x["figures"]["runout"] for x in seeds], ""))
-        found.append(spread_row([volume_front(x) for x in seeds], ", where 1 % of the volume is ahead"))
+        found.append(spread_row([x["figures"][VOLUME] for x in seeds], ", where 1 % of the volume is ahead"))
     return found
 
 

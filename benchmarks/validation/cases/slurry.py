@@ -71,7 +71,8 @@ def measure(rung):
                "noise [%]": PER_CENT * norms.rms(noise), "noise of cells [%]": PER_CENT * norms.rms(means),
                "E_h to R6a [%]": 100 * norms.l1(h, arrested(x)[1]), "E_h to R6c [%]": 100 * norms.l1(h, arrested(x, True)[1]),
                "unaccounted / potential [%]": 100 * history["unaccounted_J"][-1] / history["potential_J"][0]}
-    return figures, {"front": (history["time_s"], history["front_m"]), "depth": (x, h)}
+    wet = int(numpy.flatnonzero(h)[-1]) + 2  # bins to the first without slurry
+    return figures, {"front": (history["time_s"], history["front_m"]), "depth": (x[:wet], h[:wet])}
 
 
 def rows(ladders):
