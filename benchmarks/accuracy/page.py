@@ -1,7 +1,7 @@
 """What the lines of benchmark_accuracy say together: orders, time to an error, Pareto front; as Markdown and as a plot.
 
-A rung is one line: a configuration at one number of cells. A rung fails where the program refused to go on, or where the error is
-not a number or at least 1 (100 %). Times to an error are interpolated on log-log axes between two neighbouring rungs, never extrapolated.
+results.md has one row per case, CASE.md all of a case. A level is one line: a configuration at one number of cells. A level fails where the program refused to go on, or where the error is
+not a number or at least 1 (100 %). Times to an error are interpolated on log-log axes between two neighbouring levels, never extrapolated.
 """
 import math
 
@@ -31,7 +31,7 @@ def ladder(lines, configuration, precision):
 
 
 def order(rungs):
-    """Over the last two rungs; None if one of them fails."""
+    """Over the last two levels; None if one of them fails."""
     if len(rungs) < 2 or fails(rungs[-1]) or fails(rungs[-2]):
         return None
     coarse, fine = rungs[-2:]
@@ -53,7 +53,7 @@ def reach(rungs, goal, key):
 
 
 def front(lines):
-    """Rungs that no other beats in both time and error."""
+    """Levels that no other beats in both time and error."""
     best, kept = math.inf, []
     for line in sorted((x for x in lines if not fails(x)), key=lambda x: (x["processor_s"], x["error"])):
         if line["error"] < best:
@@ -121,10 +121,10 @@ def precisions(lines):
     worst, d, s = max(apart, key=lambda x: x[0])
     within = sum(1 for a, _, _ in apart if a <= 1e-3)
     times = sorted(s["processor_s"] / d["processor_s"] for d, s in pairs if d["processor_s"] > 0.2)
-    text = (f"Single against double: the errors of {within} of {len(pairs)} rungs differ by at most 0.1 % of the quantity; the largest difference is "
+    text = (f"Single against double: the errors of {within} of {len(pairs)} levels differ by at most 0.1 % of the quantity; the largest difference is "
             f"{worst:.1e} ({d['configuration']}, {d['cells']} cells: {d['error']:.2e} in double, {s['error']:.2e} in single).")
     if times:
-        text += f" Single took {times[len(times) // 2]:.2f} of the time of double (median of rungs above 0.2 s)."
+        text += f" Single took {times[len(times) // 2]:.2f} of the time of double (median of levels above 0.2 s)."
     return ["", text]
 
 
@@ -134,20 +134,11 @@ def failures(lines):
         if fails(x):
             why = x.get("failed") or ("the error is not a number" if x["error"] is None else f"error {x['error']:.1e}")
             rows.append(f"* {x['configuration']}, {x['precision']}, {x['cells']} cells: {why}")
-    return (["", f"Failing ({len(rows)} of {len(lines)} rungs):", ""] + rows) if rows else ["", "No rung fails."]
-
-
-def case_page(case, words, lines):
-    text = [f"## {case}: {words}", "", f"![{case}]({case}.svg)", ""]
-    text += ["Double:", ""] + table(lines, "double")
-    best = [x for x in lines if x["precision"] == "double"]
-    text += ["", "Pareto front in double: " + "; ".join(
-        f"{x['configuration']}, {x['cells']} cells ({x['processor_s']:.2g} s, {x['error']:.1e})" for x in front(best)) + "."]
-    return text + precisions(lines) + failures(lines) + [""]
+    return (["", f"Failing ({len(rows)} of {len(lines)} levels):", ""] + rows) if rows else ["", "No level fails."]
 
 
 def second_norms(lines):
-    """The other norms of the finest rung of each configuration, in double."""
+    """The other norms of the finest level of each configuration, in double."""
     cells = max(x["cells"] for x in lines)
     rows = [x for x in lines if x["cells"] == cells and x["precision"] == "double" and not fails(x)]
     if not rows:
@@ -159,23 +150,50 @@ def second_norms(lines):
     return text + [""]
 
 
+def case_page(case, words, lines):
+    text = [f"# {case}: {words}", "", f"![{case}]({case}.svg)", ""]
+    text += ["In double; what the columns are: [results.md](results.md).", ""] + table(lines, "double")
+    best = [x for x in lines if x["precision"] == "double"]
+    text += ["", "Pareto front in double:", "", "| configuration | cells | processor s | error |", "|---|---|---|---|"]
+    text += [f"| {x['configuration']} | {x['cells']} | {x['processor_s']:.2g} | {x['error']:.1e} |" for x in front(best)]
+    return "\n".join(text + precisions(lines) + failures(lines) + second_norms(lines)).rstrip() + "\n"
+
+
+def summary_row(case, words, lines):
+    """When B0, the default and the fastest of all are at 1 %, and the least error at the largest number of cells, in double."""
+    reached = {x["configuration"]: reach(ladder(lines, x["configuration"], "double"), 0.01, "processor_s") for x in lines if x["precision"] == "double"}
+    fastest = min((r[0], name) for name, r in reached.items() if r) if any(reached.values()) else None
+    cells = max(x["cells"] for x in lines if x["precision"] == "double")
+    finest = [x for x in lines if (x["precision"], x["cells"]) == ("double", cells) and not fails(x)]
+    least = min(finest, key=lambda x: x["error"]) if finest else None
+    columns = [f"[{case}]({case}.md)", words, *[seconds_to(reached.get(name)) for name in (B0, DEFAULT)],
+               f"{seconds_to(reached[fastest[1]])} ({fastest[1]})" if fastest else "-", f"{least['error']:.1e} at {cells} ({least['configuration']})" if least else "-"]
+    return "| " + " | ".join(columns) + " |"
+
+
 def results(lines, words):
     machines = {}
     for x in lines:
         about = f"{x['machine']}, {x['cores']} cores, one of them used; {x['compiler']}, -march={x['march']}; commit {x['commit']}"
         machines.setdefault(about, {})[x["case"]] = None
     text = ["# Run time against error on one core", "",
-            f"Made by `benchmarks/accuracy/run`; every line is in [results.jsonl](results.jsonl), and `page.py` says how the figures are made of them.", "",
-            *[f"* {about}: {', '.join(cases)}" for about, cases in machines.items()], "",
-            "**The machines were shared.** Times "
-            "are of the processor, over the step loop only, without the body force of E3; neighbours disturb these too, so ratios stand beside those of "
-            "particle-steps. A run below 0.2 s is the median of up to five. p: order over the last two rungs. `B0 / this`: how many times sooner than the method paper's "
-            "scheme (gimp FLIP USL, fixed dt = 0.3 h/c) the error is reached; `-`: not on this ladder. All take dt = 0.3 h/c, those with @ that share of h/c. "
-            "With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
+            "Processor time and error of every method on problems with exact solutions, and on two whole scenes, in both precisions. In words: "
+            "[docs/accuracy.md](../../docs/accuracy.md).", "",
+            "| case | problem | s to 1 %: B0 | the default | the fastest | least error at the most cells |", "|---|---|---|---|---|---|"]
     for case, about in words.items():
         mine = [x for x in lines if x["case"] == case]
         if mine:
-            text += case_page(case, about, mine) + second_norms(mine)
+            text.append(summary_row(case, about, mine))
+    text += ["", f"B0: {B0}, the method paper's scheme, dt = 0.3 h/c. The default: {DEFAULT}, the program's at its own step. In double.", "",
+             *[f"* {about}: {', '.join(cases)}" for about, cases in machines.items()], "", "## Repeat", "", "    benchmarks/accuracy/run [CASE ...]", "",
+             "makes this page, a page and a plot of each case, and [results.jsonl](results.jsonl), which has every line; `page.py` says how the figures are made of them. "
+             "Hours on one core. [device.jsonl](device.jsonl): whole scenes on a GPU by `benchmarks/validation/run`, for the tables of docs/accuracy.md.", "",
+             "## What the columns are", "",
+             "* **The machines were shared.** Times are of the processor, over the step loop only, without the body force of E3. Neighbours disturb these too, so ratios stand "
+             "beside those of particle-steps. A run below 0.2 s is the median of up to five.",
+             "* p: order over the last two levels. `B0 / this`: how many times sooner than B0 the error is reached; `-`: not on these levels.",
+             "* All take dt = 0.3 h/c, those with @ that share of h/c.",
+             "* With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
     return "\n".join(text).rstrip() + "\n"
 
 

@@ -1,4 +1,4 @@
-// benchmark_device: the whole step of one device, filing, dt, epochs and memory refresh included.
+// benchmark_device: the whole step of one device, binning, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...] [--warm-up N] [--steps N] [--runs N] [--list]
 //                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME]

@@ -146,9 +146,10 @@ void run(const Options& o) {
     compare<float>(o, copied, table, json);
     fmt::print("{}\n{}", table, json);
     if (o.write.empty()) return;
-    std::ofstream(o.write + "/results.md")
-        << "# Particle-to-grid transfers on the host\n\nMade by `benchmark_p2g --write DIR`. Losers stay.\n\n"
-        << table;
+    std::ofstream(o.write + "/results.md") << "# Particle-to-grid transfers on the host\n\nThe program's transfer and "
+                                              "the rejected variants, timed side by "
+                                              "side by `benchmark_p2g --write DIR`.\n\n"
+                                           << table;
     std::ofstream(o.write + "/results.jsonl") << json;
 }
 

@@ -1,9 +1,9 @@
 """Stress tests that benchmarks/accuracy has measured already: S5 and S6 (update order, drift) and S11 (single precision), as lines of their own."""
-import json
+import records
 
 WORDS = {
     "S5": "energy and frequency of a ringing bar after 10 periods at 64 cells, at rest and adrift at Mach 0.05 (E1 of benchmarks/accuracy); goal: energy within 1 %",
-    "S11": "errors in single and in double precision, all rungs of benchmarks/accuracy; goal: within 0.1 % of the quantity",
+    "S11": "errors in single and in double precision, all levels of benchmarks/accuracy; goal: within 0.1 % of the quantity",
 }
 
 
@@ -28,7 +28,7 @@ def precision(lines):
             continue
         worst, at = max(apart, key=lambda pair: pair[0])
         within = sum(1 for a, _ in apart if a <= 1e-3)
-        yield line("S11", case, {"rungs": len(apart), "within": within, "worst": worst}, within == len(apart), lines, f"worst: {at['configuration']}, {at['cells']} cells")
+        yield line("S11", case, {"levels": len(apart), "within": within, "worst": worst}, within == len(apart), lines, f"worst: {at['configuration']}, {at['cells']} cells")
 
 
 def line(case, configuration, numbers, met, source, why=""):
@@ -37,5 +37,5 @@ def line(case, configuration, numbers, met, source, why=""):
 
 
 def lines(path):
-    source = [json.loads(text) for text in path.read_text().splitlines()]
+    source = records.read(path)
     return list(energy(source)) + list(precision(source))

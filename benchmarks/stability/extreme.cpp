@@ -1,4 +1,4 @@
-// S12: inputs that nobody should give. Expected: a bounded result with closed books, or a clear error.
+// S12: inputs that nobody should give. Expected: a bounded result with a closed budget, or a clear error.
 //
 // In 2-D, at the default step unless a case says its own; h, c and rho are 1.
 

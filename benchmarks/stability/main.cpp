@@ -63,7 +63,8 @@ constexpr StabilityCase cases[] = {
      "lambda "
      "at the end; a slab sheared to 50: largest error of the stress over itself and of ln J, in its middle",
      pull_apart},
-    {"S12", "inputs that nobody should give (2-D): a bounded result with closed books (1e-10 of M c), or a clear error",
+    {"S12",
+     "inputs that nobody should give (2-D): a bounded result with a closed budget (1e-10 of M c), or a clear error",
      push_extremes},
     {"S15",
      "an elastic block rests on a rigid plane for 1e6 steps, undamped, looked at over the last 9e5; goal: kinetic "

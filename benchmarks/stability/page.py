@@ -2,6 +2,7 @@
 import figure
 
 LIMIT = "least adrift"
+WHOLE = "S22-whole"  # scenes that fail with a build that takes whole steps: docs/stability.md has what they say
 CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrift", "2-D free", "2-D jittered", "3-D adrift", "3-D free")
 
 
@@ -43,21 +44,34 @@ def random_scenes(lines):
     return text + (["", "Those that do not:", ""] + table(failing) if failing else [])
 
 
+def summary_row(case, about, lines):
+    asked = [x for x in lines if x["pass"] is not None]
+    met = f"{sum(1 for x in asked if x['pass'])} of {len(asked)}" if asked else "-"
+    return f"| [{case}]({case}.md) | {about.replace('|', '')} | {len(lines)} | {met} |"
+
+
 def results(lines, words):
     commits = ", ".join(sorted({x["commit"] for x in lines}))
     machines = "; ".join(dict.fromkeys(f"{x['machine']}, one core, {x['compiler']}, -march={x['march']}" for x in lines))
     text = ["# Where the method is stable", "",
-            "Made by `benchmarks/stability/run`; every line is in [results.jsonl](results.jsonl). `-`: not measured.", "",
-            f"{machines}; commit {commits}.", ""]
+            "The largest stable steps of every method, stress tests and random scenes, in double precision. In words: [docs/stability.md](../../docs/stability.md).", "",
+            "| case | what, and its goal | configurations or scenes | meet the goal |", "|---|---|---|---|"]
     for case, about in words.items():
         mine = [x for x in lines if x["case"] == case]
-        if not mine:
-            continue
-        text += [f"## {case}: {about}", ""]
-        if case == "S1":
-            text += ["![S1](S1.svg)", ""]
-        text += (random_scenes(mine) if case == "S22" else table(mine)) + [""]
-    return "\n".join(text).rstrip() + "\n"
+        if mine:
+            text.append(summary_row(case, about, mine))
+    return "\n".join(text + [
+        "", f"{machines}; commit {commits}. `-`: no goal.", "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
+        "makes this page, a page of each case, the map of S1 and [results.jsonl](results.jsonl), which has every line. Hours on one core. S5 and S11 are taken from "
+        "[accuracy](../accuracy/results.md).", "",
+        f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n"
+
+
+def case_page(case, about, lines):
+    text = [f"# {case}", "", *[f"{part[:1].upper()}{part[1:]}.\n" for part in about.replace("; goal", "\ngoal").splitlines()]]
+    if case == "S1":
+        text += ["![S1](S1.svg)", ""]
+    return "\n".join(text + ["`-`: not measured. All cases: [results.md](results.md).", ""] + (random_scenes(lines) if case == "S22" else table(lines))) + "\n"
 
 
 def plot(lines, path):
@@ -67,7 +81,7 @@ def plot(lines, path):
         return
     values = [[x["numbers"].get(c) or float("nan") for c in CLOUDS] for x in lines]
     drawing, axes = plt.subplots(figsize=(7, 1.2 + 0.2 * len(lines)))
-    image = axes.imshow(values, aspect="auto", cmap="viridis", vmin=0, vmax=2.5)
+    axes.imshow(values, aspect="auto", cmap="viridis", vmin=0, vmax=2.5)
     for i, row in enumerate(values):
         for j, value in enumerate(row):
             if value == value:
@@ -75,5 +89,4 @@ def plot(lines, path):
     axes.set_xticks(range(len(CLOUDS)), CLOUDS, rotation=30, ha="right")
     axes.set_yticks(range(len(lines)), [x["configuration"] for x in lines])
     axes.set_title("largest stable dt c / h")
-    drawing.colorbar(image)
     figure.save(plt, drawing, path)

@@ -40,7 +40,7 @@ std::string json_line(const Case& c, const Runs& plan, const Measured& m, std::i
 
 std::string table_head() {
     return "| scene | particles | million particle-steps/s | spread | by processor time | ns per particle-step | p2g | "
-           "nodes | g2p | filing | rest | bytes per particle | of these columns | moved per step [cells] | yielded "
+           "nodes | g2p | binning | rest | bytes per particle | of these columns | moved per step [cells] | yielded "
            "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
@@ -60,7 +60,7 @@ std::string table_notes(const Runs& plan) {
         "median "
         "distance from the median; \"by processor time\" is what counts where others used the machine. Phases are "
         "means "
-        "over all runs [ns per particle-step]: g2p includes the stress update, filing is the making of the lists. "
+        "over all runs [ns per particle-step]: g2p includes the stress update, binning is the making of the lists. "
         "Bytes "
         "per particle: peak resident memory of the whole program, seeding included, above that of the same scene with "
         "one cell of particles; columns are the state itself.\n",

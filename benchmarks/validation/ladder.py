@@ -1,4 +1,4 @@
-"""One rung of a ladder: the program run on a scene, and what is measured of what it wrote; the log of all rungs.
+"""One level of a refinement study: the program run on a scene, and what is measured of what it wrote; the log of all runs.
 
 A case is a module of cases/ with
   __doc__                the first line is its title; the rest says scene, references and norms
@@ -20,12 +20,14 @@ import shutil
 import subprocess
 import sys
 
+import records
 from runs import table
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-DIGITS = 6  # of what is kept of curves
+DIGITS = 4  # of what is kept of curves, which plots show and nothing else is made of
+POINTS = 160  # of a curve at most: of a longer one every second, third, ... point is kept
 
 
 def cases():
@@ -59,24 +61,24 @@ class Log:
         self.read()
 
     def read(self):
-        self.lines = [json.loads(text) for text in self.path.read_text().splitlines()] if self.path.exists() else []
+        self.lines = records.read(self.path)
 
     def put(self, line):
         self.read()  # another case may be running into the same file
         self.lines = [x for x in self.lines if key(x) != key(line)] + [line]
         self.lines.sort(key=key)
-        self.path.write_text("".join(json.dumps(x) + "\n" for x in self.lines))
+        records.write(self.path, self.lines)
 
     def add(self, file):
-        for text in file.read_text().splitlines():
-            self.put(json.loads(text))
+        for line in records.read(file):
+            self.put(line)
 
 
 class Rung:
     """A finished run, as a case measures it."""
 
-    def __init__(self, directory, level, program):
-        self.directory, self.level, self.program = directory, level, program
+    def __init__(self, directory, variant, level, program):
+        self.directory, self.variant, self.level, self.program = directory, variant, level, program
         self.summary = json.loads((directory / "summary.json").read_text())
         self.history = table(directory / "history.csv")
 
@@ -108,12 +110,13 @@ def run(case, variant, level, args, directory):
     return command, f"exit code {done.returncode}: {last}" if done.returncode else ""
 
 
-def shorter(values):
-    return [float(f"{float(v):.{DIGITS}g}") for v in values]
+def thinned(values):
+    kept = values[::-(-len(values) // POINTS)]
+    return records.shorter([float(v) for v in kept], DIGITS)
 
 
 def climb(case, variant, level, args):
-    """Runs one rung and returns its line."""
+    """Runs one level and returns its line."""
     name = variant + (f" {args.label}" if args.label else "")
     directory = args.runs / f"{name_of(case)}-{name}-{level}".replace(" ", "-").replace(",", "")
     command, failed = run(case, variant, level, args, directory)
@@ -122,16 +125,17 @@ def climb(case, variant, level, args):
     if failed:
         print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)
         return dict(line, failed=failed)
-    rung = Rung(directory, level, args.program)
-    for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "particle_steps_per_s", "state_hash"):
+    rung = Rung(directory, name, level, args.program)
+    for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "state_hash"):
         line[what] = rung.summary[what]
+    line["wall_s"] = round(line["wall_s"], 2)
     try:
         figures, curves = case.measure(rung)
-    except (OSError, KeyError, IndexError, ValueError) as error:  # the other rungs go on
+    except (OSError, KeyError, IndexError, ValueError) as error:  # the other levels go on
         print(f"validation: {directory} cannot be measured ({type(error).__name__}: {error}). It is kept", file=sys.stderr)
         return dict(line, failed=f"not measured: {error}")
     line["figures"] = {k: float(v) for k, v in figures.items()}
-    line["curves"] = {k: [shorter(x), shorter(y)] for k, (x, y) in curves.items()}
+    line["curves"] = {k: [thinned(x), thinned(y)] for k, (x, y) in curves.items()}
     print(f"{line['case']} {name} {level}: {line['figures']}", file=sys.stderr)
     if not args.keep:
         shutil.rmtree(directory)

@@ -1,6 +1,7 @@
-"""The page of all cases: tables of rungs, goals met or missed, and plots as SVG. Plots are data; only `draw` knows matplotlib."""
+"""The pages of all cases: tables of levels, goals met or missed, and plots as small SVG. Plots are data; only `draw` knows matplotlib."""
 import collections
-import sys
+
+import figure
 
 Row = collections.namedtuple("Row", "what value goal met")  # met: True, False, or None where nothing is asked
 Plot = collections.namedtuple("Plot", "name title x y lines log")  # lines: (label, x, y, style)
@@ -19,9 +20,9 @@ def number(value):
     return f"{value:.4g}"
 
 
-def rung_table(case, lines):
+def level_table(case, lines):
     names = list(dict.fromkeys(name for x in lines for name in x.get("figures", {})))
-    text = ["| variant | rung | " + " | ".join(names) + " | particles | steps | wall [s] | on |", "|---" * (len(names) + 6) + "|"]
+    text = ["| variant | level | " + " | ".join(names) + " | particles | steps | wall [s] | on |", "|---" * (len(names) + 6) + "|"]
     for x in sorted(lines, key=lambda x: (x["variant"], x["level"])):
         head = f"| {x['variant']} | {case.RUNG.format(x['level'])} | "
         if "failed" in x:
@@ -38,11 +39,18 @@ def goal_table(rows):
     return ["| what | measured | goal | |", "|---|---|---|---|"] + [f"| {r.what} | {r.value} | {r.goal} | {words[r.met]} |" for r in rows]
 
 
-def section(name, case, lines):
+def case_page(name, case, lines):
+    """Scene, norms and reasons, plots, and every run."""
     title, _, rest = case.__doc__.partition("\n")
     plots = case.plots(ladders(lines))
-    text = [f"## {name}: {title}", "", rest.strip(), ""] + [f"![{p.title}]({name}-{p.name}.svg)" for p in plots] + [""]
-    return text + goal_table(case.rows(ladders(lines))) + [""] + rung_table(case, lines) + [""], plots
+    text = [f"# {name}: {title}", "", rest.strip(), ""] + [f"![{p.title}]({name}-{p.name}.svg)" for p in plots]
+    text += ["", "Goals met and missed: [results.md](results.md)."]
+    return "\n".join(text + ["", *level_table(case, lines)]) + "\n", plots
+
+
+def summary_row(name, case, rows):
+    asked = [r for r in rows if r.met is not None]
+    return f"| [{name}]({name}.md) | {case.__doc__.splitlines()[0]} | {sum(1 for r in asked if r.met)} of {len(asked)} |"
 
 
 def machines(lines):
@@ -55,33 +63,37 @@ def machines(lines):
 
 
 def write(lines, cases, folder):
-    text = ["# Validation", "", "Made by `benchmarks/validation/run CASE`; every run, with its command, is a line of [results.jsonl](results.jsonl), and "
-            "[cases/](cases/) say how figures and goals are made of it. Measured on: " + machines(lines) + ". Wall times are of whole "
-            "runs with their output, on a host that may have been shared, many side by side on one GPU.", ""]
-    drawn = []
+    """results.md: how many goals each case meets, and all of them; CASE.md and its plots."""
+    summary, goals, drawn = [], [], []
     for name, case in cases.items():
         mine = [x for x in lines if x["case"] == name]
-        if mine:
-            part, plots = section(name, case, mine)
-            text += part
-            drawn += [(folder / f"{name}-{p.name}.svg", p) for p in plots]
-    (folder / "results.md").write_text("\n".join(text).rstrip() + "\n")
+        if not mine:
+            continue
+        text, plots = case_page(name, case, mine)
+        (folder / f"{name}.md").write_text(text)
+        drawn += [(folder / f"{name}-{p.name}.svg", p) for p in plots]
+        rows = case.rows(ladders(mine))
+        summary.append(summary_row(name, case, rows))
+        goals += [f"## {name}: {case.__doc__.splitlines()[0]}", "", *goal_table(rows), ""]
+    text = ["# Validation", "", "Refinement studies of whole scenes, run as a user would run them, against published and exact references.", "",
+            "| case | what | goals met |", "|---|---|---|", *summary, "", "Measured on: " + machines(lines) + ".", "",
+            "Wall times are of whole runs with their output, on a host that may have been shared, many side by side on one GPU.", "",
+            "## Repeat", "", "    benchmarks/validation/run CASE ... [--device cuda]", "",
+            "writes a line per run, with its command, to [results.jsonl](results.jsonl), this page, and a page of each case with its reasons, plots and runs. "
+            "[cases/](cases/) say how figures and goals are made of them.", ""]
+    (folder / "results.md").write_text("\n".join(text + goals).rstrip() + "\n")
     draw(drawn)
 
 
 def draw(drawn):
-    try:
-        from plots import pyplot
-    except ImportError:
-        return print("validation: no plots (matplotlib is missing). Install python3-matplotlib?", file=sys.stderr)
-    for path, plot in drawn:
-        figure, axes = pyplot.subplots(figsize=(8, 4))
+    plt = figure.pyplot("validation")
+    for path, plot in drawn if plt else []:
+        drawing, axes = plt.subplots(figsize=(8, 4))
         for label, x, y, style in plot.lines:
             axes.plot(x, y, style, label=label, linewidth=1.2, markersize=4)
         axes.set(xlabel=plot.x, ylabel=plot.y, title=plot.title)
         if plot.log:
             axes.set(xscale="log", yscale="log")
-        axes.legend(fontsize=8)
-        figure.savefig(path, metadata={"Date": None})
-        pyplot.close(figure)
-        path.write_text("\n".join(line.rstrip() for line in path.read_text().splitlines()) + "\n")
+        axes.grid(alpha=0.25)
+        axes.legend(fontsize=7, frameon=False)
+        figure.save(plt, drawing, path)

@@ -3,7 +3,6 @@
 One line per test program, test case and check: the expression, its worst figure (nearest to its goal, or furthest beyond it) over all
 times that it was checked, how often, and whether it always held.
 """
-import json
 import os
 import re
 import subprocess
@@ -11,6 +10,7 @@ import sys
 import time
 import xml.etree.ElementTree
 
+import records
 from figure import ENVIRONMENT
 
 NUMBER = r"-?[0-9.]+(?:e[+-]?[0-9]+)?"
@@ -78,15 +78,11 @@ def run(program, long, limit):
     return [dict(line, long=long, program_s=seconds) for line in lines_of(report, program.name)]
 
 
-def read(path):
-    return [json.loads(text) for text in path.read_text().splitlines()] if path.exists() else []
-
-
 def keep(path, fresh):
     """What is measured again replaces its case's lines."""
     again = {(x["program"], x["case"]) for x in fresh}
-    lines = [x for x in read(path) if (x["program"], x["case"]) not in again] + fresh
-    path.write_text("".join(json.dumps(x) + "\n" for x in sorted(lines, key=lambda x: x["program"])))
+    lines = [x for x in records.read(path) if (x["program"], x["case"]) not in again] + fresh
+    records.write(path, sorted(lines, key=lambda x: x["program"]))
 
 
 def measure(args, path):

@@ -1,10 +1,10 @@
-"""The one table: case, norm, figure, goal, met or not, of what the tests checked and the three benchmarks wrote."""
+"""Tables of case, norm, figure, goal, met or not, of what the tests checked and the three benchmarks wrote: one page per part, and what misses."""
 import collections
 import importlib.util
-import json
 import pathlib
 
 import ladder
+import records
 import sheet
 
 BENCHMARKS = pathlib.Path(__file__).resolve().parents[1]
@@ -13,8 +13,7 @@ Row = collections.namedtuple("Row", "case norm figure goal met")
 
 
 def lines_of(name):
-    path = BENCHMARKS / name / "results.jsonl"
-    return [json.loads(text) for text in path.read_text().splitlines()] if path.exists() else []
+    return records.read(BENCHMARKS / name / "results.jsonl")
 
 
 def module(name, file):
@@ -26,6 +25,7 @@ def module(name, file):
 
 
 accuracy = module("accuracy_page", "accuracy/page.py")
+stability = module("stability_page", "stability/page.py")
 
 
 def number(value):
@@ -43,12 +43,12 @@ def of_tests(lines):
 
 def best(lines, cells):
     """The configuration with the least error at so many cells, in double."""
-    rungs = [x for x in lines if x["precision"] == "double" and x["cells"] == cells and not accuracy.fails(x)]
-    return min(rungs, key=lambda x: x["error"]) if rungs else None
+    levels = [x for x in lines if x["precision"] == "double" and x["cells"] == cells and not accuracy.fails(x)]
+    return min(levels, key=lambda x: x["error"]) if levels else None
 
 
 def reaches(lines):
-    """(time to 1 % of B0, of its last rung, [(time, configuration, reached)]) of one case, in double."""
+    """(time to 1 % of B0, of its last level, [(time, configuration, reached)]) of one case, in double."""
     base = accuracy.reach(accuracy.ladder(lines, accuracy.B0, "double"), 0.01, "processor_s")
     slowest = max((x["processor_s"] for x in accuracy.ladder(lines, accuracy.B0, "double") if not accuracy.fails(x)), default=0)
     names = dict.fromkeys(x["configuration"] for x in lines if x["precision"] == "double")
@@ -62,7 +62,7 @@ def gains(case, lines):
     for what in ("the default", "the fastest"):
         name = accuracy.DEFAULT if what == "the default" else min(found)[1] if found else None
         reached = next((r for _, n, r in found if n == name), None)
-        ratio = (base[0] if base else slowest) / reached[0] if reached else 0  # B0 is not there after its last rung
+        ratio = (base[0] if base else slowest) / reached[0] if reached else 0  # B0 is not there after its last level
         words = "1 % is not reached" if not reached else accuracy.gain(base, reached) if base else f"above {ratio:.2g}: B0 is not there after {slowest:.2g} s"
         if what == "the fastest" and name:
             words += f" ({name})"
@@ -118,35 +118,42 @@ def table(rows):
     return ["| case | norm | figure | goal | |", "|---|---|---|---|---|"] + [f"| {r.case} | {r.norm} | {r.figure} | {r.goal} | {WORDS[r.met]} |" for r in rows]
 
 
-def counted(title, rows):
-    asked = [r for r in rows if r.met is not None]
-    return [f"## {title}: {sum(1 for r in asked if r.met)} of {len(asked)} met", ""]
-
-
 def about_tests(lines):
     if not lines:
         return "Not run."
     seconds = sum({x["program"]: x.get("program_s", 0) for x in lines}.values())
     long = sorted({x["program"].removeprefix("verification.test_") for x in lines if x["long"]})
-    return (f"Programs of tests/verification, {seconds:.0f} s of wall time on a shared host; with the long ladders: {', '.join(long) or 'none'}. One row per check, its "
-            "worst figure. What the ladders print besides is in [tests.jsonl](tests.jsonl) (`said`).")
+    return (f"Programs of tests/verification, {seconds:.0f} s of wall time on a shared host; with the long refinement studies: {', '.join(long) or 'none'}. One row per "
+            "check, its worst figure. What they print besides is in [tests.jsonl](tests.jsonl) (`said`).")
 
 
-def page(tests):
-    stability, rows = lines_of("stability"), []
-    parts = [("Tests of exact solutions", about_tests(tests), list(of_tests(tests))),
-             ("Run time against error", "From [accuracy/results.jsonl](../accuracy/results.jsonl): processor time of one core, B0 = gimp FLIP USL at dt = 0.3 h/c, the "
-              f"default = {accuracy.DEFAULT} (its own step is 0.688 h/c). "
-              "3 is asked of most cases.", list(of_accuracy(lines_of("accuracy")))),
-             ("Stability", "From [stability/results.jsonl](../stability/results.jsonl).", list(of_stability(stability))),
-             ("Whole scenes", "From [validation/results.jsonl](../validation/results.jsonl).", list(of_validation(lines_of("validation"))))]
-    text = ["# Verification: what is met and what is not", "",
-            "Made by `benchmarks/verification/run`, which runs all of it, or by `run table` from what was measured. What the cases are: "
-            "[docs/verification.md](../../docs/verification.md), [docs/accuracy.md](../../docs/accuracy.md), [docs/stability.md](../../docs/stability.md); there are the reasons too.", ""]
-    for title, about, part in parts:
-        rows += part
-        text += counted(title, part) + [about, ""] + table(part) + [""]
+def parts(tests):
+    """{page: (title, what it is made of, its rows, more of the page)}"""
+    stable = [x for x in lines_of("stability") if x["case"] != stability.WHOLE]
+    return {
+        "tests": ("Tests of exact solutions", about_tests(tests), list(of_tests(tests)), []),
+        "accuracy": ("Run time against error", "From [accuracy/results.jsonl](../accuracy/results.jsonl): processor time of one core, B0 = gimp FLIP USL at dt = 0.3 h/c, "
+                     f"the default = {accuracy.DEFAULT} (its own step is 0.688 h/c).", list(of_accuracy(lines_of("accuracy"))), []),
+        "stability": ("Stability", "From [stability/results.jsonl](../stability/results.jsonl).", list(of_stability(stable)), ["## What fails, and why", "", *failing(stable)]),
+        "scenes": ("Whole scenes", "From [validation/results.jsonl](../validation/results.jsonl).", list(of_validation(lines_of("validation"))), [])}
+
+
+def met_of(rows):
     asked = [r for r in rows if r.met is not None]
-    text[4:4] = [f"**{sum(1 for r in asked if r.met)} of {len(asked)} figures meet their goals.**", ""]
-    text += ["## Stability: what fails, and why", ""] + failing(stability)
-    return "\n".join(text).rstrip() + "\n"
+    return f"{sum(1 for r in asked if r.met)} of {len(asked)}"
+
+
+def pages(tests):
+    """{file name: text}"""
+    found = parts(tests)
+    rows = [r for _, _, part, _ in found.values() for r in part]
+    text = ["# Verification: what is met and what is not", "",
+            f"What the tests of exact solutions and three benchmarks have goals for. **{met_of(rows)} figures meet their goals.** What the cases are, and the reasons: "
+            "[verification](../../docs/verification.md), [accuracy](../../docs/accuracy.md), [stability](../../docs/stability.md).", "",
+            "| part | goals met |", "|---|---|", *[f"| [{title}]({name}.md) | {met_of(part)} |" for name, (title, _, part, _) in found.items()],
+            "", "## Repeat", "", "    benchmarks/verification/run          # all of it (hours)", "    benchmarks/verification/run table    # these pages of what was measured (seconds)", "",
+            "## What is not met", ""] + table([r for r in rows if r.met is False])
+    texts = {"results.md": text}
+    for name, (title, about, part, more) in found.items():
+        texts[f"{name}.md"] = [f"# {title}: {met_of(part)} met", "", about, "", *table(part), *([""] + more if more else [])]
+    return {name: "\n".join(text).rstrip() + "\n" for name, text in texts.items()}
