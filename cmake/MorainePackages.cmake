@@ -52,7 +52,7 @@ if(MORAINE_CUDA)
     endif()
     set(CMAKE_CUDA_STANDARD 20)
     find_package(CUDAToolkit 12.4 REQUIRED)
-    # Another wire between devices, where it is there.
+    # Another transport between devices, where it is there.
     find_path(NCCL_INCLUDE_DIR nccl.h HINTS ${CUDAToolkit_INCLUDE_DIRS})
     find_library(NCCL_LIBRARY nccl HINTS ${CUDAToolkit_LIBRARY_DIR} ${CUDAToolkit_TARGET_DIR}/../../lib)
     if(NCCL_INCLUDE_DIR AND NCCL_LIBRARY)

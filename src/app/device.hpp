@@ -11,13 +11,13 @@
 namespace moraine {
 
 namespace gpu {
-class WireMaker;
+class TransportFactory;
 }
 
 struct DeviceChoice {
     bool cuda = false;
-    std::string words;                                 ///< for the user: what was chosen, and why
-    std::shared_ptr<const gpu::WireMaker> transports;  ///< between devices; none: one rank, or the host
+    std::string words;                                        ///< for the user: what was chosen, and why
+    std::shared_ptr<const gpu::TransportFactory> transports;  ///< between devices; none: one rank, or the host
     std::string transport = "host";
 };
 

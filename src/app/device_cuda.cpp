@@ -52,7 +52,7 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
     DeviceChoice choice{true, {}, nullptr, "none"};
     std::string how;
     if (comm.size() > 1) {
-        choice.transports = gpu::choose_wires(comm, transport, how);
+        choice.transports = gpu::choose_transport(comm, transport, how);
         choice.transport = choice.transports->name();
     }
     keep_freed_memory();

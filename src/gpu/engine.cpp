@@ -21,7 +21,7 @@ cudaDeviceProp properties_of_device() {
 
 template <class Real, int Dim>
 DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
-                                      const WireMaker* wires)
+                                      const TransportFactory* transports)
     : scene_(scene),
       method_(method),
       name_(properties_of_device().name),
@@ -35,7 +35,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
-    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *wires);
+    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports);
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
     empty_accounts(accounts_.data(), stream_);

@@ -31,8 +31,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
   public:
     using Share = Patch<Host, Real, Dim>;
 
-    /// On the current device. wires: needed where there are several ranks. All but wires must outlive it. Collective.
-    DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method, const WireMaker* wires);
+    /// On the current device. transports: needed where there are several ranks. All but transports must outlive it.
+    /// Collective.
+    DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
+                 const TransportFactory* transports);
 
     std::string device() const override { return name_; }
     bool leaves_host_free() const override { return true; }

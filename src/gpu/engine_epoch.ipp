@@ -12,7 +12,7 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
 }
 
 /// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the
-/// wires' and what moves pass through.
+/// transports' and what moves pass through.
 template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;

@@ -95,7 +95,7 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
 
-/// Boxes of a wire for messages of so many bytes in all, two for each (gpu/transport/peer_transport.cpp).
+/// Boxes of a transport for messages of so many bytes in all, two for each (gpu/transport/peer_transport.cpp).
 double boxes(double bytes) {
     const double room = 2 * 9.0 / 8 * bytes;
     return room + std::max(room / 8, std::min(room, 64.0 * (1 << 20)));

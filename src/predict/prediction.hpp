@@ -43,13 +43,14 @@ double bytes_per_rank(const Scene& scene, const Prediction& prediction, int rank
 
 /// Of the GPU of one of `ranks` ranks, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the
 /// arrays of gpu/memory/particles.hpp, gpu/kernels/cells/lists.hpp, gpu/memory/device_tables.hpp and gpu/engine.hpp,
-/// and with several ranks through the boxes of the wires; a test holds it to what was measured.
+/// and with several ranks through the boxes of the transports; a test holds it to what was measured.
 double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 
-/// Of the host, for one of `ranks` ranks that compute on GPUs [B]: 1 GB allowed for CUDA, MPI and the wires; blocks,
-/// which every rank knows, and the tables of its own ones, twice while a next epoch is made; a piece of the particles;
-/// where `writes_particles`, one column of them for particles.vtkhdf. Scenes that are not is_lattice() are seeded on
-/// the host: there all particles are in its memory at the start. Checkpoints need a column too, and are not counted.
+/// Of the host, for one of `ranks` ranks that compute on GPUs [B]: 1 GB allowed for CUDA, MPI and the transports;
+/// blocks, which every rank knows, and the tables of its own ones, twice while a next epoch is made; a piece of the
+/// particles; where `writes_particles`, one column of them for particles.vtkhdf. Scenes that are not is_lattice() are
+/// seeded on the host: there all particles are in its memory at the start. Checkpoints need a column too, and are not
+/// counted.
 double host_bytes_beside_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
 
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.

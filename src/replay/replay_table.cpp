@@ -31,11 +31,11 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
         "All lines but `measured` are predictions by a model: {:.0f} ns a particle, {:.0f} ns a block, {:.0f} ns a "
         "particle in exchanges, "
         "{:.2g} ms a look,\n  {:.2g} ms a step, a migration {:.2g} times what the planner reckons, unrest {:.1f} %;\n  "
-        "wire {:.2g} us and {:.2g} GB/s (--latency, "
+        "transport {:.2g} us and {:.2g} GB/s (--latency, "
         "--bandwidth).\n",
         options.directory, record.looks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.look,
-        1e3 * m.constant, m.moves_slower, 100 * m.unrest, 1e6 * m.wire.latency, m.wire.bandwidth / 1e9);
+        1e3 * m.constant, m.moves_slower, 100 * m.unrest, 1e6 * m.transport.latency, m.transport.bandwidth / 1e9);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "

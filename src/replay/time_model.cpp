@@ -72,8 +72,9 @@ double TimeModel::waiting(std::span<const std::int64_t> particles, std::span<con
 
 double TimeModel::sending(const HaloForecast& halo, int ranks) const {
     if (ranks == 1) return 0;
-    return rounds * (wire.latency * halo.neighbours_max + static_cast<double>(halo.busiest_bytes) / wire.bandwidth) +
-           wire.latency * std::log2(ranks);
+    return rounds * (transport.latency * halo.neighbours_max +
+                     static_cast<double>(halo.busiest_bytes) / transport.bandwidth) +
+           transport.latency * std::log2(ranks);
 }
 
 void ModelFit::add(const ModelFit& other) {

@@ -36,7 +36,7 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
             counts};
 }
 
-/// One rank's answer against that of all, for every wire and several ways to own the blocks.
+/// One rank's answer against that of all, for every transport and several ways to own the blocks.
 template <class Real, int Dim>
 void compare(Scene scene, int steps) {
     const Comm all(MPI_COMM_WORLD), alone(MPI_COMM_SELF);

@@ -10,7 +10,7 @@ namespace moraine::gpu {
 namespace {
 
 constexpr int threads = 256;
-constexpr std::size_t most_bytes = std::size_t(64) << 20;  ///< of a message: rounds of 64 MiB fill any wire
+constexpr std::size_t most_bytes = std::size_t(64) << 20;  ///< of a message: rounds of 64 MiB fill any transport
 
 __global__ void __launch_bounds__(threads)
     list_kernel(const ListCopy* copies, const std::uint32_t* lists, std::uint32_t* to) {
@@ -106,7 +106,7 @@ void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* 
 /// Both sides know what goes between them, so both keep the same rooms.
 std::vector<BlockPlan::Partner> BlockMoves::open(const BlockPlan& plan, std::size_t chunk, std::size_t record) {
     for (const Partner& p : plan.partners) {
-        const auto rank_below = [](const WirePeer& peer, int rank) { return peer.rank < rank; };
+        const auto rank_below = [](const TransportPeer& peer, int rank) { return peer.rank < rank; };
         auto at = std::lower_bound(peers_.begin(), peers_.end(), p.rank, rank_below);
         if (at == peers_.end() || at->rank != p.rank) at = peers_.insert(at, {p.rank, 0, 0});
         const auto widen = [&](std::size_t& room, std::size_t particles) {
@@ -116,10 +116,10 @@ std::vector<BlockPlan::Partner> BlockMoves::open(const BlockPlan& plan, std::siz
         widen(at->room_out, p.out);
         widen(at->room_in, p.in);
     }
-    wire_->open(peers_);
+    transport_->open(peers_);
     std::vector<Partner> partners;
     auto next = plan.partners.begin();
-    for (const WirePeer& peer : peers_)
+    for (const TransportPeer& peer : peers_)
         if (next != plan.partners.end() && next->rank == peer.rank)
             partners.push_back(*next++);
         else
@@ -144,15 +144,15 @@ void BlockMoves::move(const BlockPlan& plan, const std::uint32_t* lists, const R
         for (std::size_t k = 0; k < partners.size(); out += partners[k++].out) {
             const std::uint32_t n = part(partners[k].out, round);
             pack_kernel<<<grid_for(std::uint64_t(n) * layout.units), threads, 0, stream>>>(
-                n, slots_.data() + (n > 0 ? out : 0), layout, wire_->outgoing(), static_cast<int>(k));
+                n, slots_.data() + (n > 0 ? out : 0), layout, transport_->outgoing(), static_cast<int>(k));
         }
-        wire_->start(stream);
-        wire_->post();
-        wire_->finish(stream);
+        transport_->start(stream);
+        transport_->post();
+        transport_->finish(stream);
         for (std::size_t k = 0; k < partners.size(); in += partners[k++].in) {
             const std::uint32_t n = part(partners[k].in, round);
             unpack_kernel<<<grid_for(std::uint64_t(n) * layout.units), threads, 0, stream>>>(
-                n, static_cast<std::uint32_t>(in), layout, wire_->incoming(), static_cast<int>(k));
+                n, static_cast<std::uint32_t>(in), layout, transport_->incoming(), static_cast<int>(k));
         }
         check(cudaGetLastError(), "Moving blocks");
     }

@@ -45,7 +45,8 @@ BlockPlan plan_block_moves(const Comm& comm, const std::vector<Stretch>& mine, s
 /// Moves particles, and keeps memory and boxes for the next time.
 class BlockMoves {
   public:
-    BlockMoves(const Comm& comm, std::unique_ptr<Wire> wire) : comm_(comm), wire_(std::move(wire)) {}
+    BlockMoves(const Comm& comm, std::unique_ptr<Transport> transport)
+        : comm_(comm), transport_(std::move(transport)) {}
 
     /// lists: slots of this rank's particles, in list order. Arrivals take the slots from `first_free` on, which must
     /// be there. Synchronous. Collective.
@@ -54,12 +55,13 @@ class BlockMoves {
 
   private:
     using Partner = BlockPlan::Partner;
-    /// A partner for each peer of the wire, which has room for all that travels in a round of at most `chunk` records.
+    /// A partner for each peer of the transport, which has room for all that travels in a round of at most `chunk`
+    /// records.
     std::vector<Partner> open(const BlockPlan& plan, std::size_t chunk, std::size_t record);
 
     const Comm& comm_;
-    std::unique_ptr<Wire> wire_;
-    std::vector<WirePeer> peers_;  ///< all with whom there was ever something to share
+    std::unique_ptr<Transport> transport_;
+    std::vector<TransportPeer> peers_;  ///< all with whom there was ever something to share
     Array<ListCopy> copies_;
     Array<std::uint32_t> slots_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// All that an engine has only where there are other ranks: their wires, and what travels on them.
+// All that an engine has only where there are other ranks: their transports, and what travels on them.
 
 #include "gpu/exchange/block_moves.hpp"
 #include "gpu/exchange/halo.hpp"
@@ -10,8 +10,8 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 struct Exchange {
     /// Collective.
-    Exchange(const Comm& c, const WireMaker& wires)
-        : comm(c), halo(wires.make(11)), migration(wires.make(12)), moves(c, wires.make(13)) {}
+    Exchange(const Comm& c, const TransportFactory& transports)
+        : comm(c), halo(transports.make(11)), migration(transports.make(12)), moves(c, transports.make(13)) {}
 
     /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
     void open(const EpochTables<Dim>& tables, cudaStream_t steps) {

@@ -75,7 +75,7 @@ __device__ __forceinline__ auto* values_of(const Route& route, int t, Byte* cons
         return reinterpret_cast<Real*>(at);
 }
 
-/// A thread per number: neighbours write neighbours, which the wire likes.
+/// A thread per number: neighbours write neighbours, which the transport likes.
 template <class Real, int Dim>
 __global__ void __launch_bounds__(copy_threads)
     pack_kernel(Route route, TileView<Real> grid, int tile_reals, const std::uint32_t* place, std::byte* const* out) {
@@ -118,7 +118,7 @@ void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables) {
         return sizeof(MessageHead) + padded16(list.block.size()) +
                padded16(list.node.size() * node_sums<Dim> * sizeof(Real));
     };
-    std::vector<WirePeer> peers;
+    std::vector<TransportPeer> peers;
     std::size_t most = 0, tiles_out = 0, tiles_in = 0;
     for (const PeerHalo& peer : tables.peers) {
         peers.push_back({peer.rank, room(peer.send), room(peer.receive)});
@@ -126,29 +126,29 @@ void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables) {
     }
     most = std::max(tiles_out, tiles_in);
     place_.resize(most);
-    wire_->open(peers);
+    transport_->open(peers);
 }
 
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::start(const Route& send, const TileView<Real>& grid, int tile_side, Counters* counters,
                                   cudaStream_t stream) {
     if (send.peers > 0) {
-        std::byte* const* out = wire_->outgoing();
+        std::byte* const* out = transport_->outgoing();
         plan_send_kernel<Real, Dim><<<static_cast<unsigned>(send.peers), plan_threads, 0, stream>>>(
             send, grid.tile_of, out, place_.data(), counters);
         pack_kernel<Real, Dim><<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(
             send, grid, power<Dim>(tile_side) * node_reals, place_.data(), out);
         check(cudaGetLastError(), "Packing the halo");
     }
-    wire_->start(stream);
+    transport_->start(stream);
 }
 
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::finish(const Route& receive, const TileView<Real>& grid, std::int32_t* tile_of, int own,
                                    int tile_side, cudaStream_t stream) {
-    wire_->finish(stream);
+    transport_->finish(stream);
     if (receive.peers == 0) return;
-    const std::byte* const* in = wire_->incoming();
+    const std::byte* const* in = transport_->incoming();
     plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(receive, in, place_.data(),
                                                                                            tile_of + own);
     unpack_kernel<Real, Dim><<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(

@@ -15,21 +15,21 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 class DeviceHalo {
   public:
-    explicit DeviceHalo(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
+    explicit DeviceHalo(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
 
     /// For an epoch. Collective.
     void open(const EpochTables<Dim>& tables);
 
-    /// tile_side: nodes of a tile along an axis. Counts the bytes. On one stream; asynchronous but for what the wire
-    /// waits for.
+    /// tile_side: nodes of a tile along an axis. Counts the bytes. On one stream; asynchronous but for what the
+    /// transport waits for.
     void start(const Route& send, const TileView<Real>& grid, int tile_side, Counters* counters, cudaStream_t stream);
-    void post() { wire_->post(); }
+    void post() { transport_->post(); }
     /// Puts foreign tiles in place: tile g is that of ghost g; tile_of: own blocks, then ghosts.
     void finish(const Route& receive, const TileView<Real>& grid, std::int32_t* tile_of, int own, int tile_side,
                 cudaStream_t stream);
 
   private:
-    std::unique_ptr<Wire> wire_;
+    std::unique_ptr<Transport> transport_;
     Array<std::uint32_t> place_;  ///< by tile of the way under work: nodes before it in its message
 };
 

@@ -234,14 +234,14 @@ void DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
     if (record == record_ && crowd.block <= crowd_.block && crowd.pair <= crowd_.pair) return;
     crowd_ = {grown(crowd_.block, crowd.block), grown(crowd_.pair, crowd.pair)};
     record_ = record;
-    std::vector<WirePeer> peers;
+    std::vector<TransportPeer> peers;
     most_arrivals_ = 0;
     for (const Peer& p : peers_) {
         const std::size_t out = most_from(p.tiles_out), in = most_from(p.tiles_in);
         peers.push_back({p.rank, sizeof(MessageHead) + out * record, sizeof(MessageHead) + in * record});
         most_arrivals_ += in;
     }
-    wire_->open(peers);
+    transport_->open(peers);
 }
 
 /// Leavers of so many blocks to one peer.
@@ -262,21 +262,21 @@ template <int Dim>
 void DeviceMigration<Dim>::start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout,
                                  Counters* counters, cudaStream_t stream) {
     if (send.peers > 0) {
-        std::byte* const* out = wire_->outgoing();
+        std::byte* const* out = transport_->outgoing();
         plan_kernel<<<static_cast<unsigned>(send.peers), threads, 0, stream>>>(send, filing, layout.units,
                                                                                place_.data(), out, counters);
         pack_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, filing, layout, place_.data(), out);
         check(cudaGetLastError(), "Packing particles that leave");
     }
-    wire_->start(stream);
+    transport_->start(stream);
 }
 
 template <int Dim>
 void DeviceMigration<Dim>::finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout,
                                   Counters* counters, cudaStream_t stream) {
-    wire_->finish(stream);
+    transport_->finish(stream);
     if (receive.peers == 0) return;
-    const std::byte* const* in = wire_->incoming();
+    const std::byte* const* in = transport_->incoming();
     const auto peers = static_cast<unsigned>(receive.peers);
     ghosts_kernel<<<blocks_for(receive.tiles, warps), threads, 0, stream>>>(
         receive, filing, layout.units, in, const_cast<std::uint32_t*>(filing.leavers.ghost_start));

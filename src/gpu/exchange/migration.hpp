@@ -21,7 +21,7 @@ namespace moraine::gpu {
 template <int Dim>
 class DeviceMigration {
   public:
-    explicit DeviceMigration(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {}
+    explicit DeviceMigration(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
 
     /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd may be counted on
     /// the stream behind it. Collective.
@@ -37,7 +37,7 @@ class DeviceMigration {
     /// Sends the leavers that are collected. On one stream, as is finish().
     void start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
                cudaStream_t stream);
-    void post() { wire_->post(); }
+    void post() { transport_->post(); }
     /// Takes the arrivals in, as leavers of ghosts; own leavers end at filing.list.first[own]. The crowd may be counted
     /// anew.
     void finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
@@ -50,7 +50,7 @@ class DeviceMigration {
     };
     std::size_t most_from(std::size_t tiles) const;
 
-    std::unique_ptr<Wire> wire_;
+    std::unique_ptr<Transport> transport_;
     std::vector<Peer> peers_;
     Array<std::uint32_t> place_;   ///< by tile: leavers of this peer before its own
     Array<std::uint32_t> facing_;  ///< by peer: particles that can leave to it; zeros before they are counted

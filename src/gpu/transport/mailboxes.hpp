@@ -14,10 +14,10 @@ inline std::size_t message_room(std::size_t bytes) {
     return (std::max(bytes, sizeof(MessageHead)) + message_align - 1) / message_align * message_align;
 }
 
-/// Starts of the peers' rooms (&WirePeer::room_out or room_in) one after the other, and their sum.
-inline std::vector<std::size_t> room_starts(const std::vector<WirePeer>& peers, std::size_t WirePeer::*room) {
+/// Starts of the peers' rooms (&TransportPeer::room_out or room_in) one after the other, and their sum.
+inline std::vector<std::size_t> room_starts(const std::vector<TransportPeer>& peers, std::size_t TransportPeer::*room) {
     std::vector<std::size_t> start{0};
-    for (const WirePeer& peer : peers) start.push_back(start.back() + message_room(peer.*room));
+    for (const TransportPeer& peer : peers) start.push_back(start.back() + message_room(peer.*room));
     return start;
 }
 

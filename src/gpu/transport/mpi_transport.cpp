@@ -12,18 +12,18 @@ namespace {
 
 enum class MpiMemory { pinned, device };
 
-class MpiWire final : public Wire {
+class MpiTransport final : public Transport {
   public:
-    MpiWire(const Comm& comm, int tag, MpiMemory memory) : memory_(memory), messages_(comm, tag) {}
+    MpiTransport(const Comm& comm, int tag, MpiMemory memory) : memory_(memory), messages_(comm, tag) {}
 
     const char* name() const override { return memory_ == MpiMemory::pinned ? "host" : "mpi"; }
     std::byte* const* outgoing() const override { return out_pointers_.out(); }
     const std::byte* const* incoming() const override { return in_pointers_.in(); }
 
-    void open(const std::vector<WirePeer>& peers) override {
+    void open(const std::vector<TransportPeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
-        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
+        const std::vector<std::size_t> out_at = room_starts(peers, &TransportPeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &TransportPeer::room_in);
         here_.resize(in_at.back());
         if (memory_ == MpiMemory::pinned) {
             pinned_out_.resize(out_at.back());
@@ -87,11 +87,13 @@ class MpiWire final : public Wire {
     Event written_;
 };
 
-class MpiWires final : public WireMaker {
+class MpiTransports final : public TransportFactory {
   public:
-    MpiWires(const Comm& comm, MpiMemory memory) : comm_(comm), memory_(memory) {}
+    MpiTransports(const Comm& comm, MpiMemory memory) : comm_(comm), memory_(memory) {}
     const char* name() const override { return memory_ == MpiMemory::pinned ? "host" : "mpi"; }
-    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<MpiWire>(comm_, tag, memory_); }
+    std::unique_ptr<Transport> make(int tag) const override {
+        return std::make_unique<MpiTransport>(comm_, tag, memory_);
+    }
 
   private:
     const Comm& comm_;
@@ -107,16 +109,16 @@ std::string mpi_obstacle(const Comm&) {
     return "this MPI does not take device memory";
 }
 
-std::unique_ptr<WireMaker> mpi_wires(const Comm& comm) {
-    return std::make_unique<MpiWires>(comm, MpiMemory::device);
+std::unique_ptr<TransportFactory> mpi_transports(const Comm& comm) {
+    return std::make_unique<MpiTransports>(comm, MpiMemory::device);
 }
 
 std::string host_obstacle(const Comm&) {
     return {};
 }
 
-std::unique_ptr<WireMaker> host_wires(const Comm& comm) {
-    return std::make_unique<MpiWires>(comm, MpiMemory::pinned);
+std::unique_ptr<TransportFactory> host_wires(const Comm& comm) {
+    return std::make_unique<MpiTransports>(comm, MpiMemory::pinned);
 }
 
 }  // namespace moraine::gpu

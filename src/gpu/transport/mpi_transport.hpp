@@ -1,5 +1,5 @@
 #pragma once
-// A wire over MPI. `host`: through pinned memory of the host, with any MPI: the scheme of Dong and Grabe (2018).
+// A transport over MPI. `host`: through pinned memory of the host, with any MPI: the scheme of Dong and Grabe (2018).
 // `mpi`: from device to device, with an MPI that is CUDA-aware.
 //
 // Lengths are not known to the host before the kernels ran: it waits for them in post(), and messages go by their
@@ -13,10 +13,10 @@ namespace moraine::gpu {
 
 /// From device to device. See TransportEntry. Collective.
 std::string mpi_obstacle(const Comm& comm);
-std::unique_ptr<WireMaker> mpi_wires(const Comm& comm);
+std::unique_ptr<TransportFactory> mpi_transports(const Comm& comm);
 
 /// Through memory of the host: works everywhere.
 std::string host_obstacle(const Comm& comm);
-std::unique_ptr<WireMaker> host_wires(const Comm& comm);
+std::unique_ptr<TransportFactory> host_wires(const Comm& comm);
 
 }  // namespace moraine::gpu

@@ -7,7 +7,7 @@ std::string nccl_obstacle(const Comm&) {
     return "this program was built without NCCL";
 }
 
-std::unique_ptr<WireMaker> nccl_wires(const Comm&) {
+std::unique_ptr<TransportFactory> nccl_transports(const Comm&) {
     throw MachineError("NCCL is not there (this program was built without it). Use --transport auto?");
 }
 

@@ -30,7 +30,7 @@ bool devices_are_shared(const Comm& comm) {
     return comm.max(static_cast<double>(same)) > 1;
 }
 
-/// All wires of a run are one communicator's: to join one takes a second.
+/// All transports of a run are one communicator's: to join one takes a second.
 class Nccl {
   public:
     /// Collective.
@@ -50,19 +50,19 @@ class Nccl {
     ncclComm_t comm_ = nullptr;
 };
 
-class NcclWire final : public Wire {
+class NcclTransport final : public Transport {
   public:
-    NcclWire(const Comm& comm, std::shared_ptr<const Nccl> nccl, int tag)
+    NcclTransport(const Comm& comm, std::shared_ptr<const Nccl> nccl, int tag)
         : mpi_(comm), tag_(tag), nccl_(std::move(nccl)) {}
 
     const char* name() const override { return "nccl"; }
     std::byte* const* outgoing() const override { return out_pointers_.out(); }
     const std::byte* const* incoming() const override { return in_pointers_.in(); }
 
-    void open(const std::vector<WirePeer>& peers) override {
+    void open(const std::vector<TransportPeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        const std::vector<std::size_t> out_at = room_starts(peers, &WirePeer::room_out);
-        const std::vector<std::size_t> in_at = room_starts(peers, &WirePeer::room_in);
+        const std::vector<std::size_t> out_at = room_starts(peers, &TransportPeer::room_out);
+        const std::vector<std::size_t> in_at = room_starts(peers, &TransportPeer::room_in);
         out_.resize(out_at.back());
         in_.resize(in_at.back());
         heads_.resize(peers.size() * sizeof(MessageHead));
@@ -119,11 +119,13 @@ class NcclWire final : public Wire {
     Event written_;
 };
 
-class NcclWires final : public WireMaker {
+class NcclTransports final : public TransportFactory {
   public:
-    explicit NcclWires(const Comm& comm) : comm_(comm), nccl_(std::make_shared<const Nccl>(comm)) {}
+    explicit NcclTransports(const Comm& comm) : comm_(comm), nccl_(std::make_shared<const Nccl>(comm)) {}
     const char* name() const override { return "nccl"; }
-    std::unique_ptr<Wire> make(int tag) const override { return std::make_unique<NcclWire>(comm_, nccl_, tag); }
+    std::unique_ptr<Transport> make(int tag) const override {
+        return std::make_unique<NcclTransport>(comm_, nccl_, tag);
+    }
 
   private:
     const Comm& comm_;
@@ -136,8 +138,8 @@ std::string nccl_obstacle(const Comm& comm) {
     return devices_are_shared(comm) ? "ranks share a device, which NCCL does not allow" : "";
 }
 
-std::unique_ptr<WireMaker> nccl_wires(const Comm& comm) {
-    return std::make_unique<NcclWires>(comm);
+std::unique_ptr<TransportFactory> nccl_transports(const Comm& comm) {
+    return std::make_unique<NcclTransports>(comm);
 }
 
 }  // namespace moraine::gpu

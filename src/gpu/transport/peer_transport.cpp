@@ -87,21 +87,21 @@ struct Place {
     std::uint64_t flag;
 };
 
-class PeerWire final : public Wire {
+class PeerTransport final : public Transport {
   public:
-    explicit PeerWire(const Comm& comm) : comm_(comm), inboxes_(comm) {}
+    explicit PeerTransport(const Comm& comm) : comm_(comm), inboxes_(comm) {}
 
     const char* name() const override { return "peer"; }
     std::byte* const* outgoing() const override { return pointers_.out() + ((round_ + 1) & 1) * my_flags_.size(); }
     const std::byte* const* incoming() const override { return pointers_.in() + (2 + (round_ & 1)) * my_flags_.size(); }
 
     /// Where all boxes are large enough they stay, and what is under way goes on.
-    void open(const std::vector<WirePeer>& asked) override {
+    void open(const std::vector<TransportPeer>& asked) override {
         if (comm_.max(static_cast<std::int64_t>(!fits(asked))) == 0) return;
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        std::vector<WirePeer>& peers = peers_ = asked;
-        for (WirePeer& peer : peers) peer.room_in += peer.room_in / 8;
-        const std::vector<std::size_t> start = room_starts(peers, &WirePeer::room_in);
+        std::vector<TransportPeer>& peers = peers_ = asked;
+        for (TransportPeer& peer : peers) peer.room_in += peer.room_in / 8;
+        const std::vector<std::size_t> start = room_starts(peers, &TransportPeer::room_in);
         const std::size_t flags = peers.size() * message_align;
         inboxes_.reserve(flags + 2 * start.back());
         if (flags > 0) check(cudaMemset(inboxes_.mine(), 0, flags), "Clearing flags");
@@ -125,20 +125,21 @@ class PeerWire final : public Wire {
     }
 
   private:
-    bool fits(const std::vector<WirePeer>& asked) const {
+    bool fits(const std::vector<TransportPeer>& asked) const {
         return std::equal(
             asked.begin(), asked.end(), peers_.begin(), peers_.end(),
-            [](const WirePeer& a, const WirePeer& b) { return a.rank == b.rank && a.room_in <= b.room_in; });
+            [](const TransportPeer& a, const TransportPeer& b) { return a.rank == b.rank && a.room_in <= b.room_in; });
     }
 
-    void address(const std::vector<WirePeer>& peers, const std::vector<Place>& all, const std::vector<Place>& mine) {
+    void address(const std::vector<TransportPeer>& peers, const std::vector<Place>& all,
+                 const std::vector<Place>& mine) {
         std::vector<std::byte*> out[2], in[2], flags;
         my_flags_.clear();
         for (const Place& p : mine) {
             for (int parity = 0; parity < 2; ++parity) in[parity].push_back(inboxes_.mine() + p.box[parity]);
             my_flags_.push_back(reinterpret_cast<const std::uint32_t*>(inboxes_.mine() + p.flag));
         }
-        for (const WirePeer& peer : peers) {
+        for (const TransportPeer& peer : peers) {
             const auto place = std::find_if(
                 all.begin(), all.end(), [&](const Place& p) { return p.from == comm_.rank() && p.to == peer.rank; });
             if (place == all.end()) throw std::logic_error("a peer does not know its peer");
@@ -154,17 +155,17 @@ class PeerWire final : public Wire {
 
     const Comm& comm_;
     SharedInboxes inboxes_;
-    std::vector<WirePeer> peers_;  ///< whose boxes there are, and how large they are
-    PointerArray pointers_;        ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
+    std::vector<TransportPeer> peers_;  ///< whose boxes there are, and how large they are
+    PointerArray pointers_;  ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
     std::vector<const std::uint32_t*> my_flags_;
     std::uint32_t round_ = 0;
 };
 
-class PeerWires final : public WireMaker {
+class PeerTransports final : public TransportFactory {
   public:
-    explicit PeerWires(const Comm& comm) : comm_(comm) {}
+    explicit PeerTransports(const Comm& comm) : comm_(comm) {}
     const char* name() const override { return "peer"; }
-    std::unique_ptr<Wire> make(int) const override { return std::make_unique<PeerWire>(comm_); }
+    std::unique_ptr<Transport> make(int) const override { return std::make_unique<PeerTransport>(comm_); }
 
   private:
     const Comm& comm_;
@@ -177,8 +178,8 @@ std::string peer_obstacle(const Comm& comm) {
     return on_one_host ? "" : "the ranks are on several hosts";
 }
 
-std::unique_ptr<WireMaker> peer_wires(const Comm& comm) {
-    return std::make_unique<PeerWires>(comm);
+std::unique_ptr<TransportFactory> peer_transports(const Comm& comm) {
+    return std::make_unique<PeerTransports>(comm);
 }
 
 }  // namespace moraine::gpu

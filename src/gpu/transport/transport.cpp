@@ -15,29 +15,29 @@ namespace {
 
 /// Where names become objects: a new transport is one file, one line here and its name in comm/transport_names.hpp.
 constexpr TransportEntry entries[] = {
-    {"peer", peer_obstacle, peer_wires},
-    {"nccl", nccl_obstacle, nccl_wires},
-    {"mpi", mpi_obstacle, mpi_wires},
+    {"peer", peer_obstacle, peer_transports},
+    {"nccl", nccl_obstacle, nccl_transports},
+    {"mpi", mpi_obstacle, mpi_transports},
     {"host", host_obstacle, host_wires},
 };
 static_assert(std::ranges::equal(entries, transport_names, {}, &TransportEntry::name), "one list, one order");
 
 /// What `entry` makes, tried; or null, and why not.
-std::unique_ptr<WireMaker> tried(const Comm& comm, const TransportEntry& entry, std::string& why_not) {
+std::unique_ptr<TransportFactory> tried(const Comm& comm, const TransportEntry& entry, std::string& why_not) {
     why_not = entry.obstacle(comm);
     if (!why_not.empty()) return nullptr;
-    std::unique_ptr<WireMaker> factory = entry.make(comm);
-    const std::unique_ptr<Wire> wire = factory->make(90);
-    why_not = wire_trial(comm, *wire, 4096, 4);
+    std::unique_ptr<TransportFactory> factory = entry.make(comm);
+    const std::unique_ptr<Transport> transport = factory->make(90);
+    why_not = transport_trial(comm, *transport, 4096, 4);
     return why_not.empty() ? std::move(factory) : nullptr;
 }
 
-std::unique_ptr<WireMaker> first_that_works(const Comm& comm, std::string& message) {
+std::unique_ptr<TransportFactory> first_that_works(const Comm& comm, std::string& message) {
     const TransportEntry& last = entries[std::size(entries) - 1];
     std::string why_not, passed_over;
     for (const TransportEntry& entry : std::span(entries).first(std::size(entries) - 1)) {
         const std::string name(entry.name);
-        if (std::unique_ptr<WireMaker> factory = tried(comm, entry, why_not)) {
+        if (std::unique_ptr<TransportFactory> factory = tried(comm, entry, why_not)) {
             message = "messages by " + name + " (tried and right" + passed_over + ")";
             return factory;
         }
@@ -53,11 +53,11 @@ std::span<const TransportEntry> transports() {
     return entries;
 }
 
-std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& message) {
+std::unique_ptr<TransportFactory> choose_transport(const Comm& comm, const std::string& wanted, std::string& message) {
     if (wanted == "auto") return first_that_works(comm, message);
     const auto entry = std::ranges::find(entries, wanted, &TransportEntry::name);
     std::string why_not = "no such transport";
-    std::unique_ptr<WireMaker> factory = entry == std::end(entries) ? nullptr : tried(comm, *entry, why_not);
+    std::unique_ptr<TransportFactory> factory = entry == std::end(entries) ? nullptr : tried(comm, *entry, why_not);
     if (!factory) throw InputError("--transport " + wanted + " cannot be had (" + why_not + "). Use --transport auto?");
     message = "messages by " + wanted + " (--transport)";
     return factory;

@@ -1,11 +1,11 @@
 #pragma once
-// How bytes get from the device of one rank to that of another. A wire does not know what they mean.
+// How bytes get from the device of one rank to that of another. A transport does not know what they mean.
 //
 // A round is one message each way between this rank and each peer. Kernels write a message at outgoing(k), wherever
 // that is (pinned memory, the peer's device), and read one at incoming(k). A message begins with its length, so that
 // what does not know lengths ahead (kernels, one rank) can tell what does (MPI, NCCL).
 //
-// start() .. finish() is a round:  kernels write | start | post | finish | kernels read.  Rounds of one wire are
+// start() .. finish() is a round:  kernels write | start | post | finish | kernels read.  Rounds of one transport are
 // queued on one stream, one after the other. With post() a caller queues other work before the host must wait.
 
 #include <cuda_runtime.h>
@@ -29,20 +29,20 @@ struct alignas(16) MessageHead {
 };
 
 /// Another rank, and the room for messages to it and from it [bytes], known to both.
-struct WirePeer {
+struct TransportPeer {
     int rank;
     std::size_t room_out;
     std::size_t room_in;
 };
 
-class Wire {
+class Transport {
   public:
-    virtual ~Wire() = default;
+    virtual ~Transport() = default;
     virtual const char* name() const = 0;
 
     /// New peers and rooms, between two rounds of the host. If a is a peer of b, b is one of a. Collective over all
     /// ranks.
-    virtual void open(const std::vector<WirePeer>& peers) = 0;
+    virtual void open(const std::vector<TransportPeer>& peers) = 0;
 
     /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished
     /// (incoming).
@@ -57,13 +57,13 @@ class Wire {
     virtual void finish(cudaStream_t stream) = 0;
 };
 
-/// Wires of one kind for one communicator.
-class WireMaker {
+/// Transports of one kind for one communicator.
+class TransportFactory {
   public:
-    virtual ~WireMaker() = default;
+    virtual ~TransportFactory() = default;
     virtual const char* name() const = 0;
-    /// `tag` keeps wires apart. Collective.
-    virtual std::unique_ptr<Wire> make(int tag) const = 0;
+    /// `tag` keeps transports apart. Collective.
+    virtual std::unique_ptr<Transport> make(int tag) const = 0;
 };
 
 /// One row of the table of transports.
@@ -71,7 +71,7 @@ struct TransportEntry {
     std::string_view name;
     /// Why it cannot be had, without trying it; empty: it can be tried. Collective.
     std::string (*obstacle)(const Comm&);
-    std::unique_ptr<WireMaker> (*make)(const Comm&);  ///< collective
+    std::unique_ptr<TransportFactory> (*make)(const Comm&);  ///< collective
 };
 
 /// All, by the names of comm/transport_names.hpp and in that order.
@@ -80,6 +80,6 @@ std::span<const TransportEntry> transports();
 /// `wanted`: one of transport_names, or auto: the first that works between all ranks, which is tried. The message says
 /// what and why. Throws InputError, the same on all ranks, where what is wanted cannot be had. The current device is
 /// this rank's. Collective.
-std::unique_ptr<WireMaker> choose_wires(const Comm& comm, const std::string& wanted, std::string& message);
+std::unique_ptr<TransportFactory> choose_transport(const Comm& comm, const std::string& wanted, std::string& message);
 
 }  // namespace moraine::gpu

@@ -21,27 +21,27 @@ std::vector<std::byte> message(int from, int to, int round, std::size_t most) {
 /// Pointers of an array on the device.
 std::vector<std::byte*> pointers(const std::byte* const* array, std::size_t n) {
     std::vector<std::byte*> p(n);
-    if (n > 0) check(cudaMemcpy(p.data(), array, n * sizeof(std::byte*), cudaMemcpyDeviceToHost), "Trying a wire");
+    if (n > 0) check(cudaMemcpy(p.data(), array, n * sizeof(std::byte*), cudaMemcpyDeviceToHost), "Trying a transport");
     return p;
 }
 
-std::string try_round(const Comm& comm, Wire& wire, const std::vector<WirePeer>& peers, int round, std::size_t bytes,
-                      const Stream& stream) {
-    const std::vector<std::byte*> out = pointers(wire.outgoing(), peers.size());
+std::string try_round(const Comm& comm, Transport& transport, const std::vector<TransportPeer>& peers, int round,
+                      std::size_t bytes, const Stream& stream) {
+    const std::vector<std::byte*> out = pointers(transport.outgoing(), peers.size());
     for (std::size_t k = 0; k < peers.size(); ++k) {
         const std::vector<std::byte> mine = message(comm.rank(), peers[k].rank, round, bytes);
-        check(cudaMemcpyAsync(out[k], mine.data(), mine.size(), cudaMemcpyDefault, stream), "Trying a wire");
+        check(cudaMemcpyAsync(out[k], mine.data(), mine.size(), cudaMemcpyDefault, stream), "Trying a transport");
         stream.wait();
     }
-    wire.start(stream);
-    wire.post();
-    wire.finish(stream);
-    const std::vector<std::byte*> in = pointers(wire.incoming(), peers.size());
+    transport.start(stream);
+    transport.post();
+    transport.finish(stream);
+    const std::vector<std::byte*> in = pointers(transport.incoming(), peers.size());
     std::string wrong;
     for (std::size_t k = 0; k < peers.size(); ++k) {
         const std::vector<std::byte> wanted = message(peers[k].rank, comm.rank(), round, bytes);
         std::vector<std::byte> come(wanted.size());
-        check(cudaMemcpyAsync(come.data(), in[k], come.size(), cudaMemcpyDefault, stream), "Trying a wire");
+        check(cudaMemcpyAsync(come.data(), in[k], come.size(), cudaMemcpyDefault, stream), "Trying a transport");
         stream.wait();
         if (come != wanted) wrong = "a message from rank " + std::to_string(peers[k].rank) + " came garbled";
     }
@@ -50,16 +50,16 @@ std::string try_round(const Comm& comm, Wire& wire, const std::vector<WirePeer>&
 
 }  // namespace
 
-std::string wire_trial(const Comm& comm, Wire& wire, std::size_t bytes, int rounds) {
-    std::vector<WirePeer> peers;
+std::string transport_trial(const Comm& comm, Transport& transport, std::size_t bytes, int rounds) {
+    std::vector<TransportPeer> peers;
     for (int r = 0; r < comm.size(); ++r)
         if (r != comm.rank()) peers.push_back({r, bytes, bytes});
     std::string wrong;
     try {
-        wire.open(peers);
+        transport.open(peers);
         const Stream stream;
         for (int round = 0; round < rounds && wrong.empty(); ++round)
-            wrong = try_round(comm, wire, peers, round, bytes, stream);
+            wrong = try_round(comm, transport, peers, round, bytes, stream);
     } catch (const MachineError& e) {
         wrong = e.what();
     }
