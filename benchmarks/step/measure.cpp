@@ -10,9 +10,9 @@ namespace {
 template <class Real, int Dim>
 void look_at(Simulation<Real, Dim>& sim, Measured& m) {
     sim.conclude();
-    const FiledBlocks filed = sim.patch().filed();
-    m.particles = static_cast<double>(filed.slot.size());
-    m.blocks = static_cast<double>(filed.key.size());
+    const BinnedBlocks binned = sim.patch().binned();
+    m.particles = static_cast<double>(binned.slot.size());
+    m.blocks = static_cast<double>(binned.key.size());
     m.cells = 0;
     const ListView<Dim> list = sim.patch().list();
     for (int b = 0; b < sim.patch().own(); ++b) {
@@ -23,7 +23,7 @@ void look_at(Simulation<Real, Dim>& sim, Measured& m) {
     const ParticleView<Real, Dim> p = sim.patch().particles.view();
     double moved = 0;
     double yielded = 0;
-    for (std::uint32_t s : filed.slot) {
+    for (std::uint32_t s : binned.slot) {
         double square = 0;
         for (int a = 0; a < Dim; ++a) square += static_cast<double>(p.velocity[s][a] * p.velocity[s][a]);
         moved += std::sqrt(square) * sim.clock().dt / sim.scene().cell;

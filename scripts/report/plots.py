@@ -19,7 +19,7 @@ CAUSES = {  # of lost time: what it is called, and its colour
     "partition": ("partition: not the best cut for the loads of then", "#ef8a62"),
     "unrest": ("unrest: equal loads that did not take equal time", "#fddbc7"),
     "imbalance": ("imbalance (no block loads recorded: causes unknown)", "#ef8a62"),
-    "exchange": ("exchange: halo, filing, migration, agreement", "#67a9cf"),
+    "exchange": ("exchange: halo, binning, migration, agreement", "#67a9cf"),
     "balancing": ("balancing: looks, plans, moves", "#2166ac"),
     "output": ("output", "#999999"),
     "rest": ("start, end and rest", "#d9d9d9"),

@@ -24,10 +24,10 @@ struct MovedBlock {
 };
 
 /// Blocks by the rank that they go to; those that stay become entries of `moved_blocks`. Not collective.
-inline std::vector<FiledBlocks> split_by_owner(const Comm& comm, const FiledBlocks& mine,
-                                               const std::vector<std::int32_t>& owner,
-                                               std::vector<MovedBlock>& moved_blocks, BlockMoveCount& moved) {
-    std::vector<FiledBlocks> to(static_cast<std::size_t>(comm.size()));
+inline std::vector<BinnedBlocks> split_by_owner(const Comm& comm, const BinnedBlocks& mine,
+                                                const std::vector<std::int32_t>& owner,
+                                                std::vector<MovedBlock>& moved_blocks, BlockMoveCount& moved) {
+    std::vector<BinnedBlocks> to(static_cast<std::size_t>(comm.size()));
     std::size_t at = 0;
     for (std::size_t b = 0; b < mine.key.size(); at += mine.count[b], ++b) {
         const auto first = mine.slot.begin() + static_cast<std::ptrdiff_t>(at);
@@ -36,7 +36,7 @@ inline std::vector<FiledBlocks> split_by_owner(const Comm& comm, const FiledBloc
             moved_blocks.push_back({mine.key[b], comm.rank(), {first, last}});
             continue;
         }
-        FiledBlocks& leaving = to[static_cast<std::size_t>(owner[b])];
+        BinnedBlocks& leaving = to[static_cast<std::size_t>(owner[b])];
         leaving.key.push_back(mine.key[b]);
         leaving.count.push_back(mine.count[b]);
         leaving.slot.insert(leaving.slot.end(), first, last);
@@ -47,7 +47,7 @@ inline std::vector<FiledBlocks> split_by_owner(const Comm& comm, const FiledBloc
 }
 
 /// A message of blocks: their number, keys, counts of particles, and the particles' rows. Empty where there are none.
-inline std::vector<std::byte> packed_blocks(const std::vector<ColumnBytes>& columns, const FiledBlocks& blocks) {
+inline std::vector<std::byte> packed_blocks(const std::vector<ColumnBytes>& columns, const BinnedBlocks& blocks) {
     const std::size_t n = blocks.key.size();
     if (n == 0) return {};
     const std::size_t keys = 8, counts = keys + 8 * n, rows = counts + padded(4 * n);
@@ -88,21 +88,21 @@ void unpack_blocks(const std::vector<std::byte>& bytes, int from, Patch<Space, R
 /// Sends the blocks of `mine` to the ranks owner[i] and returns what this rank has then, keys ascending.
 /// Blocks of one key that come from several ranks are joined in rank order. Collective.
 template <class Space, class Real, int Dim>
-FiledBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const FiledBlocks& mine,
-                        const std::vector<std::int32_t>& owner, BlockMoveCount& moved) {
+BinnedBlocks move_blocks(const Comm& comm, Patch<Space, Real, Dim>& patch, const BinnedBlocks& mine,
+                         const std::vector<std::int32_t>& owner, BlockMoveCount& moved) {
     std::vector<MovedBlock> blocks;
-    const std::vector<FiledBlocks> to = split_by_owner(comm, mine, owner, blocks, moved);
+    const std::vector<BinnedBlocks> to = split_by_owner(comm, mine, owner, blocks, moved);
     const std::vector<ColumnBytes> columns = patch.particles.columns();
     std::vector<std::vector<std::byte>> bytes;
-    for (const FiledBlocks& leaving : to) bytes.push_back(packed_blocks(columns, leaving));
-    for (const FiledBlocks& leaving : to) patch.give_slots(leaving.slot);
+    for (const BinnedBlocks& leaving : to) bytes.push_back(packed_blocks(columns, leaving));
+    for (const BinnedBlocks& leaving : to) patch.give_slots(leaving.slot);
     const std::vector<std::vector<std::byte>> come = exchange_all(comm, bytes);
     for (std::size_t r = 0; r < come.size(); ++r) unpack_blocks(come[r], static_cast<int>(r), patch, blocks);
 
     std::sort(blocks.begin(), blocks.end(), [](const MovedBlock& a, const MovedBlock& b) {
         return a.key != b.key ? a.key < b.key : a.from < b.from;
     });
-    FiledBlocks result;
+    BinnedBlocks result;
     for (const MovedBlock& block : blocks) {
         if (result.key.empty() || result.key.back() != block.key) {
             result.key.push_back(block.key);

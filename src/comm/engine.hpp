@@ -26,7 +26,7 @@ struct StepReport {
     double signal = 0;  ///< largest c + |v| [m/s]
     double moved = 0;   ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
-    bool at_rim = false;                   ///< when they were filed, by the tables of then (comm/rim.hpp)
+    bool at_rim = false;                   ///< when they were binned, by the tables of then (comm/rim.hpp)
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
     Ledger<Dim> ledger;                    ///< to be added
     std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
@@ -58,7 +58,7 @@ struct BlockCounts {
     std::vector<std::int64_t> cells;  ///< that hold particles; empty unless asked for
 };
 
-/// Sizes of the share in the last filed state.
+/// Sizes of the share in the last binned state.
 struct Census {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;  ///< occupied
@@ -82,11 +82,11 @@ class Engine {
     /// Whether the host's threads are free while it steps. Not collective.
     virtual bool leaves_host_free() const { return false; }
 
-    /// The share in the memory of the host; in the filed state it is that of now. What is changed in it counts after
+    /// The share in the memory of the host; in the binned state it is that of now. What is changed in it counts after
     /// adopt(). Not collective.
     virtual Share& share() = 0;
     /// Calls f for the share piece by piece, in list order, so that the host need not have room for all of a device's;
-    /// `only`: the columns that are wanted, all if empty. Filed state only. Not collective.
+    /// `only`: the columns that are wanted, all if empty. Binned state only. Not collective.
     using PieceReader = std::function<void(const SharePiece<Real, Dim>&)>;
     virtual void each_piece(const PieceReader& f, const std::vector<std::string>& only = {}) {
         f(whole_of(share(), only));
@@ -96,27 +96,27 @@ class Engine {
     virtual std::int64_t capacity() const { return unlimited; }
     /// Waits for what is under way. Not collective.
     virtual void settle() {}
-    /// Of the last filing. Not collective; filed state only, unless it leaves the host free.
+    /// Of the last binning. Not collective; binned state only, unless it leaves the host free.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 
-    /// Begins an epoch with what the host's share holds; `filed` are blocks of tables.own. Collective.
-    virtual void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) = 0;
+    /// Begins an epoch with what the host's share holds; `binned` are blocks of tables.own. Collective.
+    virtual void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) = 0;
     /// Begins an epoch with what the lattice has in the blocks of tables.own. Collective.
     virtual void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) = 0;
     /// Tables that renew() or repartition() will get, if any: may be called by another thread, beside a step. Not
     /// collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}
-    /// Begins an epoch with the same particles, now or with the next filing. Filed state only, unless it leaves the
+    /// Begins an epoch with the same particles, now or with the next binning. Binned state only, unless it leaves the
     /// host free. Collective.
     virtual void renew(EpochTables<Dim> tables) = 0;
-    /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Filed state only.
+    /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Binned state only.
     /// Collective.
     virtual BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) = 0;
-    /// Puts memory into list order where that pays, or always. Filed state only. Not collective.
+    /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
-    virtual void file() = 0;  ///< arrivals; each block's list by cell
+    virtual void bin() = 0;  ///< arrivals; each block's list by cell
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;
@@ -127,7 +127,7 @@ class Engine {
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void send_leavers(const StepScales<Dim>& step) = 0;
 
-    /// Of the steps since it was last taken. Filed state only. Not collective.
+    /// Of the steps since it was last taken. Binned state only. Not collective.
     virtual StepReport<Dim> take_report() = 0;
     /// The first particle of each block with faults, or of the share. Not collective.
     virtual std::vector<Offence<Dim>> offences() = 0;

@@ -23,13 +23,13 @@ class HostEngine final : public Engine<Real, Dim> {
     Census census() const override { return {patch_.count(), patch_.tiles_in_use(), {}}; }
     BlockCounts block_counts(bool with_cells) override;
 
-    void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) override;
     void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
-    void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.filed()); }
+    void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.binned()); }
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
-    void file() override;
+    void bin() override;
     void sum_boundary() override { sum(patch_.boundary()); }
     void send_halo() override { halo_->start(patch_.grid()); }
     void sum_interior() override { sum(patch_.interior()); }
@@ -62,7 +62,7 @@ class HostEngine final : public Engine<Real, Dim> {
     StepReport<Dim> report_;
     std::vector<Offence<Dim>> offences_;
     Host::Array<ExactSum> impulse_;
-    bool moving_ = false;  ///< migration under way: not filed
+    bool moving_ = false;  ///< migration under way: not binned
 };
 
 /// Cells of a block that hold particles.
@@ -75,11 +75,11 @@ std::int64_t occupied_cells(Patch<Host, Real, Dim>& patch, std::span<const std::
 
 /// Of blocks that are not yet those of an epoch.
 template <class Real, int Dim>
-BlockCounts counts_of(Patch<Host, Real, Dim>& patch, const FiledBlocks& filed, bool with_cells) {
-    BlockCounts counts{filed.key, filed.count, {}};
+BlockCounts counts_of(Patch<Host, Real, Dim>& patch, const BinnedBlocks& binned, bool with_cells) {
+    BlockCounts counts{binned.key, binned.count, {}};
     std::size_t at = 0;
-    for (std::size_t b = 0; with_cells && b < filed.key.size(); at += filed.count[b], ++b)
-        counts.cells.push_back(occupied_cells(patch, std::span(filed.slot).subspan(at, filed.count[b])));
+    for (std::size_t b = 0; with_cells && b < binned.key.size(); at += binned.count[b], ++b)
+        counts.cells.push_back(occupied_cells(patch, std::span(binned.slot).subspan(at, binned.count[b])));
     return counts;
 }
 

@@ -13,45 +13,45 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
 
 template <class Real, int Dim>
 BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
-    return counts_of(patch_, patch_.filed(), with_cells);
+    return counts_of(patch_, patch_.binned(), with_cells);
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
+void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) {
     ended_ = traffic();
     halo_.reset();
     migration_.reset();
-    patch_.install(std::move(tables), filed);
+    patch_.install(std::move(tables), binned);
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
-    FiledBlocks filed;
+    BinnedBlocks binned;
     std::vector<std::uint32_t> first{0};
     std::vector<Vec<std::int32_t, Dim>> position;
     for (std::size_t b = 0; b < tables.own.size(); ++b) {
         const std::uint32_t count = lattice.view().count(tables.position[b]);
         if (count == 0) continue;
-        filed.key.push_back(tables.own[b]);
-        filed.count.push_back(count);
+        binned.key.push_back(tables.own[b]);
+        binned.count.push_back(count);
         position.push_back(tables.position[b]);
         first.push_back(first.back() + count);
     }
-    filed.slot = patch_.start_over(first.back());
+    binned.slot = patch_.start_over(first.back());
     const ParticleView<Real, Dim> p = patch_.particles.view();
     Host::launch(static_cast<std::int64_t>(position.size()), [&](int b) {
         const auto i = static_cast<std::size_t>(b);
         fill_block(lattice.view(), position[i], first[i], p);
     });
-    adopt(std::move(tables), filed);
+    adopt(std::move(tables), binned);
 }
 
 template <class Real, int Dim>
 BlockMoveCount HostEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     BlockMoveCount moved;
-    const FiledBlocks next = move_blocks(comm_, patch_, patch_.filed(), {owner.begin(), owner.end()}, moved);
+    const BinnedBlocks next = move_blocks(comm_, patch_, patch_.binned(), {owner.begin(), owner.end()}, moved);
     adopt(std::move(tables), next);
     return moved;
 }
@@ -65,7 +65,7 @@ Traffic HostEngine<Real, Dim>::traffic() const {
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::file() {
+void HostEngine<Real, Dim>::bin() {
     if (!moving_) return;
     migration_->finish();
     report_.at_rim = patch_.is_at_rim();
@@ -143,7 +143,7 @@ void HostEngine<Real, Dim>::book(const Quantum& quantum, bool moved) {
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.ledger.impulse[k % Dim].add(impulse_[k]);
 }
 
-/// Notes who went wrong in a block, before filing moves it on.
+/// Notes who went wrong in a block, before binning moves it on.
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome& out, bool moved) {
     const ListView<Dim> list = patch_.list();

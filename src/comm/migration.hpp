@@ -4,7 +4,7 @@
 // One message per peer and step: a header with the count, then up to `room` records (room follows
 // from the epoch's tables, so both sides know it); what does not fit follows in a second message of
 // known size, never lost. A record is the source block's key, the move, and all columns. Records
-// travel in (source block, list) order: that is all the filing rule needs.
+// travel in (source block, list) order: that is all the binning rule needs.
 
 #include <cstring>
 
@@ -57,7 +57,7 @@ class Migration {
         messages_.start(sends_, receives_);
     }
 
-    /// Takes in the arrivals and files all lists anew. Collective over peers.
+    /// Takes in the arrivals and bins all lists anew. Collective over peers.
     void finish() {
         messages_.finish();
         const std::vector<std::vector<std::byte>> rest = exchange_rest();

@@ -1,7 +1,7 @@
 #pragma once
 // One rank's share of the run: its particles, the lists of its blocks, and the tiles and nodes of a step.
 //
-// Between epochs the share is told as FiledBlocks: keys, counts and slots in list order; that is the
+// Between epochs the share is told as BinnedBlocks: keys, counts and slots in list order; that is the
 // state that is repartitioned, stored and restored. Within an epoch the lists are indexed by own block.
 
 #include <algorithm>
@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "comm/epoch.hpp"
-#include "core/filing.hpp"
+#include "core/binning.hpp"
 #include "core/particles.hpp"
 #include "core/storage.hpp"
 
 namespace moraine {
 
 /// Blocks with their particles' slots in list order, keys ascending.
-struct FiledBlocks {
+struct BinnedBlocks {
     std::vector<Key> key;
     std::vector<std::uint32_t> count;
     std::vector<std::uint32_t> slot;
@@ -60,19 +60,19 @@ class Patch {
 
     /// Forgets all particles and makes room for n in the slots 0, 1, ..., which are returned.
     std::vector<std::uint32_t> start_over(std::size_t n);
-    /// Begins an epoch: `filed` holds blocks of tables.own only.
-    void install(EpochTables<Dim> tables, const FiledBlocks& filed);
-    /// The filed state of this moment. Nothing may be under way.
-    FiledBlocks filed() const;
+    /// Begins an epoch: `binned` holds blocks of tables.own only.
+    void install(EpochTables<Dim> tables, const BinnedBlocks& binned);
+    /// The binned state of this moment. Nothing may be under way.
+    BinnedBlocks binned() const;
 
-    /// Filing, first half: lists this step's leavers by own block. Returns their number.
+    /// Binning, first half: lists this step's leavers by own block. Returns their number.
     std::uint32_t collect_leavers();
     std::span<const Leaver> leavers_of(int block) const;
-    /// Filing, second half, once the arrivals from other ranks stand behind the own leavers:
+    /// Binning, second half, once the arrivals from other ranks stand behind the own leavers:
     /// `ghost_leaver` in ghost order, `ghost_first` with ghosts + 1 entries.
     void make_lists(const std::vector<Leaver>& ghost_leaver, const std::vector<std::uint32_t>& ghost_first);
 
-    /// Whether some particle is in a cell of the rim. Filed state only.
+    /// Whether some particle is in a cell of the rim. Binned state only.
     bool is_at_rim() const;
 
     /// Puts the memory into list order if more than `share` of it is out of order or unused.

@@ -56,7 +56,7 @@ std::vector<std::uint32_t> Patch<Space, Real, Dim>::start_over(std::size_t n) {
 }
 
 template <class Space, class Real, int Dim>
-void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const FiledBlocks& filed) {
+void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlocks& binned) {
     tables_ = std::move(tables);
     position_.assign(tables_.position);
     neighbour_.assign(tables_.neighbour);
@@ -68,11 +68,11 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const FiledBlocks
 
     const auto n = static_cast<std::size_t>(own());
     std::vector<std::uint32_t> counts(n, 0);
-    for (std::size_t f = 0; f < filed.key.size(); ++f)
-        counts[static_cast<std::size_t>(tables_.find_own(filed.key[f]))] = filed.count[f];
+    for (std::size_t f = 0; f < binned.key.size(); ++f)
+        counts[static_cast<std::size_t>(tables_.find_own(binned.key[f]))] = binned.count[f];
     first_.resize(n + 1);
     Space::scan(n, counts.data(), first_.data());
-    slot_.assign(filed.slot);
+    slot_.assign(binned.slot);
     cell_first_.resize(n * (Block<Dim>::cells + 1));
     boundary_.assign(tables_.boundary);
     interior_.assign(tables_.interior);
@@ -107,8 +107,8 @@ void Patch<Space, Real, Dim>::count_cells(int block) {
 }
 
 template <class Space, class Real, int Dim>
-FiledBlocks Patch<Space, Real, Dim>::filed() const {
-    FiledBlocks f;
+BinnedBlocks Patch<Space, Real, Dim>::binned() const {
+    BinnedBlocks f;
     for (int b = 0; b < own(); ++b) {
         const auto i = static_cast<std::size_t>(b);
         if (first_[i + 1] == first_[i]) continue;

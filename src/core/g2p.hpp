@@ -273,7 +273,7 @@ struct GridToParticles {
         filled = 0;
     }
 
-    /// Moves the particle of list entry k and notes where it is to be filed next.
+    /// Moves the particle of list entry k and notes where it is to be binned next.
     MORAINE_HD void move(int block, std::uint32_t s, std::uint32_t k, int from, const Q& velocity, bool border,
                          BlockOutcome& out) const {
         const PlaceStep<Real> step =

@@ -1,7 +1,7 @@
 #pragma once
 // Particles as columns: one array per quantity, and only those that the scene's transfer, shape and
 // materials name. A particle lives in a slot until the memory is refreshed; lists of slots move
-// every step, particles do not (core/filing.hpp).
+// every step, particles do not (core/binning.hpp).
 
 #include <cstddef>
 #include <cstdint>

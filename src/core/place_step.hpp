@@ -1,5 +1,5 @@
 #pragma once
-// One particle's motion: its new place, the cell and block where it is to be filed next, and whether it left the
+// One particle's motion: its new place, the cell and block where it is to be binned next, and whether it left the
 // domain.
 //
 //   x <- x + dt v,  in fixed point: the cell is the top bits, a change of block is a carry (core/position.hpp)
@@ -12,7 +12,7 @@
 
 namespace moraine {
 
-/// Faces of the domain in filing coordinates, where a particle leaves it.
+/// Faces of the domain in binning coordinates, where a particle leaves it.
 template <class Real, int Dim>
 struct DomainEnds {
     std::int32_t cell[Dim][2];
@@ -39,10 +39,10 @@ struct PlaceStep {
     Real moved;            ///< largest displacement along an axis [cells]
 };
 
-/// A place exactly on an upper face where that is the edge of a filing cell (linear, cubic) is filed below it: the cell
-/// above has a node beyond the domain, which has no mass, and yet a hat's full slope. Returns the change of block.
+/// A place exactly on an upper face where that is the edge of a binning cell (linear, cubic) is binned below it: the
+/// cell above has a node beyond the domain, which has no mass, and yet a hat's full slope. Returns the change of block.
 template <class Real>
-MORAINE_HD int file_below(std::int32_t end_cell, Real end_fraction, std::int32_t block, Coordinate<Real>& u) {
+MORAINE_HD int bin_below(std::int32_t end_cell, Real end_fraction, std::int32_t block, Coordinate<Real>& u) {
     if (end_fraction != Real(0) || 4 * block + cell_of<Real>(u) != end_cell || (u & (one_cell<Real> - 1)) != 0)
         return 0;
     return u-- == 0 ? -1 : 0;
@@ -91,7 +91,7 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
             step.moved = size;
         }
         carry[a] = advance<Real>(u[a], move);
-        if (border) carry[a] += file_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
+        if (border) carry[a] += bin_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
         code = 3 * code + carry[a] + 1;
         cell = 4 * cell + cell_of<Real>(u[a]);
     }

@@ -1,9 +1,9 @@
 #pragma once
-// Where a particle is: per axis a fixed-point number relative to its block's filing origin, in cells.
+// Where a particle is: per axis a fixed-point number relative to its block's binning origin, in cells.
 //
 //   u = 2 bits of cell, the rest fraction;   x = min + h (4 B + u / 2^bits - offset)
 //
-// offset is 1/2 for stencils of three nodes (filed at floor(x/h - 1/2), block 0 starts at node -1)
+// offset is 1/2 for stencils of three nodes (binned at floor(x/h - 1/2), block 0 starts at node -1)
 // and 0 for linear and cubic. The cell is the top bits, a change of block is a carry, and no kernel
 // calls floor() on a position. An fp32 offset of up to 4 cells would be 8 times coarser, round up
 // across a face now and then, and stall at small speeds.

@@ -1,7 +1,7 @@
 #pragma once
 // Shape functions of one axis, as tensor products, in units of the cell.
 //
-// f in [0, 1) is the particle's place in its filing cell; node i of the stencil lies at distance
+// f in [0, 1) is the particle's place in its binning cell; node i of the stencil lies at distance
 // d_i = f + reach - i. Each shape gives the weights w_i and slopes dw_i = d w_i / d(x/h).
 //
 //   Linear      hat functions                                             Sulsky et al. 1994
@@ -113,7 +113,7 @@ struct Stencil {
     int width;
     int origin;
     double reach;
-    /// Filing coordinate of the domain's lower corner: x/h + offset() counts cells from block 0.
+    /// Binning coordinate of the domain's lower corner: x/h + offset() counts cells from block 0.
     double offset() const { return origin - reach; }
 };
 

@@ -13,7 +13,7 @@ template <class Real, int Dim, class Shape>
 struct Weights {
     Real w[Dim][Shape::width];
     Real dw[Dim][Shape::width];
-    Real f[Dim];  ///< place in the filing cell [cells]
+    Real f[Dim];  ///< place in the binning cell [cells]
 };
 
 /// Half-sizes of the GIMP box of each body per axis at ln stretch 0 [cells].

@@ -3,13 +3,13 @@
 //
 //   dL_p <- dL_p + (mean of tr dL - tr dL_p) / Dim I,    sigma_p <- sigma_p + (mean of tr sigma - tr sigma_p) / 3 I
 //
-// before the stress update, with means sum m_p x / sum m_p over the particles of a filing cell whose materials want it.
-// A nearly incompressible material then constrains the nodes once per cell and not once per particle.
+// before the stress update, with means sum m_p x / sum m_p over the particles of a binning cell whose materials want
+// it. A nearly incompressible material then constrains the nodes once per cell and not once per particle.
 //
 // Both are needed. With the rates alone, pressures that differ within a cell are seen by no rate: nothing takes them
 // back, and they push for ever (a slurry gained more energy than it had in one second). With one pressure p for the
 // particles of a cell the force sum V_p p grad w_p is the derivative of the cell's energy, whose rate is the mean one.
-// Cells of filing are local to a block: no exchange.
+// Cells of binning are local to a block: no exchange.
 //
 // F-bar: de Souza Neto et al. 1996; over the points of a cell in MPM: Coombs et al. 2018.
 

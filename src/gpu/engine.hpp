@@ -1,7 +1,7 @@
 #pragma once
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
-// A step is queued on one stream:  filing, report, P2G | nodes, G2P, leavers.  At the bar the host waits
+// A step is queued on one stream:  binning, report, P2G | nodes, G2P, leavers.  At the bar the host waits
 // once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
 // its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
@@ -47,14 +47,14 @@ class DeviceEngine final : public Engine<Real, Dim> {
     using PieceReader = typename Engine<Real, Dim>::PieceReader;
     void each_piece(const PieceReader& f, const std::vector<std::string>& only) override;
 
-    void adopt(EpochTables<Dim> tables, const FiledBlocks& filed) override;
+    void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) override;
     void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
     void prepare(const EpochTables<Dim>& tables) override;
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
 
-    void file() override;
+    void bin() override;
     void sum_boundary() override;
     void send_halo() override;
     void sum_interior() override;
@@ -106,7 +106,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Tables<Dim> tables_, next_tables_;
     ListTables next_list_tables_;
     Routes next_routes_;
-    std::optional<EpochTables<Dim>> pending_;  ///< of the epoch that begins with the next filing
+    std::optional<EpochTables<Dim>> pending_;  ///< of the epoch that begins with the next binning
     Stream upload_{Stream::Rank::apart}, reading_{Stream::Rank::apart};
     int device_ = 0;
     std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
@@ -122,7 +122,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     DeviceStructures<Dim> structures_;
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
-    Stopwatch watch_;  ///< of the steps: filing with P2G, nodes, G2P; not of waiting
+    Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting
 
     Census census_;
     int boundary_blocks_ = 0;  ///< occupied, as far as known: makes grids, any number is right
@@ -132,9 +132,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     int steps_since_refresh_ = 0;
     std::uint32_t faults_ = 0;  ///< of the last report
     std::uint64_t offender_ = 0;
-    bool moving_ = false;              ///< the last step's moves are not filed
+    bool moving_ = false;              ///< the last step's moves are not binned
     bool summed_ = false;              ///< P2G of this round is queued, the nodes are not
-    bool timed_ = false;               ///< the watch runs since filing
+    bool timed_ = false;               ///< the watch runs since binning
     bool report_is_of_epoch_ = false;  ///< no epoch has begun since the report was made
 };
 

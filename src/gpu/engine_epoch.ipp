@@ -85,17 +85,17 @@ void DeviceEngine<Real, Dim>::count_crowd() {
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& filed) {
+void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) {
     stream_.wait();
-    share_.install(std::move(tables), filed);
+    share_.install(std::move(tables), binned);
     take_tables(share_.tables());
     // a rank of several has columns even before it has particles: records are the same on all
-    const std::size_t n = filed.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
-    lists_.install(epoch_, tables_.view(), filed, most);
-    particles_.upload(share_.particles.columns(), filed.slot, most);
+    const std::size_t n = binned.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
+    lists_.install(epoch_, tables_.view(), binned, most);
+    particles_.upload(share_.particles.columns(), binned.slot, most);
     find_cells();
     set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), {}};
+    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(binned.key.size()), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
@@ -104,7 +104,7 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const FiledBlocks& 
     share_is_of_now_ = true;
 }
 
-/// While a step is under way its moves are filed by the old tables, and nobody waits.
+/// While a step is under way its moves are binned by the old tables, and nobody waits.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     pending_ = std::move(tables);
@@ -112,7 +112,7 @@ void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     take_census();
     change_tables();
     count_boundary();
-    stream_.wait();  // who reads the lists waits for the last filing alone
+    stream_.wait();  // who reads the lists waits for the last binning alone
 }
 
 template <class Real, int Dim>
@@ -145,7 +145,7 @@ void DeviceEngine<Real, Dim>::find_cells() {
 /// order.
 template <class Real, int Dim>
 BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
-    if (moving_) throw std::logic_error("blocks move in the filed state alone");
+    if (moving_) throw std::logic_error("blocks move in the binned state alone");
     take_census();
     stream_.wait();
     if (!exchange_) {  // alone: all stays
@@ -177,15 +177,15 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
 /// Begins an epoch with these blocks.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks) {
-    FiledBlocks filed;
+    BinnedBlocks binned;
     census_ = {0, static_cast<std::int64_t>(blocks.size()), {}};
     for (const Stretch& s : blocks) {
-        filed.key.push_back(s.key);
-        filed.count.push_back(s.count);
+        binned.key.push_back(s.key);
+        binned.count.push_back(s.count);
         census_.particles += s.count;
     }
     take_tables(std::move(tables));
-    lists_.rearrange(epoch_, tables_.view(), filed, blocks, stream_);
+    lists_.rearrange(epoch_, tables_.view(), binned, blocks, stream_);
     find_cells();
     open_epoch();
     stream_.wait();
@@ -199,22 +199,22 @@ Patch<Host, Real, Dim>& DeviceEngine<Real, Dim>::share() {
     if (share_is_of_now_) return share_;
     stream_.wait();
     const std::vector<std::uint32_t> first = lists_.first();
-    FiledBlocks filed;
+    BinnedBlocks binned;
     for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
         if (first[b + 1] == first[b]) continue;
-        filed.key.push_back(epoch_.own[b]);
-        filed.count.push_back(first[b + 1] - first[b]);
+        binned.key.push_back(epoch_.own[b]);
+        binned.count.push_back(first[b + 1] - first[b]);
     }
-    filed.slot = share_.start_over(first.back());
+    binned.slot = share_.start_over(first.back());
     particles_.download(share_.particles.columns(), lists_.slots(), first.back());
-    share_.install(epoch_, filed);
+    share_.install(epoch_, binned);
     share_is_of_now_ = true;
     return share_;
 }
 
 template <class Real, int Dim>
 BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
-    reported_.wait();  // the lists of the last filing are there, and stay until the next
+    reported_.wait();  // the lists of the last binning are there, and stay until the next
     const std::vector<std::uint32_t> first = lists_.first(reading_);
     const std::vector<std::uint32_t> cells = with_cells ? lists_.cell_first(reading_) : std::vector<std::uint32_t>{};
     BlockCounts counts;

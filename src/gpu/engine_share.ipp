@@ -11,24 +11,24 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
     stream_.wait();
     take_tables(std::move(tables));
-    FiledBlocks filed;  // slots are 0, 1, ...: nobody lists them
+    BinnedBlocks binned;  // slots are 0, 1, ...: nobody lists them
     std::size_t n = 0;
     for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
         const std::uint32_t count = lattice.view().count(epoch_.position[b]);
         if (count == 0) continue;
-        filed.key.push_back(epoch_.own[b]);
-        filed.count.push_back(count);
+        binned.key.push_back(epoch_.own[b]);
+        binned.count.push_back(count);
         n += count;
     }
     const std::size_t most = n + (exchange_ ? n / 64 + 64 : 0);
-    lists_.install(epoch_, tables_.view(), filed, most);
+    lists_.install(epoch_, tables_.view(), binned, most);
     particles_.clear(most);
     const DeviceLattice<Real, Dim> there(lattice);
     seed_blocks(tables_.view().own, there.view(), tables_.view().position, lists_.view().first, particles_.view(),
                 stream_);
     find_cells();
     set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(filed.key.size()), {}};
+    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(binned.key.size()), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();

@@ -20,11 +20,11 @@ Ledger<Dim> ledger_of(const Account<Dim>& a) {
 
 /// Arrivals, then the next lists; the report of the step before goes to the host.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::file() {
+void DeviceEngine<Real, Dim>::bin() {
     if (!moving_) return;
     if (exchange_) {
         exchange_->migration.post();
-        exchange_->migration.finish(exchange_->routes.receive(), lists_.filing(tables_.view()),
+        exchange_->migration.finish(exchange_->routes.receive(), lists_.binning(tables_.view()),
                                     record_layout(particles_.view()), counters_.data(), exchange_->stream);
         exchange_->arrived.record(exchange_->stream);
         stream_.wait_for(exchange_->arrived);
@@ -55,8 +55,8 @@ void DeviceEngine<Real, Dim>::sum_boundary() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum() {
     if (exchange_) {
-        exchange_->filed.record(stream_);
-        exchange_->stream.wait_for(exchange_->filed);
+        exchange_->binned.record(stream_);
+        exchange_->stream.wait_for(exchange_->binned);
         p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
@@ -107,7 +107,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_leavers(const StepScales<Dim>&) {
     if (exchange_) {
         lists_.collect(tables_.view(), Part::boundary, boundary_blocks_, exchange_->stream);
-        exchange_->migration.start(exchange_->routes.send(), lists_.filing(tables_.view()),
+        exchange_->migration.start(exchange_->routes.send(), lists_.binning(tables_.view()),
                                    record_layout(particles_.view()), counters_.data(), exchange_->stream);
     }
     lists_.collect(tables_.view(), exchange_ ? Part::interior : Part::all, interior_blocks(), stream_);
@@ -193,7 +193,7 @@ std::vector<Offence<Dim>> DeviceEngine<Real, Dim>::offences() {
     return {{offender_, faults_, {}}};
 }
 
-/// What the last filing counted, unless an epoch has begun since and knows better.
+/// What the last binning counted, unless an epoch has begun since and knows better.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_census() {
     reported_.wait();

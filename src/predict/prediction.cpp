@@ -32,7 +32,7 @@ Key block_of(const Scene& scene, double offset, const Triple& x) {
         if (scene.periodic[a])
             position[a] = (at.block % (cells / 4) + cells / 4) % (cells / 4);
         else
-            position[a] = at.block + file_below<Real>(cells, static_cast<Real>(offset), at.block, at.u);
+            position[a] = at.block + bin_below<Real>(cells, static_cast<Real>(offset), at.block, at.u);
     }
     return Morton<Dim>::encode(position);
 }

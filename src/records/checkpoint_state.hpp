@@ -36,7 +36,7 @@ Column listed_column(const Simulation<Real, Dim>& sim, const ColumnBytes& kind) 
     return column;
 }
 
-/// This rank's blocks as rows of a file, keys ascending. Filed state only. Not collective.
+/// This rank's blocks as rows of a file, keys ascending. Binned state only. Not collective.
 template <class Real, int Dim>
 std::vector<BlockRow> block_rows(Simulation<Real, Dim>& sim) {
     const BlockCounts counts = sim.block_counts();
@@ -150,7 +150,7 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     }
 }
 
-/// Filed state only; after conclude().
+/// Binned state only; after conclude().
 template <class Real, int Dim>
 void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
     CheckpointHeader header = clock_header(sim.clock());

@@ -67,7 +67,7 @@ inline double front_of(const std::vector<double>& columns, const Scene& scene) {
     return scene.min[0];
 }
 
-/// Filed state only. Collective.
+/// Binned state only. Collective.
 template <class Real, int Dim>
 HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();

@@ -12,7 +12,7 @@ namespace moraine {
 template <class Real, int Dim>
 class Picture {
   public:
-    /// Filed state only. Not collective.
+    /// Binned state only. Not collective.
     explicit Picture(Simulation<Real, Dim>& sim) : sim_(sim) {
         stored("id", "id");
         for (const std::string& field : sim.scene().output.fields) add(field);

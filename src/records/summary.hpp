@@ -119,7 +119,7 @@ Json energies_in_summary(const HistoryRow<Dim>& row) {
                        {"unaccounted", row.unaccounted}};
 }
 
-/// Filed state only. Collective.
+/// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
     const Scene& scene = sim.scene();

@@ -5,7 +5,7 @@
 //
 // computing   mean of the ranks: P2G, nodes, G2P
 // imbalance   sum over steps of (slowest rank - mean): all others wait for it, in whichever exchange comes next
-// exchange    halo, agreement and migration of the mean rank, filing included, beyond that wait and, on devices,
+// exchange    halo, agreement and migration of the mean rank, binning included, beyond that wait and, on devices,
 //             beyond the wait for their kernels, which are counted as computing
 // balancing   looks at the loads, plans, and moves of blocks, mean of the ranks
 
@@ -36,7 +36,7 @@ struct TimeReport {
         return fmt::format("Time of the run: {:.2f} s on {} rank{}\n", wall, ranks, ranks == 1 ? "" : "s") +
                line("computing", computing, "mean of the ranks") +
                line("lost to imbalance", imbalance, "slowest rank less mean, step by step") +
-               line("exchange", exchange, "halo, filing, migration, agreement") +
+               line("exchange", exchange, "halo, binning, migration, agreement") +
                line("lost to balancing", balancing,
                     fmt::format("looks, plans, {} repartition{}", repartitions, repartitions == 1 ? "" : "s")) +
                line("output", output, "records, pictures, checkpoints") + line("rest", rest(), "start and end");

@@ -6,7 +6,7 @@
 //
 // n_r, b_r: particles and blocks of rank r; k: neighbours, bytes: sent, of the busiest. a and d are fitted to computing
 // times by least squares with a pull (1 %) towards the ratio of the cost model: a run whose particles and blocks hardly
-// vary cannot tell them apart. e is what filing and exchanges took of the rank that waited least.
+// vary cannot tell them apart. e is what binning and exchanges took of the rank that waited least.
 // x_r is normal: equal loads do not take equal time, and s follows from what the slowest ranks took, step by step.
 // f is what looks with a migration took beyond the median of all. c is what remains of a step. A run does not tell
 // latency and bandwidth: they are the user's.
@@ -56,7 +56,7 @@ struct TimeModel {
 /// Intervals of one run or several, from which a model follows.
 class ModelFit {
   public:
-    /// What a rank held, and its seconds per step: of computing, and of filing and exchanges, waiting included.
+    /// What a rank held, and its seconds per step: of computing, and of binning and exchanges, waiting included.
     struct Sample {
         double particles, blocks, computing, exchange;
     };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t most_points = std::int64_t(1) << 24;  ///< along one axis: the tables stay small
 
-/// Where the points of one axis are filed.
+/// Where the points of one axis are binned.
 template <class Real>
 struct AxisPlaces {
     std::vector<std::int32_t> cell;  ///< 4 block + cell

@@ -1,5 +1,5 @@
 #pragma once
-// The state that a seed (seeding/seed.hpp) begins with: where it is filed, and its stress.
+// The state that a seed (seeding/seed.hpp) begins with: where it is binned, and its stress.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ template <class Real, int Dim>
 Place<Real> place_along(const Scene& scene, const Method<Host, Real, Dim>& method, int a, double x) {
     const auto i = static_cast<std::size_t>(a);
     Place<Real> at = place<Real>((x - scene.min[i]) / scene.cell + method.stencil.offset());
-    at.block += file_below(method.ends.cell[a][1], method.ends.fraction[a][1], at.block, at.u);
+    at.block += bin_below(method.ends.cell[a][1], method.ends.fraction[a][1], at.block, at.u);
     return at;
 }
 

@@ -2,7 +2,7 @@
 // The simulation: one rank's part of the run, and THE STEP. The one file that may know every folder.
 //
 // Between steps the share of a rank is told by its lists; output, checkpoints and balancing look at it
-// only in the filed state, and never change dt or the answer.
+// only in the binned state, and never change dt or the answer.
 
 #include <fmt/format.h>
 
@@ -103,16 +103,16 @@ class Simulation {
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
 
-    /// Brings the share into the filed state. Collective.
-    void file();
+    /// Brings the share into the binned state. Collective.
+    void bin();
 
-    /// Files, books, and throws PhysicsError if the last step went wrong. Collective.
+    /// Bins, books, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
 
     /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
     void balance();
 
-    /// Occupied blocks of all ranks and who holds them, in key order; files the particles first. Collective.
+    /// Occupied blocks of all ranks and who holds them, in key order; bins the particles first. Collective.
     std::vector<BlockLoad> block_loads();
 
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
@@ -148,16 +148,16 @@ class Simulation {
     /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
     void ask(std::uint32_t what) { asked_ |= what; }
 
-    /// Calls f(slot, x [m]) for this rank's particles in list order, block by block. Filed state only.
+    /// Calls f(slot, x [m]) for this rank's particles in list order, block by block. Binned state only.
     void each_particle(const std::function<void(std::uint32_t slot, const std::array<double, Dim>& x)>& f) const;
-    /// Calls f(piece) for this rank's share, piece by piece (comm/engine.hpp). Filed state only. Not collective.
+    /// Calls f(piece) for this rank's share, piece by piece (comm/engine.hpp). Binned state only. Not collective.
     template <class F>
     void each_piece(const std::vector<std::string>& columns, const F& f) const {
         engine_->each_piece(f, columns);
     }
     /// The columns of its particles, without rows.
     std::vector<ColumnBytes> columns() const { return Particles<Host, Real, Dim>(method_.needs).columns(); }
-    /// Occupied blocks of this rank. Filed state only. Not collective.
+    /// Occupied blocks of this rank. Binned state only. Not collective.
     BlockCounts block_counts() { return engine_->block_counts(false); }
     /// Place of a particle of a piece [m].
     std::array<double, Dim> place_of(const SharePiece<Real, Dim>& piece, int block, std::uint32_t slot) const {
@@ -165,7 +165,7 @@ class Simulation {
                                    piece.p.position[slot]);
     }
 
-    /// Totals of the whole run. Filed state only. Collective.
+    /// Totals of the whole run. Binned state only. Collective.
     Totals<Dim> totals() const;
     /// Hash of the state; `with_lists` includes each particle's block and place in its list. Collective.
     std::uint64_t state_hash(bool with_lists = false) const;
@@ -195,7 +195,7 @@ class Simulation {
     std::vector<BlockLoad> gather_loads(const BlockCounts& mine) const;
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
-    void begin_epoch(const FiledBlocks& filed);
+    void begin_epoch(const BinnedBlocks& binned);
     void foresee_epoch();
     void look_ahead();
     void renew_epoch();
@@ -212,9 +212,9 @@ class Simulation {
     void repartition(EpochTables<Dim> tables);
     void seed_rows();
     void seed_lattice();
-    FiledBlocks seed_share();
+    BinnedBlocks seed_share();
     Key place_seed(const Seed& seed, std::uint32_t slot);
-    void sort_blocks(FiledBlocks& filed) const;
+    void sort_blocks(BinnedBlocks& binned) const;
     void set_scales();
     Totals<Dim> totals_of(const SharePiece<Real, Dim>& piece, int block) const;
 
@@ -251,7 +251,7 @@ class Simulation {
     GatherBeside<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
     bool in_place_ = false;          ///< lattices are seeded by the engine
     bool beside_ = false;            ///< epochs are made beside the steps
-    bool unfiled_ = true;            ///< nothing was filed yet by the tables of this epoch
+    bool unbinned_ = true;           ///< nothing was binned yet by the tables of this epoch
     bool at_rim_ = false;            ///< somebody was in the rim one step ago
     double wandered_ = 0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
     double foreseen_ = 0;  ///< the same, since the next epoch or a look was begun
@@ -270,7 +270,7 @@ class Simulation {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
-    file();  // arrivals of the last step; each block's list is filed by cell
+    bin();  // arrivals of the last step; each block's list is binned by cell
     apply_body_force();
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();

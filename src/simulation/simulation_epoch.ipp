@@ -55,12 +55,12 @@ void Simulation<Real, Dim>::calibrate(const BlockCounts& mine) {
 
 template <class Real, int Dim>
 std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
-    file();
+    bin();
     return gather_loads(engine_->block_counts(weighs_cells()));
 }
 
 /// Of this rank's blocks, from the owners of all.
-inline std::vector<std::int32_t> owners_of(const FiledBlocks& mine, const std::vector<BlockLoad>& loads,
+inline std::vector<std::int32_t> owners_of(const BinnedBlocks& mine, const std::vector<BlockLoad>& loads,
                                            const std::vector<std::int32_t>& owners) {
     std::vector<std::int32_t> result;
     for (Key key : mine.key) {
@@ -77,18 +77,18 @@ EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>&
     std::vector<OccupiedBlock> occupied;
     for (const BlockLoad& load : loads) occupied.push_back({load.key, load.owner});
     wandered_ = 0;
-    unfiled_ = true;
+    unbinned_ = true;
     return next_epoch_.make(std::move(occupied));
 }
 
 /// With particles that were put into the host's share.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::begin_epoch(const FiledBlocks& filed) {
-    engine_->adopt(next_epoch(gather_loads(counts_of(patch(), filed, false))), filed);
+void Simulation<Real, Dim>::begin_epoch(const BinnedBlocks& binned) {
+    engine_->adopt(next_epoch(gather_loads(counts_of(patch(), binned, false))), binned);
     engine_->refresh_memory(false);
 }
 
-/// Begins to make the next epoch from what the last filing found occupied.
+/// Begins to make the next epoch from what the last binning found occupied.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::foresee_epoch() {
     keys_.finish();
@@ -113,7 +113,7 @@ void Simulation<Real, Dim>::renew_epoch() {
         ++counts_.epochs;
     }
     wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
-    unfiled_ = true;
+    unbinned_ = true;
     engine_->refresh_memory(false);
 }
 
@@ -143,14 +143,14 @@ void Simulation<Real, Dim>::balance() {
     });
 }
 
-/// The filed state, with nothing under way.
+/// The binned state, with nothing under way.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::rest() {
-    file();
+    bin();
     phases_.time(Phase::agree, [&] { engine_->settle(); });
 }
 
-/// By what the agreements say of the ranks, before anything is filed or sent: no plan is worth making. Costs may say
+/// By what the agreements say of the ranks, before anything is binned or sent: no plan is worth making. Costs may say
 /// otherwise, but only block by block.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::is_balanced(BalanceLook& found) const {
@@ -262,7 +262,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
     wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
-    unfiled_ = true;
+    unbinned_ = true;
     at_rim_ = false;
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;

@@ -1,4 +1,4 @@
-// What the records, checkpoints and tests ask of a simulation in the filed state.
+// What the records, checkpoints and tests ask of a simulation in the binned state.
 
 namespace moraine {
 
@@ -144,7 +144,7 @@ void Simulation<Real, Dim>::refresh_signal() {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::conclude() {
-    file();
+    bin();
     book();
     reduction_.start(own_);
     const Agreement all = reduction_.finish();

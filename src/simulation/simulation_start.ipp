@@ -77,7 +77,7 @@ Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
 /// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
 /// so that a seed needs memory only until it is a particle.
 template <class Real, int Dim>
-FiledBlocks Simulation<Real, Dim>::seed_share() {
+BinnedBlocks Simulation<Real, Dim>::seed_share() {
     std::vector<std::pair<Key, std::uint32_t>> placed;
     std::vector<Seed> seeds;
     for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
@@ -99,27 +99,27 @@ FiledBlocks Simulation<Real, Dim>::seed_share() {
         }
     }
     std::sort(placed.begin(), placed.end());
-    FiledBlocks filed;
-    filed.slot.reserve(placed.size());
+    BinnedBlocks binned;
+    binned.slot.reserve(placed.size());
     for (const auto& [key, slot] : placed) {
-        if (filed.key.empty() || filed.key.back() != key) {
-            filed.key.push_back(key);
-            filed.count.push_back(0);
+        if (binned.key.empty() || binned.key.back() != key) {
+            binned.key.push_back(key);
+            binned.count.push_back(0);
         }
-        ++filed.count.back();
-        filed.slot.push_back(slot);
+        ++binned.count.back();
+        binned.slot.push_back(slot);
     }
-    return filed;
+    return binned;
 }
 
 /// The initial order: (block, cell, id).
 template <class Real, int Dim>
-void Simulation<Real, Dim>::sort_blocks(FiledBlocks& filed) const {
+void Simulation<Real, Dim>::sort_blocks(BinnedBlocks& binned) const {
     Share& share = engine_->share();
     const ParticleView<Real, Dim> p = share.particles.view();
     const auto rank_of = [&](std::uint32_t s) { return std::pair(share.cell_of_slot(s), p.id[s]); };
-    auto first = filed.slot.begin();
-    for (std::uint32_t count : filed.count) {
+    auto first = binned.slot.begin();
+    for (std::uint32_t count : binned.count) {
         std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
         first += count;
     }
@@ -128,15 +128,15 @@ void Simulation<Real, Dim>::sort_blocks(FiledBlocks& filed) const {
 /// Every rank makes rows of the bodies, whoever will own them, and blocks travel to their owners.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::seed_rows() {
-    const FiledBlocks share = seed_share();
+    const BinnedBlocks share = seed_share();
     std::vector<BlockLoad> loads = gather_loads(counts_of(patch(), share, weighs_cells()));
     for (BlockLoad& load : loads) load.owner = -1;
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     BlockMoveCount not_counted;
-    FiledBlocks filed = move_blocks(comm_, patch(), share, owners_of(share, loads, owners), not_counted);
-    sort_blocks(filed);
-    begin_epoch(filed);
+    BinnedBlocks binned = move_blocks(comm_, patch(), share, owners_of(share, loads, owners), not_counted);
+    sort_blocks(binned);
+    begin_epoch(binned);
     engine_->refresh_memory(true);
 }
 
@@ -199,20 +199,20 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     clock_ = clock;
     if (!partitioner_->restore(partitioner_state)) partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
-    FiledBlocks filed;
+    BinnedBlocks binned;
     std::vector<std::pair<std::int64_t, std::int64_t>> ranges;
     std::int64_t at = 0;
     for (std::size_t b = 0; b < keys.size(); at += counts[b], ++b) {
         if (owners[b] != comm_.rank()) continue;
-        filed.key.push_back(keys[b]);
-        filed.count.push_back(static_cast<std::uint32_t>(counts[b]));
+        binned.key.push_back(keys[b]);
+        binned.count.push_back(static_cast<std::uint32_t>(counts[b]));
         ranges.emplace_back(at, counts[b]);
     }
     std::size_t rows = 0;
-    for (std::uint32_t count : filed.count) rows += count;
-    filed.slot = patch().take_slots(rows);
-    read(ranges, filed.slot);
-    begin_epoch(filed);
+    for (std::uint32_t count : binned.count) rows += count;
+    binned.slot = patch().take_slots(rows);
+    read(ranges, binned.slot);
+    begin_epoch(binned);
     if (comm_.is_root()) ledger_ = ledger;
     own_.signal = clock_.signal;
     last_repartition_ = clock_.step;

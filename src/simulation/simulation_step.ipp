@@ -3,8 +3,8 @@
 namespace moraine {
 
 template <class Real, int Dim>
-void Simulation<Real, Dim>::file() {
-    phases_.time(Phase::migrate, [&] { engine_->file(); });
+void Simulation<Real, Dim>::bin() {
+    phases_.time(Phase::migrate, [&] { engine_->bin(); });
 }
 
 /// Takes what the last step tells into the books and into what the next agreement must know.
@@ -49,10 +49,10 @@ void Simulation<Real, Dim>::agree_on_dt() {
         report_faults();
     }
     clock_.signal = agreed_.signal;
-    at_rim_ = agreed_.at_rim && !unfiled_;  // else by the tables before
-    wandered_ = at_rim_ || unfiled_ ? wandered_ + agreed_.moved : 0;
+    at_rim_ = agreed_.at_rim && !unbinned_;  // else by the tables before
+    wandered_ = at_rim_ || unbinned_ ? wandered_ + agreed_.moved : 0;
     foreseen_ += agreed_.moved;
-    unfiled_ = false;
+    unbinned_ = false;
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();
     const double imbalance = mean > 0 ? static_cast<double>(agreed_.count) / mean : 1;
     counts_.imbalance_sum += imbalance;

@@ -63,36 +63,36 @@ class Crowd {
         std::stable_sort(mine.begin(), mine.end(), [](const auto& x, const auto& y) {
             return std::tie(std::get<0>(x), std::get<1>(x)) < std::tie(std::get<0>(y), std::get<1>(y));
         });
-        FiledBlocks filed;
+        BinnedBlocks binned;
         for (const auto& [key, cell, slot] : mine) {
-            if (filed.key.empty() || filed.key.back() != key) {
-                filed.key.push_back(key);
-                filed.count.push_back(0);
+            if (binned.key.empty() || binned.key.back() != key) {
+                binned.key.push_back(key);
+                binned.count.push_back(0);
             }
-            ++filed.count.back();
-            filed.slot.push_back(slot);
+            ++binned.count.back();
+            binned.slot.push_back(slot);
         }
-        begin_epoch(filed);
+        begin_epoch(binned);
     }
 
-    void begin_epoch(const FiledBlocks& filed) {
+    void begin_epoch(const BinnedBlocks& binned) {
         std::vector<OccupiedBlock> occupied;
-        for (Key key : filed.key) occupied.push_back({key, comm.rank()});
+        for (Key key : binned.key) occupied.push_back({key, comm.rank()});
         occupied = comm.all_gather(occupied);
         std::sort(occupied.begin(), occupied.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
         const auto topology = make_topology<Dim>(domain_, occupied, [](const BlockPosition<Dim>&) { return -1; });
-        patch.install(make_epoch<Dim>(topology, domain_, stencil_, comm.rank()), filed);
+        patch.install(make_epoch<Dim>(topology, domain_, stencil_, comm.rank()), binned);
         patch.refresh_memory(0.1);
         migration = std::make_unique<Migration<Host, Real, Dim>>(patch, messages_);
     }
 
     /// A pseudo-random owner per block, new each round.
     BlockMoveCount shuffle(std::uint64_t round) {
-        const FiledBlocks filed = patch.filed();
+        const BinnedBlocks binned = patch.binned();
         std::vector<std::int32_t> owner;
-        for (Key key : filed.key) owner.push_back(owner_of(key, round));
+        for (Key key : binned.key) owner.push_back(owner_of(key, round));
         BlockMoveCount moved;
-        begin_epoch(move_blocks(comm, patch, filed, owner, moved));
+        begin_epoch(move_blocks(comm, patch, binned, owner, moved));
         return moved;
     }
 

@@ -26,7 +26,7 @@ TEST_CASE_TEMPLATE("whole blocks arrive with every column and in list order, wha
     for (std::uint64_t round = 1; round < 8; ++round) {
         crowd.shuffle(round);
         CHECK(crowd.rows() == before);
-        for (Key key : crowd.patch.filed().key) CHECK(crowd.owner_of(key, round) == crowd.comm.rank());
+        for (Key key : crowd.patch.binned().key) CHECK(crowd.owner_of(key, round) == crowd.comm.rank());
     }
 }
 
@@ -37,12 +37,12 @@ TEST_CASE("what moved is counted, and nothing moves to where it is") {
     const BlockMoveCount stay = crowd.shuffle(0);
     CHECK(stay.particles == 0);
     CHECK(stay.blocks == 0);
-    const FiledBlocks filed = crowd.patch.filed();
+    const BinnedBlocks binned = crowd.patch.binned();
     std::int64_t blocks = 0, particles = 0;
-    for (std::size_t b = 0; b < filed.key.size(); ++b) {
-        if (crowd.owner_of(filed.key[b], 5) == crowd.comm.rank()) continue;
+    for (std::size_t b = 0; b < binned.key.size(); ++b) {
+        if (crowd.owner_of(binned.key[b], 5) == crowd.comm.rank()) continue;
         ++blocks;
-        particles += filed.count[b];
+        particles += binned.count[b];
     }
     const BlockMoveCount moved = crowd.shuffle(5);
     CHECK(moved.blocks == blocks);
@@ -55,10 +55,10 @@ TEST_CASE("all blocks may go to one rank, and back; ranks may be left with nothi
     settle(crowd, 500, 16);
     const auto before = crowd.rows();
     for (int owner = crowd.comm.size() - 1; owner >= 0; --owner) {
-        const FiledBlocks filed = crowd.patch.filed();
+        const BinnedBlocks binned = crowd.patch.binned();
         BlockMoveCount moved;
         crowd.begin_epoch(
-            move_blocks(crowd.comm, crowd.patch, filed, std::vector<std::int32_t>(filed.key.size(), owner), moved));
+            move_blocks(crowd.comm, crowd.patch, binned, std::vector<std::int32_t>(binned.key.size(), owner), moved));
         CHECK(crowd.patch.count() == (crowd.comm.rank() == owner ? 500 : 0));
         CHECK(crowd.rows() == before);
     }
@@ -69,7 +69,7 @@ TEST_CASE("parts of one block that come from several ranks are joined in rank or
     Patch<Host, double, 2> patch({}, 3);
     const int n = comm.size();
     const auto me = static_cast<std::uint32_t>(comm.rank());
-    FiledBlocks mine;
+    BinnedBlocks mine;
     mine.key = {10, 20};
     mine.count = {1 + me, 2};
     mine.slot = patch.take_slots(3 + me);
@@ -79,7 +79,7 @@ TEST_CASE("parts of one block that come from several ranks are joined in rank or
         patch.particles.view().id[s] = 100 * me + s;
     }
     BlockMoveCount moved;
-    const FiledBlocks got = move_blocks(comm, patch, mine, {0, n - 1}, moved);
+    const BinnedBlocks got = move_blocks(comm, patch, mine, {0, n - 1}, moved);
     const bool first = comm.rank() == 0, last = comm.rank() == n - 1;
     std::vector<std::uint64_t> expected;
     std::vector<Key> keys;

@@ -22,15 +22,15 @@ struct Share {
     Patch<Host, Real, Dim> patch;
 
     Share(const World<Dim>& w, int rank) : world(w), patch({}, w.stencil.width) {
-        FiledBlocks filed;
+        BinnedBlocks binned;
         for (const OccupiedBlock& b : w.occupied) {
             if (b.owner != rank || mix(b.key) % 4 == 0) continue;
-            filed.key.push_back(b.key);
-            filed.count.push_back(1);
-            filed.slot.push_back(patch.take_slots(1)[0]);
-            for (int a = 0; a < Dim; ++a) patch.particles.view().position[filed.slot.back()][a] = 0;
+            binned.key.push_back(b.key);
+            binned.count.push_back(1);
+            binned.slot.push_back(patch.take_slots(1)[0]);
+            for (int a = 0; a < Dim; ++a) patch.particles.view().position[binned.slot.back()][a] = 0;
         }
-        patch.install(make_epoch<Dim>(w.topology(), w.domain, w.stencil, rank), filed);
+        patch.install(make_epoch<Dim>(w.topology(), w.domain, w.stencil, rank), binned);
     }
 
     /// Tiles with numbers that depend on block, node and round alone; whatever else there is, is not a number.

@@ -52,7 +52,7 @@ TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
 TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
 TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
 
-TEST_CASE_TEMPLATE("random walkers are filed on any number of ranks as on one, to the bit", C, Case<float, 2>,
+TEST_CASE_TEMPLATE("random walkers are binned on any number of ranks as on one, to the bit", C, Case<float, 2>,
                    Case<double, 2>, Case<float, 3>, Case<double, 3>) {
     constexpr int dim = C::dim;
     for (bool open : {false, true}) {

@@ -94,7 +94,7 @@ TEST_CASE("blocks wrap along periodic axes only") {
     }
 }
 
-TEST_CASE("the blocks of a domain hold every filing place up to its upper face, and no more") {
+TEST_CASE("the blocks of a domain hold every binning place up to its upper face, and no more") {
     for (moraine::Shape shape : {moraine::Shape::linear, moraine::Shape::quadratic, moraine::Shape::cubic})
         for (int cells = 1; cells < 20; ++cells) {
             Scene scene;

@@ -2,7 +2,7 @@
 // One rank's patch full of random particles in a small domain, and the plain reference of its transfers:
 // shape functions of the distance to a node, summed over particles and nodes in double.
 //
-// The reference knows no blocks, tiles or filing cells: a node is its index, taken modulo the domain's
+// The reference knows no blocks, tiles or binning cells: a node is its index, taken modulo the domain's
 // length along periodic axes. Places are in cells from the domain's lower corner.
 
 #include <algorithm>
@@ -63,20 +63,20 @@ struct Sample {
         std::vector<std::pair<std::pair<Key, int>, std::uint32_t>> placed;
         for (std::uint32_t slot : slots) placed.push_back({fill(slot), slot});
         std::sort(placed.begin(), placed.end());
-        FiledBlocks filed;
+        BinnedBlocks binned;
         std::vector<OccupiedBlock> occupied;
         for (const auto& [place, slot] : placed) {
-            if (filed.key.empty() || filed.key.back() != place.first) {
-                filed.key.push_back(place.first);
-                filed.count.push_back(0);
+            if (binned.key.empty() || binned.key.back() != place.first) {
+                binned.key.push_back(place.first);
+                binned.count.push_back(0);
                 occupied.push_back({place.first, 0});
             }
-            ++filed.count.back();
-            filed.slot.push_back(slot);
+            ++binned.count.back();
+            binned.slot.push_back(slot);
         }
         const Topology<Dim> topology =
             make_topology<Dim>(domain, occupied, [](const BlockPosition<Dim>&) { return 0; });
-        patch.install(make_epoch<Dim>(topology, domain, method.stencil, 0), filed);
+        patch.install(make_epoch<Dim>(topology, domain, method.stencil, 0), binned);
     }
 
     double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }

@@ -128,7 +128,7 @@ TEST_CASE("a gimp box much smaller than the cell gives the hat functions") {
     for (int k = 0; k < 100; ++k) {
         const double x = 0.005 + 0.01 * k;  // from node 0
         double g[3], dg[3], w[2], dw[2];
-        const int first = x < 0.5 ? -1 : 0;  // filed at floor(x - 1/2)
+        const int first = x < 0.5 ? -1 : 0;  // binned at floor(x - 1/2)
         Gimp::weights(x - 0.5 - first, 1e-3, g, dg);
         Linear::weights(x, 0.0, w, dw);
         for (int i = 0; i < 2; ++i) {

@@ -1,12 +1,12 @@
 #pragma once
-// The lists of a share on the device with all that filing needs around them, for tests: uploaded once, then filed step
-// by step from moves that the host makes up. What filing writes is poisoned before each step, so that what it reads
-// it has written; leavers of ghost blocks come as the host has them and are sorted here by exit.
+// The lists of a share on the device with all that binning needs around them, for tests: uploaded once, then binned
+// step by step from moves that the host makes up. What binning writes is poisoned before each step, so that what it
+// reads it has written; leavers of ghost blocks come as the host has them and are sorted here by exit.
 
 #include <vector>
 
-#include "core/filing.hpp"
-#include "gpu/kernels/cells/filing.hpp"
+#include "core/binning.hpp"
+#include "gpu/kernels/cells/binning.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::test {
@@ -42,29 +42,29 @@ class DeviceLists {
     static constexpr std::size_t bounds = gpu::leaver_bounds<Dim>;
 
   public:
-    gpu::Filing<Dim> filing{};
+    gpu::Binning<Dim> binning{};
 
     /// room: the most particles, with ghosts' leavers, that there ever will be.
     DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
                 const std::vector<std::uint64_t>& rim, std::size_t room)
         : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
-        filing.table = table;
-        filing.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
-        filing.boundary = upload(on_boundary_, boundary.data(), own_);
-        filing.rim = upload(rim_, rim.data(), own_);
-        filing.first_tile = table.ghosts;
+        binning.table = table;
+        binning.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
+        binning.boundary = upload(on_boundary_, boundary.data(), own_);
+        binning.rim = upload(rim_, rim.data(), own_);
+        binning.first_tile = table.ghosts;
         first_.assign(list.first, own_ + 1), next_first_.resize(own_ + 1);
         slot_.reserve(room), next_slot_.reserve(room), moves_.reserve(room);
         slot_.assign(list.slot, list.first[own_]), next_slot_.resize(room);
-        filing.cell_first = upload(cell_first_, list.cell_first, own_ * (Block<Dim>::cells + 1));
+        binning.cell_first = upload(cell_first_, list.cell_first, own_ * (Block<Dim>::cells + 1));
         changed_.reserve(room / 32 + own_ + 1);
         leaver_slot_.resize(room), leaver_cell_.resize(room), leaver_bound_.resize((own_ + ghosts_) * bounds);
         leaver_count_.resize(own_ + ghosts_);
         tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(5);
-        tally_.resize(static_cast<std::size_t>(gpu::filing_chunks(table.own)));
+        tally_.resize(static_cast<std::size_t>(gpu::binning_chunks(table.own)));
         poison_results();
         point();
-        gpu::number_blocks(filing, nullptr);
+        gpu::number_blocks(binning, nullptr);
     }
 
     void set_moves(const std::vector<std::uint16_t>& moves, const std::vector<std::uint32_t>& changed) {
@@ -85,14 +85,14 @@ class DeviceLists {
     }
 
     void launch() const {
-        gpu::collect_leavers(filing, gpu::Part::boundary, filing.table.own, nullptr);
-        gpu::collect_leavers(filing, gpu::Part::interior, filing.table.own, nullptr);
-        gpu::make_lists(filing, nullptr);
+        gpu::collect_leavers(binning, gpu::Part::boundary, binning.table.own, nullptr);
+        gpu::collect_leavers(binning, gpu::Part::interior, binning.table.own, nullptr);
+        gpu::make_lists(binning, nullptr);
     }
 
     /// The next lists become the lists.
     void advance() {
-        gpu::check(cudaDeviceSynchronize(), "Filing");
+        gpu::check(cudaDeviceSynchronize(), "Binning");
         first_.swap(next_first_);
         const std::size_t room = next_slot_.size();
         slot_.swap(next_slot_);
@@ -137,15 +137,15 @@ class DeviceLists {
         return to;
     }
     void point() {
-        filing.list = {first_.data(), cell_first_.data(), slot_.data()};
-        filing.moves = moves_.data(), filing.changed = changed_.data();
-        filing.leavers = {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(),
-                          ghost_start_.data()};
-        filing.occupied = {tile_of_.data(),     boundary_.data(),     interior_.data(),
-                           occupied_.data(),    occupied_.data() + 2, tiles,
-                           occupied_.data() + 4};
-        filing.next_first = next_first_.data(), filing.next_slot = next_slot_.data();
-        filing.tally = tally_.data();
+        binning.list = {first_.data(), cell_first_.data(), slot_.data()};
+        binning.moves = moves_.data(), binning.changed = changed_.data();
+        binning.leavers = {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(),
+                           ghost_start_.data()};
+        binning.occupied = {tile_of_.data(),     boundary_.data(),     interior_.data(),
+                            occupied_.data(),    occupied_.data() + 2, tiles,
+                            occupied_.data() + 4};
+        binning.next_first = next_first_.data(), binning.next_slot = next_slot_.data();
+        binning.tally = tally_.data();
     }
 
     std::size_t own_, ghosts_;

@@ -179,7 +179,7 @@ TEST_CASE_TEMPLATE("outcomes fold to the largest values, the lowest offender and
     CHECK(all.clamped == (n + 2) / 3);
 }
 
-TEST_CASE("a report is the fold of all accounts with the counts of the filing, and leaves the accounts empty") {
+TEST_CASE("a report is the fold of all accounts with the counts of the binning, and leaves the accounts empty") {
     std::mt19937_64 random(8);
     std::vector<gpu::Account<3>> parts;
     gpu::Account<3> expected = empty_account();

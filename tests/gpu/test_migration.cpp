@@ -1,5 +1,5 @@
+#include "gpu/binning_pair.hpp"
 #include "gpu/exchange/migration.hpp"
-#include "gpu/filing_pair.hpp"
 #include "gpu/memory/device_tables.hpp"
 
 using namespace moraine;

@@ -13,7 +13,7 @@ TEST_CASE("the prediction counts particles and mass exactly, and occupied blocks
     const Prediction p = predict(read_scene(inputs_folder() + "/slurry_runout.toml"));
     CHECK(p.particles == 20000);
     CHECK(p.mass == doctest::Approx(75000).epsilon(1e-12));
-    // 100 x 50 cells, filed half a cell further: cells 0 to 100 and 0 to 50, in blocks of 4.
+    // 100 x 50 cells, binned half a cell further: cells 0 to 100 and 0 to 50, in blocks of 4.
     CHECK(p.blocks == 26 * 13);
 }
 

@@ -84,7 +84,7 @@ double place_error(const Scene& scene, const std::string& what) {
     sim.seed();
     std::map<std::uint64_t, std::array<double, 2>> places;
     const auto look = [&] {
-        sim.file();
+        sim.bin();
         places.clear();
         const ParticleView<double, 2> p = sim.patch().particles.view();
         sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) { places[p.id[s]] = x; });

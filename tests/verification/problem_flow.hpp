@@ -66,7 +66,7 @@ inline Scene current_scene(const Choice& choice, int cells) {
     return scene;
 }
 
-/// Place with a share of the particles ahead [m]. Filed state; on one rank.
+/// Place with a share of the particles ahead [m]. Binned state; on one rank.
 template <class Real>
 double front(Simulation<Real, 2>& sim, double ahead = 0.005) {
     std::vector<double> x;

@@ -150,7 +150,7 @@ class Run {
         spent_.add(Seconds::now(), began);
     }
 
-    /// Sum over all particles of f(particles, slot, X, x). Filed state only. Collective.
+    /// Sum over all particles of f(particles, slot, X, x). Binned state only. Collective.
     template <class F>
     double sum(const F& f) {
         const View p = view();
@@ -159,7 +159,7 @@ class Run {
         return comm_.sum(sum);
     }
 
-    /// Largest f(particles, slot, X, x). Filed state only. Collective.
+    /// Largest f(particles, slot, X, x). Binned state only. Collective.
     template <class F>
     double largest(const F& f) {
         const View p = view();

@@ -26,7 +26,7 @@ struct Exchange {
     BlockMoves moves;
 
     Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
-    Event filed, boundary_summed, halo_here, solved, boundary_moved, arrived;
+    Event binned, boundary_summed, halo_here, solved, boundary_moved, arrived;
 };
 
 }  // namespace moraine::gpu

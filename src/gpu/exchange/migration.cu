@@ -3,7 +3,7 @@
 
 #include "gpu/exchange/migration.hpp"
 #include "gpu/exchange/particle_record.cuh"
-#include "gpu/kernels/cells/filing.cuh"
+#include "gpu/kernels/cells/binning.cuh"
 #include "gpu/kernels/scan.cuh"
 
 namespace moraine::gpu {
@@ -27,7 +27,7 @@ __device__ __forceinline__ bool goes_to(const Route& route, const BlockTable<Dim
 
 /// Leavers of block b to peer k.
 template <int Dim>
-__device__ __forceinline__ std::uint32_t leavers_to(const Route& route, const Filing<Dim>& f, int k, int b) {
+__device__ __forceinline__ std::uint32_t leavers_to(const Route& route, const Binning<Dim>& f, int k, int b) {
     if (f.leavers.count[b] == 0) return 0;
     const std::uint32_t* bound = f.leavers.bound + std::size_t(b) * leaver_bounds<Dim>;
     std::uint32_t n = 0;
@@ -80,7 +80,7 @@ __global__ void __launch_bounds__(threads)
 /// A thread block per peer: where each source block's records stand, and the head.
 template <int Dim>
 __global__ void __launch_bounds__(threads)
-    plan_kernel(Route route, const __grid_constant__ Filing<Dim> f, int record_units, std::uint32_t* place,
+    plan_kernel(Route route, const __grid_constant__ Binning<Dim> f, int record_units, std::uint32_t* place,
                 std::byte* const* out, Counters* counters) {
     const int k = static_cast<int>(blockIdx.x);
     const std::uint32_t begin = route.peer_first[k], end = route.peer_first[k + 1];
@@ -101,7 +101,7 @@ __global__ void __launch_bounds__(threads)
 /// A warp per source block.
 template <int Dim>
 __global__ void __launch_bounds__(threads)
-    pack_kernel(Route route, const __grid_constant__ Filing<Dim> f, const __grid_constant__ RecordLayout layout,
+    pack_kernel(Route route, const __grid_constant__ Binning<Dim> f, const __grid_constant__ RecordLayout layout,
                 const std::uint32_t* place, std::byte* const* out) {
     const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
     if (t >= route.tiles) return;
@@ -163,7 +163,7 @@ __device__ __forceinline__ std::uint32_t find_record(const std::byte* message, i
 
 /// A warp per ghost block: its leavers are a stretch of the peer's records, each exit a stretch of that.
 template <int Dim>
-__global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __grid_constant__ Filing<Dim> f, int units,
+__global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __grid_constant__ Binning<Dim> f, int units,
                                                          const std::byte* const* in, std::uint32_t* ghost_start) {
     const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
     if (t >= route.tiles) return;
@@ -184,7 +184,7 @@ __global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __gr
 /// Rows to free slots; leavers behind the own ones. A thread block row (y) per peer.
 template <int Dim>
 __global__ void __launch_bounds__(threads)
-    unpack_kernel(const __grid_constant__ Filing<Dim> f, const __grid_constant__ RecordLayout layout,
+    unpack_kernel(const __grid_constant__ Binning<Dim> f, const __grid_constant__ RecordLayout layout,
                   const std::byte* const* in, const Counters* counters) {
     const int k = static_cast<int>(blockIdx.y);
     const std::uint32_t n = count_of(in, k), before = arrivals_before(in, k);
@@ -259,28 +259,28 @@ void DeviceMigration<Dim>::count_crowd(const Route& send, const BlockTable<Dim>&
 }
 
 template <int Dim>
-void DeviceMigration<Dim>::start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout,
+void DeviceMigration<Dim>::start(const Route& send, const Binning<Dim>& binning, const RecordLayout& layout,
                                  Counters* counters, cudaStream_t stream) {
     if (send.peers > 0) {
         std::byte* const* out = transport_->outgoing();
-        plan_kernel<<<static_cast<unsigned>(send.peers), threads, 0, stream>>>(send, filing, layout.units,
+        plan_kernel<<<static_cast<unsigned>(send.peers), threads, 0, stream>>>(send, binning, layout.units,
                                                                                place_.data(), out, counters);
-        pack_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, filing, layout, place_.data(), out);
+        pack_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, binning, layout, place_.data(), out);
         check(cudaGetLastError(), "Packing particles that leave");
     }
     transport_->start(stream);
 }
 
 template <int Dim>
-void DeviceMigration<Dim>::finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout,
+void DeviceMigration<Dim>::finish(const Route& receive, const Binning<Dim>& binning, const RecordLayout& layout,
                                   Counters* counters, cudaStream_t stream) {
     transport_->finish(stream);
     if (receive.peers == 0) return;
     const std::byte* const* in = transport_->incoming();
     const auto peers = static_cast<unsigned>(receive.peers);
     ghosts_kernel<<<blocks_for(receive.tiles, warps), threads, 0, stream>>>(
-        receive, filing, layout.units, in, const_cast<std::uint32_t*>(filing.leavers.ghost_start));
-    unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(filing, layout, in, counters);
+        receive, binning, layout.units, in, const_cast<std::uint32_t*>(binning.leavers.ghost_start));
+    unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(binning, layout, in, counters);
     stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters, facing_.data());
     check(cudaGetLastError(), "Taking arrivals in");
 }

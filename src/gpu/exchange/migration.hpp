@@ -3,7 +3,7 @@
 //
 // A message: its head with the count, then one record per particle (gpu/exchange/particle_record.hpp) by source block,
 // exit and list order. At the other side they become the leavers of ghost blocks behind the own ones, in that order,
-// and filing goes on by its one rule; their rows go to the free slots at the end of memory.
+// and binning goes on by its one rule; their rows go to the free slots at the end of memory.
 //
 // Rooms cannot overflow: who leaves a block stood in a cell beside the face, for no step is as long as a cell. How many
 // stand in such cells, of a block and of all that one rank shares with another (the crowd), travels with each step's
@@ -12,7 +12,7 @@
 #include "comm/agreement.hpp"
 #include "gpu/exchange/particle_record.hpp"
 #include "gpu/exchange/routes.hpp"
-#include "gpu/kernels/cells/filing.hpp"
+#include "gpu/kernels/cells/binning.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/transport.hpp"
 
@@ -35,12 +35,12 @@ class DeviceMigration {
     void count_crowd(const Route& send, const BlockTable<Dim>& table, const ListView<Dim>& list, Counters* counters,
                      cudaStream_t stream);
     /// Sends the leavers that are collected. On one stream, as is finish().
-    void start(const Route& send, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
+    void start(const Route& send, const Binning<Dim>& binning, const RecordLayout& layout, Counters* counters,
                cudaStream_t stream);
     void post() { transport_->post(); }
-    /// Takes the arrivals in, as leavers of ghosts; own leavers end at filing.list.first[own]. The crowd may be counted
-    /// anew.
-    void finish(const Route& receive, const Filing<Dim>& filing, const RecordLayout& layout, Counters* counters,
+    /// Takes the arrivals in, as leavers of ghosts; own leavers end at binning.list.first[own]. The crowd may be
+    /// counted anew.
+    void finish(const Route& receive, const Binning<Dim>& binning, const RecordLayout& layout, Counters* counters,
                 cudaStream_t stream);
 
   private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a step tells the host: the accounts folded into one, and the counts of the last filing, in one small kernel.
+// What a step tells the host: the accounts folded into one, and the counts of the last binning, in one small kernel.
 //
 // It is written to pinned memory that the device sees: no copy is launched, and whoever waits for the stream or an
 // event behind the kernel may read it. The accounts are empty again afterwards.
@@ -25,7 +25,7 @@ struct Report {
 };
 
 /// Folds and empties the accounts, and the counters' crowd. particles: first[own]; occupied: both counts of
-/// gpu/kernels/cells/filing.hpp; at_rim: its flag.
+/// gpu/kernels/cells/binning.hpp; at_rim: its flag.
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
                  const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report, cudaStream_t stream);

@@ -14,7 +14,7 @@
 
 namespace moraine::gpu {
 
-/// Blocks that a launch works on: the occupied ones of a list, made anew by each filing. Their number is known to the
+/// Blocks that a launch works on: the occupied ones of a list, made anew by each binning. Their number is known to the
 /// device alone, so a thread block takes items blockIdx.x, + gridDim.x, ... until there are no more.
 struct Chosen {
     const std::int32_t* block;

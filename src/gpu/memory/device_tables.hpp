@@ -1,5 +1,5 @@
 #pragma once
-// An epoch's tables on the device, and which blocks are occupied in its first filed state.
+// An epoch's tables on the device, and which blocks are occupied in its first binned state.
 
 #include <cuda_runtime.h>
 

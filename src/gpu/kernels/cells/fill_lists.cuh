@@ -1,12 +1,12 @@
 #pragma once
-// The last kernel of filing (gpu/kernels/cells/filing.hpp): a warp fills one block's next list and makes its cell
+// The last kernel of binning (gpu/kernels/cells/binning.hpp): a warp fills one block's next list and makes its cell
 // bounds anew.
 //
 // A cell's part of the list is: who came up from lower cells, who stayed, who came down, arrivals. Those that stayed
 // keep their order, so each one's place is its old one, plus a shift of its cell, minus the changed entries before it,
 // and no lane waits for another; only the others are sorted. A block in which nothing changed is copied.
 
-#include "gpu/kernels/cells/filing.cuh"
+#include "gpu/kernels/cells/binning.cuh"
 
 namespace moraine::gpu {
 
@@ -27,8 +27,8 @@ class BlockFill {
         std::uint16_t gathered[ChangedEntries::span];
     };
 
-    __device__ BlockFill(const Filing<Dim>& filing, Scratch& scratch, int block)
-        : BlockFill(filing, scratch, block, filing.list.first[block]) {}
+    __device__ BlockFill(const Binning<Dim>& binning, Scratch& scratch, int block)
+        : BlockFill(binning, scratch, block, binning.list.first[block]) {}
 
     __device__ void run() {
         fill();
@@ -72,16 +72,16 @@ class BlockFill {
             if ((rim >> c & 1) && bounds[c + 1] > bounds[c]) *f.occupied.at_rim = 1;
     }
 
-    __device__ BlockFill(const Filing<Dim>& filing, Scratch& scratch, int block, std::uint32_t begin)
-        : f(filing),
+    __device__ BlockFill(const Binning<Dim>& binning, Scratch& scratch, int block, std::uint32_t begin)
+        : f(binning),
           s(scratch),
           b(block),
-          count(filing.list.first[block + 1] - begin),
-          slot(filing.list.slot + begin),
-          moves(filing.moves + begin),
-          to(filing.next_slot + filing.next_first[block]),
-          next_count(filing.next_first[block + 1] - filing.next_first[block]),
-          changed(filing.changed + begin / 32 + static_cast<std::uint32_t>(block), count, scratch.gathered) {}
+          count(binning.list.first[block + 1] - begin),
+          slot(binning.list.slot + begin),
+          moves(binning.moves + begin),
+          to(binning.next_slot + binning.next_first[block]),
+          next_count(binning.next_first[block + 1] - binning.next_first[block]),
+          changed(binning.changed + begin / 32 + static_cast<std::uint32_t>(block), count, scratch.gathered) {}
 
     __device__ std::uint32_t lane() const { return static_cast<std::uint32_t>(lane_id()); }
 
@@ -249,7 +249,7 @@ class BlockFill {
         }
     }
 
-    const Filing<Dim>& f;
+    const Binning<Dim>& f;
     Scratch& s;
     int b;
     std::uint32_t count;
@@ -264,13 +264,13 @@ class BlockFill {
 };
 
 template <int Dim>
-__global__ void __launch_bounds__(32 * filing_warps, 8) fill_kernel(const __grid_constant__ Filing<Dim> f) {
-    __shared__ typename BlockFill<Dim>::Scratch scratch[filing_warps];
+__global__ void __launch_bounds__(32 * binning_warps, 8) fill_kernel(const __grid_constant__ Binning<Dim> f) {
+    __shared__ typename BlockFill<Dim>::Scratch scratch[binning_warps];
     const OccupiedItems items(f.occupied);
     std::uint32_t item = items.first();
     for (int b = items.block(item); b >= 0;) {
         const int next = items.block(item += OccupiedItems::step());
-        BlockFill<Dim>(f, scratch[filing_warp()], b).run();
+        BlockFill<Dim>(f, scratch[binning_warp()], b).run();
         b = next;
     }
 }

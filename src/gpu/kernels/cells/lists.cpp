@@ -23,7 +23,7 @@ void Lists<Dim>::make_room(const EpochTables<Dim>& tables, cudaStream_t stream) 
     check(cudaMemsetAsync(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t), stream),
           "Clearing lists");
     ghost_start_.resize(ghosts);
-    tally_.resize(static_cast<std::size_t>(filing_chunks(static_cast<int>(own_))));
+    tally_.resize(static_cast<std::size_t>(binning_chunks(static_cast<int>(own_))));
 }
 
 template <int Dim>
@@ -44,32 +44,32 @@ void Lists<Dim>::grow(std::size_t most) {
 }
 
 template <int Dim>
-void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                          std::size_t most) {
     make_room(tables, nullptr);
-    first_.assign(first_of(tables, filed));
+    first_.assign(first_of(tables, binned));
     grow(most);
-    number_blocks(filing(table), nullptr);
+    number_blocks(binning(table), nullptr);
     check(cudaDeviceSynchronize(), "Taking lists in");
 }
 
 template <int Dim>
-void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                            const std::vector<Stretch>& blocks, cudaStream_t stream) {
     make_room(tables, stream);
     make_room(slot_.size());
-    first_.assign(first_of(tables, filed), stream);
+    first_.assign(first_of(tables, binned), stream);
     list_stretches(blocks, slot_.data(), copies_, next_slot_.data(), stream);
     slot_.swap(next_slot_);
-    number_blocks(filing(table), stream);
+    number_blocks(binning(table), stream);
 }
 
 template <int Dim>
-std::vector<std::uint32_t> Lists<Dim>::first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const {
+std::vector<std::uint32_t> Lists<Dim>::first_of(const EpochTables<Dim>& tables, const BinnedBlocks& binned) const {
     std::vector<std::uint32_t> first(tables.own.size() + 1, 0);
-    for (std::size_t f = 0, b = 0; f < filed.key.size(); ++f) {  // both ascend
-        while (tables.own[b] < filed.key[f]) ++b;
-        first[b + 1] = filed.count[f];
+    for (std::size_t f = 0, b = 0; f < binned.key.size(); ++f) {  // both ascend
+        while (tables.own[b] < binned.key[f]) ++b;
+        first[b + 1] = binned.count[f];
     }
     std::partial_sum(first.begin(), first.end(), first.begin());
     return first;
@@ -86,17 +86,17 @@ void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& ta
     first_.swap(next_first_);
     next_first_.resize(own_ + 1);
     renumber(own, bounds, tables_.same.data(), old_cell_first_.data(), cell_first_.data(), stream);
-    number_blocks(filing(table), stream);
+    number_blocks(binning(table), stream);
 }
 
 template <int Dim>
 void Lists<Dim>::limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream) {
     tiles_ = tiles;
-    number_blocks(filing(table), stream);
+    number_blocks(binning(table), stream);
 }
 
 template <int Dim>
-Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
+Binning<Dim> Lists<Dim>::binning(const BlockTable<Dim>& table) const {
     return {table,
             view(),
             moves_.data(),
@@ -115,7 +115,7 @@ Filing<Dim> Lists<Dim>::filing(const BlockTable<Dim>& table) const {
 
 template <int Dim>
 void Lists<Dim>::make(const BlockTable<Dim>& table, cudaStream_t stream) {
-    make_lists(filing(table), stream);
+    make_lists(binning(table), stream);
     first_.swap(next_first_);
     slot_.swap(next_slot_);
 }

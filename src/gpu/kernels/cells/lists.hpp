@@ -1,5 +1,5 @@
 #pragma once
-// The lists of a rank's blocks on the device, and all that a filing needs to make the next ones.
+// The lists of a rank's blocks on the device, and all that a binning needs to make the next ones.
 //
 // Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once;
 // when more may come, the engine makes room between two steps.
@@ -9,7 +9,7 @@
 #include "comm/epoch.hpp"
 #include "comm/patch.hpp"
 #include "gpu/exchange/block_moves.hpp"
-#include "gpu/kernels/cells/filing.hpp"
+#include "gpu/kernels/cells/binning.hpp"
 #include "gpu/kernels/cells/list_tables.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
@@ -23,15 +23,15 @@ class Lists {
 
     /// What an epoch brings; install() or renew() follows.
     void swap(ListTables& tables) { tables_.swap(tables); }
-    /// The state of `filed`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
+    /// The state of `binned`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
     /// `most` particles. The cells' bounds are left to whoever knows the places. Synchronous.
-    void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+    void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                  std::size_t most);
     /// The same particles under other tables. Asynchronous.
     void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream);
-    /// The state of `filed`, whose particles are those of `blocks`; room as before. The cells' bounds are left to
+    /// The state of `binned`, whose particles are those of `blocks`; room as before. The cells' bounds are left to
     /// whoever knows the places. Asynchronous.
-    void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const FiledBlocks& filed,
+    void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                    const std::vector<Stretch>& blocks, cudaStream_t stream);
     /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
     void grow(std::size_t most);
@@ -46,7 +46,7 @@ class Lists {
     std::size_t room() const { return slot_.size(); }
     const std::uint32_t* particles() const { return first_.data() + own_; }
     const std::uint32_t* occupied() const { return occupied_.data(); }    ///< boundary, interior: however many tiles
-    const std::uint32_t* at_rim() const { return occupied_.data() + 4; }  ///< Filing::at_rim
+    const std::uint32_t* at_rim() const { return occupied_.data() + 4; }  ///< Binning::at_rim
     std::uint16_t* moves() const { return moves_.data(); }
     std::uint32_t* changed() const { return changed_.data(); }
     std::uint32_t* slots() const { return slot_.data(); }
@@ -57,18 +57,18 @@ class Lists {
     std::vector<std::uint32_t> first(cudaStream_t stream) const { return first_.host(stream); }
     std::vector<std::uint32_t> cell_first(cudaStream_t stream) const { return cell_first_.host(stream); }
 
-    Filing<Dim> filing(const BlockTable<Dim>& table) const;
+    Binning<Dim> binning(const BlockTable<Dim>& table) const;
     /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
     /// ones, the lists. Asynchronous.
     void collect(const BlockTable<Dim>& table, Part part, int blocks, cudaStream_t stream) {
-        collect_leavers(filing(table), part, blocks, stream);
+        collect_leavers(binning(table), part, blocks, stream);
     }
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
     void make_room(const EpochTables<Dim>& tables, cudaStream_t stream);
     void make_room(std::size_t most);
-    std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const FiledBlocks& filed) const;
+    std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const BinnedBlocks& binned) const;
 
     std::size_t own_ = 0;
     std::uint32_t tiles_ = ~0u;

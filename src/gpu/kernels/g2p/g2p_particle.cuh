@@ -62,7 +62,7 @@ __device__ __forceinline__ int number_of(const Vec<Coordinate<Real>, Dim>& u) {
     return at;
 }
 
-/// Moves the particle of list entry k by dt v, notes where it is to be filed next and whether that is another cell.
+/// Moves the particle of list entry k by dt v, notes where it is to be binned next and whether that is another cell.
 /// Called by the lanes of a warp that have an entry.
 template <class Real, int Dim>
 __device__ __forceinline__ PlaceStep<Real> move_particle(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,

@@ -3,7 +3,7 @@
 //
 //   velocity = sum w v'     gradient[b] = sum v' dw/d(x_b / h)     affine[b] = sum w v' (x_i - x_p)_b / (h D)
 //
-// Along an axis, with the steps s_0 = v_1 - v_0 and s_1 = v_2 - v_1, the bend d = s_1 - s_0, the place f in the filing
+// Along an axis, with the steps s_0 = v_1 - v_0 and s_1 = v_2 - v_1, the bend d = s_1 - s_0, the place f in the binning
 // cell and c = f - 1/2:
 //
 //   sum w v                      =  v_1 - w_0 s_0 + w_2 s_1
@@ -22,7 +22,7 @@ namespace moraine::gpu {
 /// A quadratic spline along one axis.
 template <class Real>
 struct SplineAxis {
-    Real f;     ///< place in the filing cell [cells]
+    Real f;     ///< place in the binning cell [cells]
     Real w[3];  ///< weights
     Real lack;  ///< of the bend, what the gradient lacks of C; 0 where C is the gradient
 };

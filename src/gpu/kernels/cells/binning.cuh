@@ -1,19 +1,19 @@
 #pragma once
-// The light kernels of filing (gpu/kernels/cells/filing.hpp): leavers, counts, places. The lists are filled in
+// The light kernels of binning (gpu/kernels/cells/binning.hpp): leavers, counts, places. The lists are filled in
 // gpu/kernels/cells/fill_lists.cuh.
 //
 // Leavers: a warp per occupied block. Only the changed entries, one in ten, are looked at: a rank within 32 and running
 // totals in shared memory put them in order. Counts and places: a thread per own block.
 
 #include "core/g2p.hpp"
+#include "gpu/kernels/cells/binning.hpp"
 #include "gpu/kernels/cells/changed_entries.cuh"
-#include "gpu/kernels/cells/filing.hpp"
 
 namespace moraine::gpu {
 
-inline constexpr int filing_warps = 4;
+inline constexpr int binning_warps = 4;
 
-__device__ __forceinline__ int filing_warp() {
+__device__ __forceinline__ int binning_warp() {
     return static_cast<int>(threadIdx.x) / 32;
 }
 
@@ -26,8 +26,8 @@ class OccupiedItems {
           begin_(part == Part::interior ? boundary_ : 0),
           all_(boundary_ + (part == Part::boundary ? 0 : blocks.count[1])) {}
 
-    __device__ std::uint32_t first() const { return begin_ + blockIdx.x * filing_warps + threadIdx.x / 32; }
-    static __device__ std::uint32_t step() { return gridDim.x * filing_warps; }
+    __device__ std::uint32_t first() const { return begin_ + blockIdx.x * binning_warps + threadIdx.x / 32; }
+    static __device__ std::uint32_t step() { return gridDim.x * binning_warps; }
 
     /// Block of an item; -1: there is no such item.
     __device__ int block(std::uint32_t item) const {
@@ -48,7 +48,8 @@ __device__ __forceinline__ int exit_of(std::uint16_t move) {
 
 /// Lists block b's leavers. at: 32 counters of this warp.
 template <int Dim>
-__device__ __forceinline__ void collect_block(const Filing<Dim>& f, int b, std::uint32_t* at, std::uint16_t* gathered) {
+__device__ __forceinline__ void collect_block(const Binning<Dim>& f, int b, std::uint32_t* at,
+                                              std::uint16_t* gathered) {
     constexpr int stays = Block<Dim>::centre;
     const int lane = lane_id();
     const std::uint32_t begin = f.list.first[b], count = f.list.first[b + 1] - begin;
@@ -78,9 +79,10 @@ __device__ __forceinline__ void collect_block(const Filing<Dim>& f, int b, std::
 }
 
 template <int Dim>
-__global__ void __launch_bounds__(32 * filing_warps) collect_kernel(const __grid_constant__ Filing<Dim> f, Part part) {
-    __shared__ std::uint32_t at[filing_warps][32];
-    __shared__ std::uint16_t gathered[filing_warps][ChangedEntries::span];
+__global__ void __launch_bounds__(32 * binning_warps)
+    collect_kernel(const __grid_constant__ Binning<Dim> f, Part part) {
+    __shared__ std::uint32_t at[binning_warps][32];
+    __shared__ std::uint16_t gathered[binning_warps][ChangedEntries::span];
     const auto threads = static_cast<int>(gridDim.x * blockDim.x);
     for (int b = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); part != Part::interior && b < f.table.own;
          b += threads)
@@ -89,21 +91,21 @@ __global__ void __launch_bounds__(32 * filing_warps) collect_kernel(const __grid
     std::uint32_t item = items.first();
     for (int b = items.block(item); b >= 0;) {
         const int next = items.block(item += OccupiedItems::step());
-        collect_block(f, b, at[filing_warp()], gathered[filing_warp()]);
+        collect_block(f, b, at[binning_warp()], gathered[binning_warp()]);
         b = next;
     }
 }
 
 /// Bounds of the leavers of block `from` that come to its neighbour, which sees it at offset `code`.
 template <int Dim>
-__device__ __forceinline__ const std::uint32_t* exit_towards(const Filing<Dim>& f, int from, int code) {
+__device__ __forceinline__ const std::uint32_t* exit_towards(const Binning<Dim>& f, int from, int code) {
     return f.leavers.bound + std::size_t(from) * leaver_bounds<Dim> + std::size_t(Block<Dim>::opposite(code));
 }
 
 /// Length of block b's next list. Where nobody comes from it takes the difference of a number and itself: without
 /// branches all loads are under way at once.
 template <int Dim>
-__device__ __forceinline__ std::uint32_t next_length(const Filing<Dim>& f, int b) {
+__device__ __forceinline__ std::uint32_t next_length(const Binning<Dim>& f, int b) {
     constexpr int offsets = Block<Dim>::offsets;
     const std::int32_t* neighbour = f.table.neighbour + std::size_t(b) * offsets;
     std::int32_t from[offsets];
@@ -129,10 +131,10 @@ __device__ __forceinline__ std::uint32_t sum_of(const std::uint32_t* part, int p
 
 /// Lengths of the next lists, or of the present ones, for now in next_first; and each chunk's tally.
 template <int Dim, bool Moving>
-__global__ void __launch_bounds__(filing_chunk) count_kernel(const __grid_constant__ Filing<Dim> f) {
-    constexpr int warps = filing_chunk / 32;
+__global__ void __launch_bounds__(binning_chunk) count_kernel(const __grid_constant__ Binning<Dim> f) {
+    constexpr int warps = binning_chunk / 32;
     __shared__ std::uint32_t part[3][warps];
-    const int b = static_cast<int>(blockIdx.x) * filing_chunk + static_cast<int>(threadIdx.x);
+    const int b = static_cast<int>(blockIdx.x) * binning_chunk + static_cast<int>(threadIdx.x);
     std::uint32_t n = 0;
     bool boundary = false;
     if (b < f.table.own) {
@@ -144,9 +146,9 @@ __global__ void __launch_bounds__(filing_chunk) count_kernel(const __grid_consta
     const unsigned outer = __ballot_sync(all_lanes, n > 0 && boundary);
     const unsigned inner = __ballot_sync(all_lanes, n > 0 && !boundary);
     if (lane_id() == 0) {
-        part[0][filing_warp()] = particles;
-        part[1][filing_warp()] = static_cast<std::uint32_t>(__popc(outer));
-        part[2][filing_warp()] = static_cast<std::uint32_t>(__popc(inner));
+        part[0][binning_warp()] = particles;
+        part[1][binning_warp()] = static_cast<std::uint32_t>(__popc(outer));
+        part[2][binning_warp()] = static_cast<std::uint32_t>(__popc(inner));
     }
     __syncthreads();
     if (threadIdx.x == 0)
@@ -156,13 +158,13 @@ __global__ void __launch_bounds__(filing_chunk) count_kernel(const __grid_consta
 /// From lengths to places, of lists and of blocks. A thread block adds up the tallies before its own: there is one per
 /// 256 blocks, and reading them takes less time than launching a scan over them.
 template <int Dim>
-__global__ void __launch_bounds__(filing_chunk) place_kernel(const __grid_constant__ Filing<Dim> f) {
-    constexpr int warps = filing_chunk / 32;
+__global__ void __launch_bounds__(binning_chunk) place_kernel(const __grid_constant__ Binning<Dim> f) {
+    constexpr int warps = binning_chunk / 32;
     __shared__ std::uint32_t before[3][warps], here[3][warps];
-    const int w = filing_warp();
-    const int b = static_cast<int>(blockIdx.x) * filing_chunk + static_cast<int>(threadIdx.x);
+    const int w = binning_warp();
+    const int b = static_cast<int>(blockIdx.x) * binning_chunk + static_cast<int>(threadIdx.x);
     Tally sum{0, 0, 0};
-    for (unsigned c = threadIdx.x; c < blockIdx.x; c += filing_chunk) {
+    for (unsigned c = threadIdx.x; c < blockIdx.x; c += binning_chunk) {
         const Tally t = f.tally[c];
         sum = {sum.particles + t.particles, sum.boundary + t.boundary, sum.interior + t.interior};
     }

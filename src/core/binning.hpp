@@ -1,5 +1,5 @@
 #pragma once
-// Filing: after particles moved, each block's list of slots is made anew, sorted by cell.
+// Binning: after particles moved, each block's list of slots is made anew, sorted by cell.
 //
 //   new list = stayers in list order, then arrivals by source offset (the 3^d - 1 neighbour codes in
 //   order), then by source order; then a stable counting sort by cell

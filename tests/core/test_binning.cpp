@@ -4,7 +4,7 @@
 #include <random>
 
 #include "comm/patch.hpp"
-#include "core/filing.hpp"
+#include "core/binning.hpp"
 #include "core/host.hpp"
 
 using namespace moraine;
@@ -47,7 +47,7 @@ class Reference {
     }
 
     /// code and cell of each list entry's next place.
-    void file(const std::vector<std::vector<std::pair<int, int>>>& moves) {
+    void bin(const std::vector<std::vector<std::pair<int, int>>>& moves) {
         std::vector<std::vector<Entry>> next(lists.size());
         for (std::size_t b = 0; b < lists.size(); ++b) {
             take(b, Block<Dim>::centre, moves, next[b]);
@@ -101,19 +101,19 @@ struct Setup {
             order.emplace_back(Morton<Dim>::encode(reference.position(b)), b);
         }
         std::sort(order.begin(), order.end());
-        FiledBlocks filed;
+        BinnedBlocks binned;
         std::vector<OccupiedBlock> occupied;
         for (const auto& [key, b] : order) {
-            filed.key.push_back(key);
-            filed.count.push_back(static_cast<std::uint32_t>(reference.lists[b].size()));
-            for (const Entry& e : reference.lists[b]) filed.slot.push_back(e.slot);
+            binned.key.push_back(key);
+            binned.count.push_back(static_cast<std::uint32_t>(reference.lists[b].size()));
+            for (const Entry& e : reference.lists[b]) binned.slot.push_back(e.slot);
             occupied.push_back({key, 0});
         }
         const DomainBlocks<Dim> domain(scene);
         const Stencil stencil = stencil_of(scene.shape);
         patch.install(
             make_epoch<Dim>(make_topology<Dim>(domain, occupied, [](const auto&) { return 0; }), domain, stencil, 0),
-            filed);
+            binned);
     }
 
     /// Moves each particle with the given chances, in the patch and in the reference, and files both.
@@ -139,7 +139,7 @@ struct Setup {
         }
         patch.collect_leavers();
         patch.make_lists({}, {0});
-        reference.file(moves);
+        reference.bin(moves);
     }
 
     void check_lists() const {
@@ -171,7 +171,7 @@ void follows_the_rule(const BlockPosition<Dim>& count, double leave, double gone
 
 }  // namespace
 
-TEST_CASE("lists follow the filing rule, in domains of one and more blocks that are their own neighbours") {
+TEST_CASE("lists follow the binning rule, in domains of one and more blocks that are their own neighbours") {
     for (const BlockPosition<2>& count : {BlockPosition<2>{1, 1}, {2, 1}, {1, 3}, {2, 2}, {4, 3}, {5, 5}})
         follows_the_rule<2>(count, 0.1, 0, 0.3);
     for (const BlockPosition<3>& count : {BlockPosition<3>{1, 1, 1}, {2, 1, 3}, {2, 2, 2}, {3, 4, 3}})

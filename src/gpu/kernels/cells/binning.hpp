@@ -1,5 +1,5 @@
 #pragma once
-// Filing on the device: each block's list made anew, by the rule of core/filing.hpp and to the same lists.
+// Binning on the device: each block's list made anew, by the rule of core/binning.hpp and to the same lists.
 //
 //   new list = stayers in list order, then arrivals by source offset, then by source order; stable sort by cell
 //
@@ -43,13 +43,13 @@ struct OccupiedBlocks {
 struct Tally {
     std::uint32_t particles, boundary, interior;
 };
-inline constexpr int filing_chunk = 256;
-constexpr int filing_chunks(int own) {
-    return own > 0 ? (own + filing_chunk - 1) / filing_chunk : 1;
+inline constexpr int binning_chunk = 256;
+constexpr int binning_chunks(int own) {
+    return own > 0 ? (own + binning_chunk - 1) / binning_chunk : 1;
 }
 
 template <int Dim>
-struct Filing {
+struct Binning {
     BlockTable<Dim> table;
     ListView<Dim> list;            ///< of the step that was
     const std::uint16_t* moves;    ///< of all list entries: encode_move (core/g2p.hpp)
@@ -62,12 +62,12 @@ struct Filing {
     std::uint32_t* cell_first;  ///< list.cell_first; made anew in place. Means nothing in an empty block
     std::uint32_t* next_first;  ///< own + 1
     std::uint32_t* next_slot;   ///< room for all particles that there will be
-    Tally* tally;               ///< filing_chunks(own)
+    Tally* tally;               ///< binning_chunks(own)
 };
 
 /// Occupied blocks of the present lists, at the start of an epoch.
 template <int Dim>
-void number_blocks(const Filing<Dim>& filing, cudaStream_t stream);
+void number_blocks(const Binning<Dim>& binning, cudaStream_t stream);
 
 /// Which own blocks.
 enum class Part { all, boundary, interior };
@@ -75,10 +75,10 @@ enum class Part { all, boundary, interior };
 /// Leavers of own blocks, by the moves of the step; `blocks`: about how many. What a peer needs is there once those of
 /// the boundary are: empty blocks belong to it here.
 template <int Dim>
-void collect_leavers(const Filing<Dim>& filing, Part part, int blocks, cudaStream_t stream);
+void collect_leavers(const Binning<Dim>& binning, Part part, int blocks, cudaStream_t stream);
 
 /// The next lists, once the leavers of ghosts stand behind the own ones. The caller then swaps first and slot.
 template <int Dim>
-void make_lists(const Filing<Dim>& filing, cudaStream_t stream);
+void make_lists(const Binning<Dim>& binning, cudaStream_t stream);
 
 }  // namespace moraine::gpu

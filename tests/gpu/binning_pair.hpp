@@ -29,7 +29,7 @@ struct Plan {
     int crowd = 0;       ///< particles of one more block, all in one cell
 };
 
-/// A host's share and its copy on the device, filed side by side.
+/// A host's share and its copy on the device, binned side by side.
 template <int Dim>
 class FilingPair {
     using B = Block<Dim>;
@@ -42,19 +42,19 @@ class FilingPair {
         scene.dimensions = Dim, scene.cell = 1;
         for (std::size_t a = 0; a < Dim; ++a) scene.periodic[a] = plan.periodic, scene.max[a] = 4 * plan.count[a];
         const DomainBlocks<Dim> domain(scene);
-        FiledBlocks filed;
+        BinnedBlocks binned;
         std::vector<OccupiedBlock> occupied;
         for (Key key : every_key()) {
             const int n = particles_of(occupied.empty());
             if (n == 0) continue;
             occupied.push_back({key, owner_of(key)});
             if (owner_of(key) != 0) continue;
-            filed.key.push_back(key);
-            filed.count.push_back(static_cast<std::uint32_t>(n));
+            binned.key.push_back(key);
+            binned.count.push_back(static_cast<std::uint32_t>(n));
         }
-        fill(filed);
+        fill(binned);
         const auto owner_at = [this](const BlockPosition<Dim>& at) { return owner_of(Morton<Dim>::encode(at)); };
-        patch.install(make_epoch<Dim>(make_topology<Dim>(domain, occupied, owner_at), domain, {3, 1, 0.5}, 0), filed);
+        patch.install(make_epoch<Dim>(make_topology<Dim>(domain, occupied, owner_at), domain, {3, 1, 0.5}, 0), binned);
         std::vector<std::uint8_t> boundary(static_cast<std::size_t>(patch.own()), 0);
         for (std::int32_t b : patch.boundary()) boundary[static_cast<std::size_t>(b)] = 1;
         room_ = static_cast<std::size_t>(patch.count()) + 4096;
@@ -154,13 +154,13 @@ class FilingPair {
     }
 
     /// Random cells, in order, for slots that are mixed up within their block.
-    void fill(FiledBlocks& filed) {
+    void fill(BinnedBlocks& binned) {
         std::size_t total = 0;
-        for (std::uint32_t n : filed.count) total += n;
-        filed.slot = patch.take_slots(total);
+        for (std::uint32_t n : binned.count) total += n;
+        binned.slot = patch.take_slots(total);
         const auto p = patch.particles.view();
-        auto begin = filed.slot.begin();
-        for (std::uint32_t n : filed.count) {
+        auto begin = binned.slot.begin();
+        for (std::uint32_t n : binned.count) {
             std::shuffle(begin, begin + n, random_);
             std::vector<int> cells(n, below(B::cells));
             if (static_cast<int>(n) != plan_.crowd)

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "gpu/filing_pair.hpp"
+#include "gpu/binning_pair.hpp"
 #include "gpu/stopwatch.hpp"
 
 using namespace moraine;
@@ -83,22 +83,22 @@ TEST_CASE("with fewer tiles than occupied blocks the lists serve no block, and a
     const std::uint32_t occupied = lists.counts()[1];
     REQUIRE(occupied > 1);
     for (std::uint32_t tiles : {occupied - 1, occupied}) {
-        lists.filing.occupied.tiles = tiles;
-        gpu::number_blocks(lists.filing, nullptr);
+        lists.binning.occupied.tiles = tiles;
+        gpu::number_blocks(lists.binning, nullptr);
         const std::vector<std::uint32_t> counts = lists.counts();
         CHECK(counts[1] == occupied);
         CHECK(counts[3] == (tiles < occupied ? 0 : occupied));
     }
 }
 
-TEST_CASE("timing of filing, where MORAINE_TIMING asks for it") {
+TEST_CASE("timing of binning, where MORAINE_TIMING asks for it") {
     if (!std::getenv("MORAINE_TIMING")) return;
     const auto time = [](auto& pair, const char* what, const Chances& chances) {
         pair.move(chances);
         const std::vector<std::uint32_t> cells = pair.device().cell_first();
         const double ms = test::median_ms(
             20, [&] { pair.device().set_cell_first(cells.data()); }, [&] { pair.device().launch(); });
-        std::printf("filing %s: %.2f M particles, %d blocks, %.4f ms\n", what, double(pair.patch.count()) * 1e-6,
+        std::printf("binning %s: %.2f M particles, %d blocks, %.4f ms\n", what, double(pair.patch.count()) * 1e-6,
                     pair.patch.own(), ms);
     };
     test::FilingPair<3> box({.count = {32, 32, 32}, .particles = 512, .even = true});
