@@ -5,11 +5,11 @@ from matplotlib.patches import Patch, Rectangle
 from plots import Plot, legend_beside, pyplot
 
 
-def columns_of(loads, look):
+def columns_of(loads, check):
     """One square per block, in 3-D per column of blocks seen from above: corner, particles, owner of most of them."""
-    x, y = loads.position(look)[:2]
+    x, y = loads.position(check)[:2]
     held = {}
-    for corner, particles, owner in zip(zip(x, y), look.rows["particles"], look.rows["owner"]):
+    for corner, particles, owner in zip(zip(x, y), check.rows["particles"], check.rows["owner"]):
         by_owner = held.setdefault(corner, {})
         by_owner[owner] = by_owner.get(owner, 0) + int(particles)
     return [(corner, sum(by.values()), max(by, key=by.get)) for corner, by in sorted(held.items())]
@@ -46,9 +46,9 @@ def name_colours(axes, ranks):
         legend_beside(axes, handles=patches)
 
 
-def draw(axes, loads, look, most):
-    squares = columns_of(loads, look)
-    colour = colours(look.ranks)
+def draw(axes, loads, check, most):
+    squares = columns_of(loads, check)
+    colour = colours(check.ranks)
     patches, faces = [], []
     for corner, particles, owner in squares:
         patches.append(Rectangle(corner, loads.side, loads.side))
@@ -63,13 +63,13 @@ def draw(axes, loads, look, most):
 def chosen_times(runs, times):
     if times:
         return times
-    end = max(run.loads.looks[-1].time for run in runs)
+    end = max(run.loads.checks[-1].time for run in runs)
     return [0.0, end / 2, end]
 
 
 def owners(runs, times=None):
     """None where no run recorded its block loads."""
-    runs = [run for run in runs if run.loads and run.loads.looks]
+    runs = [run for run in runs if run.loads and run.loads.checks]
     if not runs:
         return None
     times = chosen_times(runs, times)
@@ -78,14 +78,14 @@ def owners(runs, times=None):
     rows = []
     for run, line in zip(runs, panels):
         low, high = extent(run.loads, times)
-        most = max(square[1] for square in columns_of(run.loads, run.loads.looks[0]))
+        most = max(square[1] for square in columns_of(run.loads, run.loads.checks[0]))
         for time, axes in zip(times, line):
-            look = run.loads.nearest(time)
-            squares = draw(axes, run.loads, look, most)
+            check = run.loads.nearest(time)
+            squares = draw(axes, run.loads, check, most)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-            axes.set_title(f"{run.name}, t = {look.time:.3g} s", fontsize=8)
-            rows += [(run.name, look.time, *corner, particles, owner) for corner, particles, owner in squares]
-    name_colours(page[0][-1], max(look.ranks for run in runs for look in run.loads.looks))
+            axes.set_title(f"{run.name}, t = {check.time:.3g} s", fontsize=8)
+            rows += [(run.name, check.time, *corner, particles, owner) for corner, particles, owner in squares]
+    name_colours(page[0][-1], max(check.ranks for run in runs for check in run.loads.checks))
     for axes in page[-1]:
         axes.set_xlabel("x [m]")
     for axes in page[:, 0]:

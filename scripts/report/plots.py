@@ -20,7 +20,7 @@ CAUSES = {  # of lost time: what it is called, and its colour
     "unrest": ("unrest: equal loads that did not take equal time", "#fddbc7"),
     "imbalance": ("imbalance (no block loads recorded: causes unknown)", "#ef8a62"),
     "exchange": ("exchange: halo, binning, migration, agreement", "#67a9cf"),
-    "balancing": ("balancing: looks, plans, moves", "#2166ac"),
+    "balancing": ("balancing: checks, plans, moves", "#2166ac"),
     "output": ("output", "#999999"),
     "rest": ("start, end and rest", "#d9d9d9"),
 }
@@ -112,7 +112,7 @@ def lost_time(runs):
 
 
 def decisions(runs):
-    """Each look at the balance, by the reason that the trigger gave."""
+    """Each imbalance check, by the reason that the trigger gave."""
     figure, panels = pyplot.subplots(len(runs), 1, figsize=(8, 0.6 + 1.25 * len(runs)), sharex=True, squeeze=False)
     rows = []
     for run, axes in zip(runs, panels[:, 0]):
@@ -123,11 +123,11 @@ def decisions(runs):
         axes.scatter(run.time[~done], places[~done], s=10, color="#999999")
         axes.scatter(run.time[done], places[done], s=22, marker="^", color="#b2182b")
         axes.set(yticks=range(len(names)), yticklabels=names, ylim=(-0.6, len(names) - 0.4))
-        axes.set_title(f"{run.name}: {int(done.sum())} repartitions at {len(reasons)} looks", loc="left", fontsize=8)
+        axes.set_title(f"{run.name}: {int(done.sum())} repartitions at {len(reasons)} checks", loc="left", fontsize=8)
         rows += list(zip([run.name] * len(reasons), run.time, reasons, done.astype(int),
                          run.balance["imbalance"], run.balance["planned_imbalance"], run.balance["plan"]))
     panels[-1, 0].set(xlabel="simulated time [s]")
-    return Plot("decisions", "Decisions of the trigger", "Each look at the balance and the reason that the trigger "
+    return Plot("decisions", "Decisions of the trigger", "Each imbalance check and the reason that the trigger "
                 "gave; red triangles: the blocks were repartitioned.", figure,
                 ("run", "time_s", "reason", "repartitioned", "imbalance", "planned_imbalance", "plan"), rows)
 

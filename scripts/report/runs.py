@@ -45,7 +45,7 @@ def gather_bits(key, start, stride, bits):
     return value
 
 
-class Look:
+class ImbalanceCheck:
     """Blocks at one balance interval: keys, particles, owners."""
 
     def __init__(self, step, time, ranks, rows):
@@ -72,7 +72,7 @@ class Look:
 
 
 class Loads:
-    """block_loads.bin, by looks; the whole of it, up to a torn end."""
+    """block_loads.bin, by checks; the whole of it, up to a torn end."""
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
@@ -81,24 +81,24 @@ class Loads:
         head = HEADER.unpack_from(data)
         self.dimensions = head[1]
         self.corner, self.side = head[18:21], head[21]
-        self.looks, at = [], HEADER.size
+        self.checks, at = [], HEADER.size
         while at + FRAME.size <= len(data):
             _, step, time, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
             at += FRAME.size + 32 * ranks
             if at + ROW.itemsize * blocks > len(data):
                 break
-            self.looks.append(Look(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at)))
+            self.checks.append(ImbalanceCheck(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at)))
             at += ROW.itemsize * blocks
 
-    def position(self, look):
+    def position(self, check):
         """Lower corners of the blocks [m], one row an axis."""
         bits = 31 if self.dimensions == 2 else 21
         bias = 1 << (bits - 1)
-        axes = [gather_bits(look.rows["key"], a, self.dimensions, bits) for a in range(self.dimensions)]
+        axes = [gather_bits(check.rows["key"], a, self.dimensions, bits) for a in range(self.dimensions)]
         return [self.corner[a] + self.side * (axes[a].astype(numpy.int64) - bias) for a in range(self.dimensions)]
 
     def nearest(self, time):
-        return min(self.looks, key=lambda look: abs(look.time - time))
+        return min(self.checks, key=lambda check: abs(check.time - time))
 
 
 class Run:
@@ -133,8 +133,8 @@ class Run:
 
     def first_step(self):
         step = self.balance["step"]
-        if self.loads and self.loads.looks:
-            return self.loads.looks[0].step
+        if self.loads and self.loads.checks:
+            return self.loads.checks[0].step
         return max(0, 2 * step[0] - step[1]) if len(step) > 1 else 0
 
     def speed(self):
@@ -144,10 +144,10 @@ class Run:
     def lost(self):
         """Seconds lost to imbalance by cause: granularity, partition, unrest; none but their sum without block loads."""
         total = self.times["lost_to_imbalance"]
-        if not self.loads or len(self.loads.looks) < 2:
+        if not self.loads or len(self.loads.checks) < 2:
             return {"imbalance": total}
-        weight = numpy.diff([look.step for look in self.loads.looks])
-        best = numpy.average([look.best_imbalance() for look in self.loads.looks[1:]], weights=weight)
+        weight = numpy.diff([check.step for check in self.loads.checks])
+        best = numpy.average([check.best_imbalance() for check in self.loads.checks[1:]], weights=weight)
         mean = self.times["computing"]
         granularity = min(total, mean * (best - 1))
         partition = min(total - granularity, mean * max(0, self.summary["imbalance_mean"] - best))

@@ -45,7 +45,7 @@ RepartitionTrigger::RepartitionTrigger(const BalanceSpec& spec, const Partitione
       moves_(moves) {
     if (spec.interval < 1)
         throw InputError("balance.interval = " + std::to_string(spec.interval) +
-                         " (steps between two looks at the balance). Use 1 or more?");
+                         " (steps between two imbalance checks). Use 1 or more?");
     if (!(spec.threshold >= 1)) {
         std::ostringstream words;
         words << "balance.threshold = " << spec.threshold << " (max/mean is never below 1). Use 1.05?";

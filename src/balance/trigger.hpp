@@ -49,7 +49,7 @@ class RepartitionTrigger {
     /// Throws InputError for an interval below 1 or a threshold below 1. Not collective.
     RepartitionTrigger(const BalanceSpec& spec, const Partitioner& partitioner, const MoveModel& moves = host_moves);
 
-    /// Is this a step to look at the balance? Never so under a static partitioner. Not collective.
+    /// Is an imbalance check due at this step? Never so under a static partitioner. Not collective.
     bool is_due(std::int64_t step) const;
 
     /// Is it worth making a plan, given the loads of now? Not collective.

@@ -2,9 +2,9 @@
 // Index of a block by its key, through families: the 2^d blocks of one parent, key >> d.
 //
 // Sorted keys keep a family together, so its first index and a bit per child are enough: the index of a child is first
-// + the number of children below it. A flat open-addressing table finds the family. One look-up serves 2^d blocks, and
-// the 3^d around a family serve all neighbours of all its blocks (surroundings.hpp); a table of keys would be asked
-// 3^d times per block: 1.5 million times in an epoch of 33 000 blocks, while the devices wait.
+// + the number of children below it. A flat open-addressing table finds the family. One table look-up serves 2^d
+// blocks, and the 3^d around a family serve all neighbours of all its blocks (surroundings.hpp); a table of keys would
+// be asked 3^d times per block: 1.5 million times in an epoch of 33 000 blocks, while the devices wait.
 
 #include <bit>
 #include <cstdint>

@@ -117,7 +117,7 @@ struct BalanceSpec {
     std::string partitioner = "morton";
     std::string weight = "particles";  ///< particles, cost, time
     Trigger trigger = Trigger::threshold;
-    int interval = 50;        ///< [steps] between looks (threshold, planned) or repartitions (every)
+    int interval = 50;        ///< [steps] between imbalance checks (threshold, planned) or repartitions (every)
     double threshold = 1.05;  ///< max/mean
     int axis = 0;             ///< of slabs
 };

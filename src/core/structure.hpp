@@ -5,8 +5,8 @@
 //
 // Exact distances of plane, sphere (2-D: circle), cylinder with flat ends, box, capsule (a segment with a radius; 2-D:
 // stadium) and of a polygon, in 3-D a prism along z. An exact distance grows by at most the way walked (Lipschitz
-// constant 1), so one look at the middle of a block of nodes tells that none of them is near. Positions are doubles
-// also where the particles are single: a structure moves by a millionth of a cell per step.
+// constant 1), so one evaluation at the middle of a block of nodes tells that none of them is near. Positions are
+// doubles also where the particles are single: a structure moves by a millionth of a cell per step.
 
 #include <cmath>
 

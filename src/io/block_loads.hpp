@@ -33,7 +33,7 @@ struct LoadHeader {
     std::array<std::int32_t, 3> periodic{};  ///< 0 or 1
     std::int32_t real_bytes = 8;             ///< of a number of a node
     std::int32_t halo_rounds = 1;            ///< exchanges per step
-    std::int32_t interval = 50;              ///< [steps] between looks at the balance
+    std::int32_t interval = 50;              ///< [steps] between imbalance checks
     std::int32_t axis = 0;                   ///< of slabs
     std::int32_t trigger = 0;                ///< Trigger as a number
     std::int32_t weighs_cost = 0;            ///< 1: blocks weigh what they cost, 0: particles

@@ -15,7 +15,7 @@
 namespace moraine {
 
 /// One row of balance.csv. What travelled and the seconds are since the row before; the last columns tell of the
-/// look at the balance that ended since then: why it was repartitioned or not, what was planned, and what the planner
+/// imbalance check that ended since then: why it was repartitioned or not, what was planned, and what the planner
 /// predicted for each kind of plan (not a number: not on offer, or no plan was made).
 struct BalanceRow {
     double step = 0, time = 0;
@@ -95,16 +95,16 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
                    now.crossed_particles - reported.crossed_particles};
     for (std::size_t k = 0; k < Phases::count; ++k) mine.seconds[k] = sim.phases().all()[k] - reported_seconds[k];
     take_shares(row, comm.all_gather(std::vector<RankShare>{mine}));
-    const BalanceLook look = sim.take_look();
-    row.repartitioned = look.repartitioned;
-    row.planned_imbalance = look.terms.plan.total > 0 ? look.terms.plan.imbalance() : 0;
-    row.loses = look.terms.loses;
-    row.lost = look.terms.lost;
-    row.migration = look.terms.migration;
-    const bool looked = sim.trigger().is_due(sim.clock().step);
-    row.reason = !looked ? sim.trigger().decide({}).reason : look.reason.empty() ? "under way" : look.reason;
-    row.plan = look.terms.plan.total > 0 ? name_of(look.terms.kind) : "none";
-    row.plan_seconds = look.terms.seconds;
+    const ImbalanceCheck check = sim.take_imbalance_check();
+    row.repartitioned = check.repartitioned;
+    row.planned_imbalance = check.terms.plan.total > 0 ? check.terms.plan.imbalance() : 0;
+    row.loses = check.terms.loses;
+    row.lost = check.terms.lost;
+    row.migration = check.terms.migration;
+    const bool checked = sim.trigger().is_due(sim.clock().step);
+    row.reason = !checked ? sim.trigger().decide({}).reason : check.reason.empty() ? "under way" : check.reason;
+    row.plan = check.terms.plan.total > 0 ? name_of(check.terms.kind) : "none";
+    row.plan_seconds = check.terms.seconds;
     reported = now;
     reported_seconds = sim.phases().all();
     return row;

@@ -38,7 +38,7 @@ struct TimeReport {
                line("lost to imbalance", imbalance, "slowest rank less mean, step by step") +
                line("exchange", exchange, "halo, binning, migration, agreement") +
                line("lost to balancing", balancing,
-                    fmt::format("looks, plans, {} repartition{}", repartitions, repartitions == 1 ? "" : "s")) +
+                    fmt::format("checks, plans, {} repartition{}", repartitions, repartitions == 1 ? "" : "s")) +
                line("output", output, "records, pictures, checkpoints") + line("rest", rest(), "start and end");
     }
 };

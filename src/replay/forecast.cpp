@@ -73,8 +73,8 @@ void Forecast::book_end_of_interval(const Loads& loads, std::int64_t steps) {
 
 void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step) {
     if (!trigger_.is_due(step)) return;
-    ++result_.looks;
-    result_.looking += model_.look;
+    ++result_.checks;
+    result_.checking += model_.check;
     if (!trigger_.needs_plan(loads.weight)) return;
     TriggerInput in;
     in.step = step;
@@ -93,7 +93,7 @@ void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::i
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ++result_.plans;
     result_.plan_seconds += took;
-    result_.looking += took;
+    result_.checking += took;
     result_.plan_seconds_max = std::max(result_.plan_seconds_max, took);
     in.take(plan);
     if (!trigger_.decide(in).repartition) return;
@@ -109,7 +109,7 @@ void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::i
     take_mark(loads_of(blocks));
 }
 
-void Forecast::look(Interval& now, const Carry& carry) {
+void Forecast::check(Interval& now, const Carry& carry) {
     std::vector<BlockLoad>& blocks = now.blocks;
     for (BlockLoad& block : blocks) block.weight = weight_(block.particles, 0);
     if (step_ < 0) {

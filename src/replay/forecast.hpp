@@ -1,9 +1,9 @@
 #pragma once
 // A run that never happened: recorded loads, another number of ranks, another partitioner or trigger.
 //
-// At each look owners come over from the look before (interval.hpp), the trigger decides by the same code as in a
-// run (trigger.hpp, planner.hpp) and with time by the model, and what the interval to come costs is booked: its
-// imbalance is the mean of those at its two ends, the halo is that at its begin.
+// At each imbalance check owners come over from the imbalance check before (interval.hpp), the trigger decides by the
+// same code as in a run (trigger.hpp, planner.hpp) and with time by the model, and what the interval to come costs is
+// booked: its imbalance is the mean of those at its two ends, the halo is that at its begin.
 
 #include <memory>
 #include <string>
@@ -19,7 +19,7 @@ namespace moraine {
 struct ForecastResult {
     int ranks = 1;
     std::string partitioner, trigger;
-    std::int64_t steps = 0, looks = 0, intervals = 0;
+    std::int64_t steps = 0, checks = 0, intervals = 0;
     double imbalance_sum = 0, imbalance_max = 1;  ///< of particles; sum over steps
     double imbalance_time_sum = 0;                ///< of modelled computing; sum over steps
     double tiles = 0, bytes = 0, face_cut = 0;    ///< sums over intervals; bytes: over steps and exchanges
@@ -28,12 +28,12 @@ struct ForecastResult {
     std::int64_t repartitions = 0, migrated_particles = 0, migrated_blocks = 0;
     double plan_seconds = 0, plan_seconds_max = 0;  ///< measured here: of a plan, on one core
     std::int64_t plans = 0;
-    /// [s]; computing: of the slowest rank by its load; unrest: beyond that; ideal: perfectly balanced; looking: with
+    /// [s]; computing: of the slowest rank by its load; unrest: beyond that; ideal: perfectly balanced; checking: with
     /// plans, as measured here.
-    double computing = 0, unrest = 0, ideal = 0, sending = 0, migration = 0, looking = 0;
+    double computing = 0, unrest = 0, ideal = 0, sending = 0, migration = 0, checking = 0;
 
     double imbalance_mean() const { return steps > 0 ? imbalance_sum / static_cast<double>(steps) : 1; }
-    double seconds() const { return computing + unrest + sending + migration + looking; }
+    double seconds() const { return computing + unrest + sending + migration + checking; }
     double efficiency() const { return seconds() > 0 ? ideal / seconds() : 1; }
 };
 
@@ -44,10 +44,10 @@ class Forecast {
     Forecast(const BalanceSpec& spec, const Layout& layout, const CostModel& weights, int ranks, const TimeModel& model,
              bool relabelled_only = false);
 
-    /// Owners at the next look; `carry` tells of blocks since the look before. Not collective.
-    void look(Interval& now, const Carry& carry);
+    /// Owners at the next imbalance check; `carry` tells of blocks since the imbalance check before. Not collective.
+    void check(Interval& now, const Carry& carry);
 
-    /// The halo until the next look, of the owners that look() found. Not collective.
+    /// The halo until the next imbalance check, of the owners that check() found. Not collective.
     void book_halo(const HaloSurroundings& around, int real_bytes);
 
     const Partitioner& partitioner() const { return *partitioner_; }

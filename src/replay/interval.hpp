@@ -1,10 +1,11 @@
 #pragma once
-// One look at the balance as a replay knows it: the occupied blocks, and how owners come over from the look before.
+// One imbalance check as a replay knows it: the occupied blocks, and how owners come over from the imbalance check
+// before.
 //
 // A block that was there keeps its owner. One that is new belongs to whom a static partitioner says by position,
 // else to the owner of its first neighbour, in offset order, that has one (DESIGN of epochs); a block with no such
 // neighbour waits until one is known, and an island takes the owner of the block before it on the Morton curve. A real
-// run may pass through several epochs between two looks, so this is its rule but not always its result.
+// run may pass through several epochs between two imbalance checks, so this is its rule but not always its result.
 
 #include <cstdint>
 #include <span>
@@ -22,7 +23,7 @@ struct Interval {
 
 /// Of blocks of now: where each comes from. The same for every partition.
 struct Carry {
-    std::vector<std::int32_t> from;                            ///< block of the look before, or -1: new
+    std::vector<std::int32_t> from;                            ///< block of the imbalance check before, or -1: new
     std::vector<std::pair<std::int32_t, std::int32_t>> heirs;  ///< new block, block of now that it follows; in order
 
     /// Owners of now. Not collective.

@@ -7,31 +7,31 @@
 namespace moraine {
 namespace {
 
-/// What follows from a partition made at one look, for every later look.
+/// What follows from a partition made at one imbalance check, for every later imbalance check.
 class Followed {
   public:
     Followed(const Layout& layout, const TimeModel& model, const Partitioner& partitioner, int ranks)
         : layout_(layout), model_(model), partitioner_(partitioner), ranks_(ranks) {}
 
-    void begin(const Interval& look, std::vector<std::int32_t> owners) {
+    void begin(const Interval& interval, std::vector<std::int32_t> owners) {
         owners_ = std::move(owners);
-        step_ = look.step;
+        step_ = interval.step;
         seconds_ = 0;
-        slowest_ = slowest(look);
+        slowest_ = slowest(interval);
     }
 
-    void go_on(const Interval& look, const Carry& carry) {
-        owners_ = carry.owners(owners_, look, layout_, partitioner_);
+    void go_on(const Interval& interval, const Carry& carry) {
+        owners_ = carry.owners(owners_, interval, layout_, partitioner_);
         const double before = slowest_;
-        slowest_ = slowest(look);
-        seconds_ += static_cast<double>(look.step - step_) * (before + slowest_) / 2;
-        step_ = look.step;
+        slowest_ = slowest(interval);
+        seconds_ += static_cast<double>(interval.step - step_) * (before + slowest_) / 2;
+        step_ = interval.step;
     }
 
     double seconds() const { return seconds_; }
 
-    double migration_to(const Interval& look, const std::vector<std::int32_t>& parts) const {
-        std::vector<BlockLoad> blocks = look.blocks;
+    double migration_to(const Interval& interval, const std::vector<std::int32_t>& parts) const {
+        std::vector<BlockLoad> blocks = interval.blocks;
         for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners_[b];
         const std::vector<std::int32_t> rank_of = relabel(blocks, parts, ranks_);
         std::vector<std::int32_t> to(parts.size());
@@ -40,10 +40,10 @@ class Followed {
     }
 
   private:
-    double slowest(const Interval& look) const {
+    double slowest(const Interval& interval) const {
         std::vector<std::int64_t> blocks(static_cast<std::size_t>(ranks_), 0);
         for (std::int32_t owner : owners_) ++blocks[owner];
-        return model_.slowest(loads_of_ranks(look.blocks, owners_, ranks_, &BlockLoad::particles), blocks);
+        return model_.slowest(loads_of_ranks(interval.blocks, owners_, ranks_, &BlockLoad::particles), blocks);
     }
 
     const Layout& layout_;
@@ -58,25 +58,26 @@ class Followed {
 }  // namespace
 
 Optimum offline_optimum(const BalanceSpec& spec, const Layout& layout, const CostModel& weights, int ranks,
-                        const TimeModel& model, const std::vector<Interval>& looks, const std::vector<Carry>& carries) {
+                        const TimeModel& model, const std::vector<Interval>& intervals,
+                        const std::vector<Carry>& carries) {
     const std::unique_ptr<Partitioner> partitioner = make_partitioner(spec, layout, ranks);
     const BlockWeight weight(spec, weights);
     std::vector<std::vector<std::int32_t>> parts;
-    for (const Interval& look : looks) {
-        std::vector<BlockLoad> blocks = look.blocks;
+    for (const Interval& interval : intervals) {
+        std::vector<BlockLoad> blocks = interval.blocks;
         for (BlockLoad& block : blocks) block.weight = weight(block.particles, 0), block.owner = -1;
         parts.push_back(partitioner->owners(blocks, static_cast<std::int64_t>(parts.size())));
     }
-    const std::size_t last = looks.size() - 1;
-    std::vector<double> best(looks.size(), std::numeric_limits<double>::infinity());
-    std::vector<std::int64_t> repartitions(looks.size(), 0);
+    const std::size_t last = intervals.size() - 1;
+    std::vector<double> best(intervals.size(), std::numeric_limits<double>::infinity());
+    std::vector<std::int64_t> repartitions(intervals.size(), 0);
     best[0] = 0;
     Followed followed(layout, model, *partitioner, ranks);
     for (std::size_t i = 0; i < last; ++i) {
-        followed.begin(looks[i], parts[i]);
+        followed.begin(intervals[i], parts[i]);
         for (std::size_t j = i + 1; j <= last; ++j) {
-            followed.go_on(looks[j], carries[j]);
-            const double migration = j == last ? 0 : followed.migration_to(looks[j], parts[j]);
+            followed.go_on(intervals[j], carries[j]);
+            const double migration = j == last ? 0 : followed.migration_to(intervals[j], parts[j]);
             const double seconds = best[i] + followed.seconds() + migration;
             if (seconds >= best[j]) continue;
             best[j] = seconds;

@@ -22,7 +22,7 @@ std::vector<int> chosen_ranks(const ReplayOptions& options, const ReplayRecord& 
     for (const int p : ranks)
         if (p > record.blocks_max())
             throw InputError(fmt::format(
-                "--ranks {} (a rank needs a block, and no look has more than {}). At most {}, or --refine 1?", p,
+                "--ranks {} (a rank needs a block, and no interval has more than {}). At most {}, or --refine 1?", p,
                 record.blocks_max(), record.blocks_max()));
     return ranks;
 }
@@ -52,8 +52,8 @@ std::vector<ForecastResult> forecast_all(const ReplayOptions& options, const Rep
             if (options.triggers.empty()) add(spec.trigger);
             for (const Trigger trigger : options.triggers) add(trigger);
         }
-    record.each_look([&](Interval& now, const Carry& carry) {
-        for (Forecast& forecast : forecasts) forecast.look(now, carry);
+    record.each_check([&](Interval& now, const Carry& carry) {
+        for (Forecast& forecast : forecasts) forecast.check(now, carry);
         const HaloSurroundings around(record.layout(), now.blocks);
         for (Forecast& forecast : forecasts) forecast.book_halo(around, record.real_bytes());
     });
@@ -64,15 +64,15 @@ std::vector<ForecastResult> forecast_all(const ReplayOptions& options, const Rep
 
 /// All triggers with relabelled cuts, and the optimum of the same.
 std::vector<RegretRow> regrets_of(const BalanceSpec& balance, const ReplayRecord& record, int ranks,
-                                  std::vector<Interval>& looks, const std::vector<Carry>& carries) {
+                                  std::vector<Interval>& intervals, const std::vector<Carry>& carries) {
     BalanceSpec spec = balance;
     const Optimum best =
-        offline_optimum(spec, record.layout(), record.weights(), ranks, record.model(), looks, carries);
+        offline_optimum(spec, record.layout(), record.weights(), ranks, record.model(), intervals, carries);
     std::vector<RegretRow> rows{{ranks, spec.partitioner, "optimum", best.repartitions, best.seconds, best.seconds}};
     for (const Trigger trigger : {Trigger::never, Trigger::every, Trigger::threshold, Trigger::planned}) {
         spec.trigger = trigger;
         Forecast forecast(spec, record.layout(), record.weights(), ranks, record.model(), true);
-        for (std::size_t k = 0; k < looks.size(); ++k) forecast.look(looks[k], carries[k]);
+        for (std::size_t k = 0; k < intervals.size(); ++k) forecast.check(intervals[k], carries[k]);
         const ForecastResult& r = forecast.result();
         rows.push_back({ranks, spec.partitioner, r.trigger, r.repartitions, r.computing + r.migration, best.seconds});
     }
@@ -82,10 +82,10 @@ std::vector<RegretRow> regrets_of(const BalanceSpec& balance, const ReplayRecord
 std::vector<RegretRow> all_regrets(const ReplayOptions& options, const ReplayRecord& record) {
     std::vector<RegretRow> rows;
     if (!options.regret) return rows;
-    std::vector<Interval> looks;
+    std::vector<Interval> intervals;
     std::vector<Carry> carries;
-    record.each_look([&](const Interval& now, const Carry& carry) {
-        looks.push_back(now);
+    record.each_check([&](const Interval& now, const Carry& carry) {
+        intervals.push_back(now);
         carries.push_back(carry);
     });
     for (const int ranks : chosen_ranks(options, record))
@@ -94,7 +94,7 @@ std::vector<RegretRow> all_regrets(const ReplayOptions& options, const ReplayRec
             spec.partitioner = name;
             // phg's cut depends on the owners before: there is no optimum to be had by this programme.
             if (name == "phg" || make_partitioner(spec, record.layout(), ranks)->is_static()) continue;
-            for (RegretRow& row : regrets_of(spec, record, ranks, looks, carries)) rows.push_back(std::move(row));
+            for (RegretRow& row : regrets_of(spec, record, ranks, intervals, carries)) rows.push_back(std::move(row));
         }
     return rows;
 }

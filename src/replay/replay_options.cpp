@@ -39,7 +39,7 @@ po::options_description visible(ReplayOptions& o, Words& w) {
     add("calibrate", "DIR,DIR,...", &w.calibrate, "other runs on the same machine, whose times count as well");
     add("latency", "SECONDS", &o.latency, "of a message (default: 2e-6)");
     add("bandwidth", "BYTES/S", &o.bandwidth, "of a rank, out (default: 5e9)");
-    add("every", "N", &o.every, "take every N-th look only (default: 1)");
+    add("every", "N", &o.every, "take every N-th imbalance check only (default: 1)");
     add("last-step", "N", &o.last_step, "ignore what was recorded after that step");
     add("refine", "K", &o.refine, "as if cells were 2^K times smaller, with as many particles in each block");
     add("output", "FILE", &o.output, "table to write (default: RUN_DIR/replay.csv)");

@@ -19,7 +19,7 @@ struct ReplayOptions {
     bool regret = false;                    ///< also all triggers against the offline optimum
     double latency = 2e-6;                  ///< [s]
     double bandwidth = 5e9;                 ///< [byte/s]
-    int every = 1;                          ///< take every so many looks only
+    int every = 1;                          ///< take every so many imbalance checks only
     std::int64_t last_step = std::numeric_limits<std::int64_t>::max();
     int refine = 0;      ///< halve the cells so many times
     std::string output;  ///< CSV; empty: replay.csv in the directory

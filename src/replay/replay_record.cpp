@@ -110,25 +110,25 @@ bool ReplayRecord::next(BlockLoadReader& reader, LoadFrame& frame) const {
            frame.step <= options_.last_step;
 }
 
-Interval ReplayRecord::look_of(LoadFrame& frame) const {
-    Interval look;
-    look.step = frame.step;
-    look.blocks.reserve(frame.rows.size());
-    for (const LoadRow& row : frame.rows) look.blocks.push_back({row.key, row.particles, row.particles, row.owner});
+Interval ReplayRecord::interval_of(LoadFrame& frame) const {
+    Interval interval;
+    interval.step = frame.step;
+    interval.blocks.reserve(frame.rows.size());
+    for (const LoadRow& row : frame.rows) interval.blocks.push_back({row.key, row.particles, row.particles, row.owner});
     frame.rows = {};  // of millions of blocks every copy counts
-    return look;
+    return interval;
 }
 
 /// The same with cells halved as often as was asked for.
-Interval ReplayRecord::refined(Interval look) const {
+Interval ReplayRecord::refined(Interval interval) const {
     for (int k = 0; k < options_.refine; ++k) {
         std::vector<BlockLoad> children;
-        children.reserve(look.blocks.size() * (layout_.dimensions == 2 ? 4 : 8));
-        for (const BlockLoad& block : look.blocks)
+        children.reserve(interval.blocks.size() * (layout_.dimensions == 2 ? 4 : 8));
+        for (const BlockLoad& block : interval.blocks)
             layout_.dimensions == 2 ? append_children<2>(block, children) : append_children<3>(block, children);
-        look.blocks = std::move(children);
+        interval.blocks = std::move(children);
     }
-    return look;
+    return interval;
 }
 
 void ReplayRecord::read_through() {
@@ -137,7 +137,7 @@ void ReplayRecord::read_through() {
     Interval before;
     std::unique_ptr<Partitioner> partitioner;
     while (next(reader, frame)) {
-        Interval now = look_of(frame);
+        Interval now = interval_of(frame);
         if (!partitioner) {
             partitioner = make_partitioner(balance_, coarse_, static_cast<int>(frame.seconds.size()));
             partitioner->start(now.blocks);
@@ -145,15 +145,15 @@ void ReplayRecord::read_through() {
             measure(frame, before, now, *partitioner);
         }
         count(now);
-        if (looks_ % options_.every == 0) feed(now);
-        ++looks_;
+        if (checks_ % options_.every == 0) feed(now);
+        ++checks_;
         last_step_ = frame.step;
         before = std::move(now);
     }
-    if (looks_ > 0 && (looks_ - 1) % options_.every != 0) feed(before);  // the last look is replayed, too
-    if (looks_ < 2)
+    if (checks_ > 0 && (checks_ - 1) % options_.every != 0) feed(before);  // the last imbalance check is replayed, too
+    if (checks_ < 2)
         throw InputError(fmt::format(
-            "{} holds {} look{} (a replay needs two). {}", path_, looks_, looks_ == 1 ? "" : "s",
+            "{} holds {} interval{} (a replay needs two). {}", path_, checks_, checks_ == 1 ? "" : "s",
             options_.last_step < ReplayOptions{}.last_step ? "A larger --last-step?"
                                                            : "Run it for longer, or with a smaller balance.interval?"));
 }
@@ -176,14 +176,14 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     ModelFit::Interval interval;
     interval.steps = steps;
     interval.lost = frame.lost / steps;
-    interval.look = std::numeric_limits<double>::infinity();
+    interval.check = std::numeric_limits<double>::infinity();
     double stepping = 0;
     for (std::size_t r = 0; r < frame.seconds.size(); ++r) {
         const RankSeconds& s = frame.seconds[r];
         const double computing = seconds_of(s, computing_phases), exchange = seconds_of(s, exchange_phases);
         interval.ranks.push_back(
             {static_cast<double>(first[r] + last[r]) / 2, blocks[r], computing / steps, exchange / steps});
-        interval.look = std::min(interval.look, seconds_of(s, {Phase::balance}));
+        interval.check = std::min(interval.check, seconds_of(s, {Phase::balance}));
         stepping += computing + exchange + seconds_of(s, {Phase::balance});
     }
     TimeModel transport;
@@ -215,7 +215,7 @@ double ReplayRecord::moves_at_end(const Interval& now, const std::vector<std::in
 
 void ReplayRecord::count(const Interval& coarse) {
     const std::int64_t blocks = children_of_a_block() * static_cast<std::int64_t>(coarse.blocks.size());
-    blocks_min_ = looks_ == 0 ? blocks : std::min(blocks_min_, blocks);
+    blocks_min_ = checks_ == 0 ? blocks : std::min(blocks_min_, blocks);
     blocks_max_ = std::max(blocks_max_, blocks);
 }
 
@@ -228,8 +228,8 @@ void ReplayRecord::feed(const Interval& coarse) {
         weights.insert(weights.end(), static_cast<std::size_t>(children_of_a_block()), weight(block.particles, 0));
     const auto blocks = static_cast<std::int64_t>(weights.size());
     const std::int64_t fed = even_parts(weights, std::max<std::int64_t>(1, blocks), feed_limit);
-    if (looks_ == 0) feeds_at_start_ = fed;
-    feeds_always_ = looks_ == 0 ? fed : std::min(feeds_always_, fed);
+    if (checks_ == 0) feeds_at_start_ = fed;
+    feeds_always_ = checks_ == 0 ? fed : std::min(feeds_always_, fed);
 }
 
 void ReplayRecord::check_end() const {
@@ -241,15 +241,15 @@ void ReplayRecord::check_end() const {
                     last_step_, table, step, last_step_));
 }
 
-void ReplayRecord::each_look(const std::function<void(Interval& now, const Carry& carry)>& f) const {
+void ReplayRecord::each_check(const std::function<void(Interval& now, const Carry& carry)>& f) const {
     BlockLoadReader reader(path_);
     LoadFrame frame;
     std::vector<Key> before;
-    frame.step = -1;  // of the look before: nothing is read behind the last one
+    frame.step = -1;  // of the imbalance check before: nothing is read behind the last one
     int number = 0;
     while (frame.step < last_step_ && reader.next(frame)) {
         if (number++ % options_.every != 0 && frame.step != last_step_) continue;
-        Interval now = refined(look_of(frame));
+        Interval now = refined(interval_of(frame));
         const Carry carry = before.empty() ? Carry{} : carry_between(layout_, before, now.blocks);
         f(now, carry);
         before = keys_of(now.blocks);

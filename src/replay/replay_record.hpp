@@ -23,12 +23,12 @@ class ReplayRecord {
     const TimeModel& model() const { return model_; }
     int real_bytes() const { return header_.real_bytes; }
     std::int64_t last_step() const { return last_step_; }
-    int looks() const { return looks_; }
+    int checks() const { return checks_; }
     std::int64_t blocks_min() const { return blocks_min_; }
     std::int64_t blocks_max() const { return blocks_max_; }
 
     /// The most ranks whose heaviest has at most `feed_limit` times the mean, of the best cut along the Morton curve:
-    /// at the start and at the worst of the looks that are replayed.
+    /// at the start and at the worst of the imbalance checks that are replayed.
     std::int64_t feeds_at_start() const { return feeds_at_start_; }
     std::int64_t feeds_always() const { return feeds_always_; }
     static constexpr double feed_limit = 1.25;
@@ -37,14 +37,14 @@ class ReplayRecord {
     const ForecastResult& measured() const { return measured_; }
     double measured_seconds() const { return measured_seconds_; }
 
-    /// Look after look; `carry` from the one before. No two looks are in memory but these.
-    void each_look(const std::function<void(Interval& now, const Carry& carry)>& f) const;
+    /// Check after check; `carry` from the one before. No two imbalance checks are in memory but these.
+    void each_check(const std::function<void(Interval& now, const Carry& carry)>& f) const;
 
   private:
     bool next(BlockLoadReader& reader, LoadFrame& frame) const;
     /// Takes the rows out of the frame.
-    Interval look_of(LoadFrame& frame) const;
-    Interval refined(Interval look) const;
+    Interval interval_of(LoadFrame& frame) const;
+    Interval refined(Interval interval) const;
     void read_through();
     void check_end() const;
     void calibrate(const std::string& directory);
@@ -65,7 +65,7 @@ class ReplayRecord {
     ForecastResult measured_;
     double measured_seconds_ = 0;
     std::int64_t last_step_ = -1, blocks_min_ = 0, blocks_max_ = 0, feeds_at_start_ = 0, feeds_always_ = 0;
-    int looks_ = 0;
+    int checks_ = 0;
 };
 
 }  // namespace moraine

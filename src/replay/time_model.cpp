@@ -166,11 +166,11 @@ double ModelFit::remainder(const TimeModel& m) const {
     return steps > 0 ? std::max(0.0, seconds / steps) : 0;
 }
 
-/// The median: looks with a migration are few.
-double ModelFit::usual_look() const {
-    std::vector<double> looks;
-    for (const Interval& interval : intervals_) looks.push_back(interval.look);
-    return nth_of(std::move(looks), 0.5);
+/// The median: imbalance checks with a migration are few.
+double ModelFit::usual_check() const {
+    std::vector<double> checks;
+    for (const Interval& interval : intervals_) checks.push_back(interval.check);
+    return nth_of(std::move(checks), 0.5);
 }
 
 /// 1 where nothing moved.
@@ -178,7 +178,7 @@ double ModelFit::moves_slower(const TimeModel& m) const {
     double took = 0, reckoned = 0;
     for (const Interval& interval : intervals_) {
         if (interval.moves <= 0) continue;
-        took += std::max(0.0, interval.look - m.look);
+        took += std::max(0.0, interval.check - m.check);
         reckoned += interval.moves;
     }
     return reckoned > 0 ? took / reckoned : 1;
@@ -190,7 +190,7 @@ TimeModel ModelFit::model(const CostModel& prior) const {
     m.exchange = least_exchange();
     m.unrest = unrest_of(m);
     m.constant = remainder(m);
-    m.look = usual_look();
+    m.check = usual_check();
     m.moves_slower = moves_slower(m);
     return m;
 }

@@ -8,8 +8,8 @@
 // times by least squares with a pull (1 %) towards the ratio of the cost model: a run whose particles and blocks hardly
 // vary cannot tell them apart. e is what binning and exchanges took of the rank that waited least.
 // x_r is normal: equal loads do not take equal time, and s follows from what the slowest ranks took, step by step.
-// f is what looks with a migration took beyond the median of all. c is what remains of a step. A run does not tell
-// latency and bandwidth: they are the user's.
+// f is what imbalance checks with a migration took beyond the median of all. c is what remains of a step. A run does
+// not tell latency and bandwidth: they are the user's.
 
 #include <cstdint>
 #include <span>
@@ -35,7 +35,7 @@ struct TimeModel {
     double exchange = 0;  ///< e [s]
     double unrest = 0;    ///< s
     double constant = 0;  ///< c [s]
-    double look = 0;      ///< [s]
+    double check = 0;     ///< [s]
     int rounds = 1;
     Transport transport;
     MoveModel moves = host_moves;  ///< what planners reckon with
@@ -66,7 +66,7 @@ class ModelFit {
         double steps = 0;
         double sending = 0;  ///< by the transport model [s per step]
         double lost = 0;     ///< computing of the slowest rank less mean [s per step]
-        double look = 0;     ///< balancing, of the rank that waited least [s]
+        double check = 0;    ///< balancing, of the rank that waited least [s]
         double moves = 0;    ///< the migration at its end, as planners reckon it [s]
     };
 
@@ -83,7 +83,7 @@ class ModelFit {
     double least_exchange() const;
     double unrest_of(const TimeModel& m) const;
     double remainder(const TimeModel& m) const;
-    double usual_look() const;
+    double usual_check() const;
     double moves_slower(const TimeModel& m) const;
 
     std::vector<Interval> intervals_;

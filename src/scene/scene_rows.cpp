@@ -162,7 +162,7 @@ const std::vector<KeyRow<Scene>> rows{
       .unit = "steps",
       .standard = "50",
       .range = {1, 1e9},
-      .meaning = "Between looks at the balance; with trigger every, between repartitions."},
+      .meaning = "Between imbalance checks; with trigger every, between repartitions."},
      [](S& s, const V& v) { s.balance.interval = static_cast<int>(v.integer); }},
     {{.table = "balance",
       .name = "threshold",

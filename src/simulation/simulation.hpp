@@ -1,7 +1,7 @@
 #pragma once
 // The simulation: one rank's part of the run, and THE STEP. The one file that may know every folder.
 //
-// Between steps the share of a rank is told by its lists; output, checkpoints and balancing look at it
+// Between steps the share of a rank is told by its lists; output, checkpoints and imbalance check at it
 // only in the binned state, and never change dt or the answer.
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "balance/calibration.hpp"
-#include "balance/look.hpp"
+#include "balance/imbalance_check.hpp"
 #include "balance/pace.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/weight.hpp"
@@ -66,7 +66,7 @@ inline constexpr double epoch_reach = 1;
 /// its rim at once, and beyond 4 it would not be theirs.
 inline constexpr double epoch_stale = 1.25;
 
-/// A look at the balance begins so many steps before it is due where plans and tables are made beside the steps: about
+/// An imbalance check begins so many steps before it is due where plans and tables are made beside the steps: about
 /// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval. A plan that is
 /// not there in time is taken when it is.
 inline constexpr std::int64_t most_steps_ahead = 16;
@@ -109,7 +109,7 @@ class Simulation {
     /// Bins, books, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
 
-    /// A balancing look if one is due now, and a new epoch if the old one is used up. Collective.
+    /// A imbalance check if one is due now, and a new epoch if the old one is used up. Collective.
     void balance();
 
     /// Occupied blocks of all ranks and who holds them, in key order; bins the particles first. Collective.
@@ -132,8 +132,9 @@ class Simulation {
     /// With those of the epoch under way.
     RunCounts counts_so_far() const;
     const Ledger<Dim>& ledger() const { return ledger_; }
-    /// The look that ended since this was asked before, or the one of them that repartitioned; no reason: none did.
-    BalanceLook take_look() { return std::exchange(look_, {}); }
+    /// The imbalance check that ended since this was asked before, or the one of them that repartitioned; no reason:
+    /// none did.
+    ImbalanceCheck take_imbalance_check() { return std::exchange(last_check_, {}); }
     const Agreement& agreement() const { return agreed_; }
     Phases& phases() { return phases_; }
     Share& patch() { return engine_->share(); }
@@ -197,18 +198,18 @@ class Simulation {
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const BinnedBlocks& binned);
     void foresee_epoch();
-    void look_ahead();
+    void start_next_epoch();
     void renew_epoch();
-    bool is_balanced(BalanceLook& found) const;
+    bool is_balanced(ImbalanceCheck& found) const;
     void take_times(TriggerInput& terms) const;
     void rest();
     bool must_wait() const { return !(beside_ && engine_->leaves_host_free()); }
     std::int64_t steps_ahead() const;
     bool epoch_ends_soon() const;
-    void begin_look();
-    void end_look(BalanceLook found);
+    void begin_check();
+    void end_check(ImbalanceCheck found);
     void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
-    void go_on_looking();
+    void continue_check();
     void repartition(EpochTables<Dim> tables);
     void seed_rows();
     void seed_lattice();
@@ -238,26 +239,26 @@ class Simulation {
     std::vector<StructureSums<Dim>> forces_;  ///< of the last step on free structures, over all ranks
     Agreement agreed_, own_;
     Phases phases_;
-    BalanceLook look_;
-    std::optional<std::int64_t> look_wanted_;  ///< since this step, and it has not begun
-    bool looking_ = false;                     ///< a look is under way
-    std::int64_t look_due_ = 0;                ///< the step from which it is taken when all ranks have planned
-    std::int64_t look_latest_ = 0;             ///< the step at which they are waited for
-    LookInput look_input_;
-    Look planned_;  ///< by the thread that makes the next epoch, when a look is under way
+    ImbalanceCheck last_check_;
+    std::optional<std::int64_t> check_wanted_;  ///< since this step, and it has not begun
+    bool check_under_way_ = false;              ///< an imbalance check is under way
+    std::int64_t check_due_ = 0;                ///< the step from which it is taken when all ranks have planned
+    std::int64_t check_latest_ = 0;             ///< the step at which they are waited for
+    ImbalanceCheckInput check_input_;
+    ImbalanceCheckResult planned_;  ///< by the thread that makes the next epoch, when an imbalance check is under way
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
-    GatherBeside<BlockLoad> loads_;  ///< of all ranks, for the look under way
+    GatherBeside<BlockLoad> loads_;  ///< of all ranks, for the imbalance check under way
     GatherBeside<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
     bool in_place_ = false;          ///< lattices are seeded by the engine
     bool beside_ = false;            ///< epochs are made beside the steps
     bool unbinned_ = true;           ///< nothing was binned yet by the tables of this epoch
     bool at_rim_ = false;            ///< somebody was in the rim one step ago
-    double wandered_ = 0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
-    double foreseen_ = 0;  ///< the same, since the next epoch or a look was begun
-    double computed_ = 0;  ///< computing time up to the last step [s]
-    double looked_ = 0;    ///< the same up to the last look, and the steps of that moment
-    std::int64_t looked_step_ = 0;
+    double wandered_ = 0;         ///< since somebody is: sum of the largest displacements up to the step before [cells]
+    double foreseen_ = 0;         ///< the same, since the next epoch or an imbalance check was begun
+    double computed_ = 0;         ///< computing time up to the last step [s]
+    double checked_seconds_ = 0;  ///< the same up to the last imbalance check, and the steps of that moment
+    std::int64_t checked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition
     std::int64_t last_repartition_ = 0;

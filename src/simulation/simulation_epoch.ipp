@@ -36,19 +36,19 @@ std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mi
     return merged(in_key_order(all, counts));
 }
 
-/// Refines the weights by the computing time since the last look.
+/// Refines the weights by the computing time since the last imbalance check.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::calibrate(const BlockCounts& mine) {
-    const auto steps = static_cast<double>(clock_.step - looked_step_);
+    const auto steps = static_cast<double>(clock_.step - checked_step_);
     CostSample sample;
     for (std::size_t b = 0; b < mine.key.size(); ++b) {
         sample.particles += static_cast<double>(mine.count[b]);
         sample.cells += static_cast<double>(mine.cells[b]);
     }
     sample.blocks = static_cast<double>(mine.key.size());
-    if (steps > 0) sample.seconds = (phases_.computing() - looked_) / steps;
-    looked_ = phases_.computing();
-    looked_step_ = clock_.step;
+    if (steps > 0) sample.seconds = (phases_.computing() - checked_seconds_) / steps;
+    checked_seconds_ = phases_.computing();
+    checked_step_ = clock_.step;
     calibration_.add(comm_.all_gather(std::vector<CostSample>{sample}));
     weight_.set_model(calibration_.model());
 }
@@ -98,7 +98,7 @@ void Simulation<Real, Dim>::foresee_epoch() {
 
 /// The next epoch is made once all ranks' blocks are known: two steps later, or at once where it is wanted now.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::look_ahead() {
+void Simulation<Real, Dim>::start_next_epoch() {
     if (!keys_.under_way()) return;
     const bool now = !beside_ || wandered_ > epoch_reach;
     if (auto all = now ? keys_.finish() : keys_.advance())
@@ -129,17 +129,17 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
     const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    if (!look_wanted_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) look_wanted_ = clock_.step;
-    if (look_wanted_ && !looking_ && !epoch_ends_soon()) begin_look();
-    if (looking_) go_on_looking();
-    if (looking_) return;
+    if (!check_wanted_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) check_wanted_ = clock_.step;
+    if (check_wanted_ && !check_under_way_ && !epoch_ends_soon()) begin_check();
+    if (check_under_way_) continue_check();
+    if (check_under_way_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
     if (must_wait() && (used_up || (beside_ && at_rim_))) rest();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
-        look_ahead();
+        start_next_epoch();
         if ((used_up || (beside_ && at_rim_)) && (!under_way || stale)) foresee_epoch();
-        if (used_up) look_ahead(), renew_epoch();
+        if (used_up) start_next_epoch(), renew_epoch();
     });
 }
 
@@ -153,7 +153,7 @@ void Simulation<Real, Dim>::rest() {
 /// By what the agreements say of the ranks, before anything is binned or sent: no plan is worth making. Costs may say
 /// otherwise, but only block by block.
 template <class Real, int Dim>
-bool Simulation<Real, Dim>::is_balanced(BalanceLook& found) const {
+bool Simulation<Real, Dim>::is_balanced(ImbalanceCheck& found) const {
     if (weighs_cells()) return false;
     found.terms.now =
         weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
@@ -181,36 +181,37 @@ std::int64_t Simulation<Real, Dim>::steps_ahead() const {
     return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
 }
 
-/// A look that began now would end with the epoch, and all would wait for its plan: it begins after the new epoch, or
-/// an interval later where epochs are short. A look takes the steps that it begins ahead, and is given as many again.
+/// An imbalance check that began now would end with the epoch, and all would wait for its plan: it begins after the new
+/// epoch, or an interval later where epochs are short. An imbalance check takes the steps that it begins ahead, and is
+/// given as many again.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::epoch_ends_soon() const {
     if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
-    if (clock_.step >= *look_wanted_ + scene_.balance.interval) return false;
+    if (clock_.step >= *check_wanted_ + scene_.balance.interval) return false;
     return wandered_ > 0 && wandered_ + static_cast<double>(2 * steps_ahead()) * agreed_.moved > epoch_reach;
 }
 
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::begin_look() {
-    const std::int64_t wanted = *std::exchange(look_wanted_, {});
-    BalanceLook found;
-    if (is_balanced(found)) return end_look(std::move(found));
-    look_due_ = clock_.step + steps_ahead();
-    look_latest_ = look_due_;
+void Simulation<Real, Dim>::begin_check() {
+    const std::int64_t wanted = *std::exchange(check_wanted_, {});
+    ImbalanceCheck found;
+    if (is_balanced(found)) return end_check(std::move(found));
+    check_due_ = clock_.step + steps_ahead();
+    check_latest_ = check_due_;
     if (steps_ahead() > 0 && scene_.balance.trigger != Trigger::every)
-        look_latest_ = std::max(look_due_, wanted + scene_.balance.interval - 1);  // one more, and the next is wanted
+        check_latest_ = std::max(check_due_, wanted + scene_.balance.interval - 1);  // one more, and the next is wanted
     if (must_wait()) rest();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());
         if (weighs_cells()) calibrate(mine);
         if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
-        look_input_ = {{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
-        take_times(look_input_.times);
+        check_input_ = {{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
+        take_times(check_input_.times);
         keys_.finish();  // what would have been the next epoch
         loads_.start(loads_of(mine));
         foreseen_ = 0;
-        looking_ = true;
+        check_under_way_ = true;
     });
 }
 
@@ -219,7 +220,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts) {
     const auto owners = [this, blocks = std::move(blocks), counts = std::move(counts)] {
         const std::vector<BlockLoad> loads = merged(in_key_order(blocks, counts));
-        planned_ = look_at(loads, look_input_, comm_.size(), *partitioner_, trigger_);
+        planned_ = check_imbalance(loads, check_input_, comm_.size(), *partitioner_, trigger_);
         std::vector<OccupiedBlock> occupied;
         for (std::size_t b = 0; b < planned_.owners.size(); ++b) occupied.push_back({loads[b].key, planned_.owners[b]});
         return occupied;
@@ -227,17 +228,17 @@ void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std:
     next_epoch_.start_repartition(blocks.size(), owners, steps_ahead() > 0);
 }
 
-/// What is told of looks until somebody asks: the last one, unless one before it repartitioned.
+/// What is told of imbalance checks until somebody asks: the last one, unless one before it repartitioned.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::end_look(BalanceLook found) {
-    if (found.repartitioned || !look_.repartitioned) look_ = std::move(found);
+void Simulation<Real, Dim>::end_check(ImbalanceCheck found) {
+    if (found.repartitioned || !last_check_.repartitioned) last_check_ = std::move(found);
 }
 
-/// The look is taken when it is due and nobody has to wait for a plan, or when the epoch is used up.
+/// The imbalance check is taken when it is due and nobody has to wait for a plan, or when the epoch is used up.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::go_on_looking() {
+void Simulation<Real, Dim>::continue_check() {
     const bool all_have_planned = !loads_.under_way() && !agreed_.making;
-    const bool ends = (clock_.step >= look_due_ && all_have_planned) || clock_.step >= look_latest_ ||
+    const bool ends = (clock_.step >= check_due_ && all_have_planned) || clock_.step >= check_latest_ ||
                       wandered_ > epoch_reach || foreseen_ >= epoch_reach;
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
@@ -247,8 +248,8 @@ void Simulation<Real, Dim>::go_on_looking() {
         if (ends) tables = next_epoch_.take();
     });
     if (!ends) return;
-    looking_ = false;
-    end_look(planned_.found);
+    check_under_way_ = false;
+    end_check(planned_.found);
     if (!tables) return;
     rest();
     phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });

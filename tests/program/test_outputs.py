@@ -63,7 +63,7 @@ class Outputs(moraine.ProgramTest):
         self.assertTrue(all(seconds >= 0 for name, seconds in found["times_s"].items() if name != "rest"), found)
         percent = 100 * found["times_s"]["lost_to_imbalance"] / found["wall_s"]
         self.assertRegex(ended.err, f"lost to imbalance +{percent:.1f} %")
-        self.assertRegex(ended.err, r"lost to balancing +\d+\.\d %  looks, plans, \d+ repartition")
+        self.assertRegex(ended.err, r"lost to balancing +\d+\.\d %  checks, plans, \d+ repartition")
 
     def test_a_run_without_particles_leaves_the_same_records_and_checkpoints(self):
         every = {"output__checkpoint_interval": END / 2}
@@ -92,7 +92,7 @@ class Outputs(moraine.ProgramTest):
             lost += loses
         self.assertEqual(seen[1:], [(row["step"], row["blocks"]) for row in rows])
         self.assertEqual(seen[0][0], 0)
-        in_all = summary(recorded)["times_s"]["lost_to_imbalance"]  # steps behind the last look included
+        in_all = summary(recorded)["times_s"]["lost_to_imbalance"]  # steps behind the last imbalance check included
         self.assertTrue(0.5 * in_all < lost <= 1.001 * in_all, (lost, in_all))
 
     def test_intervals_far_below_a_step_are_one_a_step(self):

@@ -32,9 +32,9 @@ class Replay(moraine.ProgramTest):
         self.replay("--ranks", "2", "--partitioner", "morton")
         measured, predicted = self.rows()
         self.assertEqual((measured["kind"], predicted["kind"]), ("measured", "predicted"))
-        found, looks = summary(self.run), table(self.run, "balance.csv")
+        found, checks = summary(self.run), table(self.run, "balance.csv")
         self.assertAlmostEqual(float(predicted["imbalance_mean"]), found["imbalance_mean"], delta=0.01)
-        sent = sum(row["halo_bytes"] for row in looks)
+        sent = sum(row["halo_bytes"] for row in checks)
         self.assertAlmostEqual(float(predicted["halo_bytes"]), sent, delta=0.02 * sent)
         self.assertAlmostEqual(float(predicted["time_s"]), float(measured["time_s"]),
                                delta=0.15 * float(measured["time_s"]))
@@ -73,7 +73,7 @@ class Replay(moraine.ProgramTest):
 
         start, worst = fed(steps, 1)
         self.assertLess(worst, start)
-        self.assertEqual(fed(steps, 1000), [start, start])  # the first look and the last
+        self.assertEqual(fed(steps, 1000), [start, start])  # the first imbalance check and the last
         first = next(step for step in range(1, steps) if fed(step, 1)[1] == worst)
         self.assertEqual(fed(first, 1000), [start, worst])
 

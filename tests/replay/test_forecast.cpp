@@ -26,62 +26,62 @@ Layout layout() {
 }
 
 /// A heap that moves along x and changes its shape: looks of 50 steps.
-std::vector<Interval> moving_heap(int looks, std::uint64_t seed) {
+std::vector<Interval> moving_heap(int intervals, std::uint64_t seed) {
     std::vector<Interval> all;
-    for (int k = 0; k < looks; ++k) {
-        Interval look;
-        look.step = 50 * k;
+    for (int k = 0; k < intervals; ++k) {
+        Interval interval;
+        interval.step = 50 * k;
         for (std::int32_t x = k; x < 12 + 2 * k; ++x)
             for (std::int32_t y = 0; y < 4; ++y) {
                 const Key key = Morton<2>::encode({x, y});
-                look.blocks.push_back(
+                interval.blocks.push_back(
                     {key, static_cast<std::int64_t>(1 + mix(seed + mix(key) + static_cast<unsigned>(k / 2)) % 90), 0,
                      -1});
             }
-        std::sort(look.blocks.begin(), look.blocks.end(),
+        std::sort(interval.blocks.begin(), interval.blocks.end(),
                   [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
-        all.push_back(look);
+        all.push_back(interval);
     }
     return all;
 }
 
-std::vector<Carry> carries_of(const std::vector<Interval>& looks) {
+std::vector<Carry> carries_of(const std::vector<Interval>& intervals) {
     std::vector<Carry> carries(1);
-    for (std::size_t k = 1; k < looks.size(); ++k)
-        carries.push_back(carry_between(layout(), keys_of(looks[k - 1].blocks), looks[k].blocks));
+    for (std::size_t k = 1; k < intervals.size(); ++k)
+        carries.push_back(carry_between(layout(), keys_of(intervals[k - 1].blocks), intervals[k].blocks));
     return carries;
 }
 
-ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> looks, int ranks, bool relabelled = false) {
+ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals, int ranks, bool relabelled = false) {
     const Layout l = layout();
     const TimeModel m = model();
-    const std::vector<Carry> carries = carries_of(looks);
+    const std::vector<Carry> carries = carries_of(intervals);
     Forecast f(spec, l, weights, ranks, m, relabelled);
-    for (std::size_t k = 0; k < looks.size(); ++k) {
-        f.look(looks[k], carries[k]);
-        f.book_halo(HaloSurroundings(l, looks[k].blocks), 8);
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
+        f.check(intervals[k], carries[k]);
+        f.book_halo(HaloSurroundings(l, intervals[k].blocks), 8);
     }
     return f.result();
 }
 
-/// Seconds of repartitioning at just the looks of `mask` (bit k: look k), one after the other.
-double seconds_of(unsigned mask, const std::vector<Interval>& looks, const std::vector<Carry>& carries, int ranks) {
+/// Seconds of repartitioning at just the imbalance checks of `mask` (bit k: look k), one after the other.
+double seconds_of(unsigned mask, const std::vector<Interval>& intervals, const std::vector<Carry>& carries, int ranks) {
     const Layout l = layout();
     const TimeModel m = model();
     const auto partitioner = make_partitioner(BalanceSpec{}, l, ranks);
     std::vector<std::int32_t> owners;
     double seconds = 0, slowest = 0;
-    const auto slowest_of = [&](const Interval& look) {
+    const auto slowest_of = [&](const Interval& interval) {
         std::vector<std::int64_t> blocks(static_cast<std::size_t>(ranks), 0);
         for (std::int32_t o : owners) ++blocks[o];
-        return m.slowest(loads_of_ranks(look.blocks, owners, ranks, &BlockLoad::particles), blocks);
+        return m.slowest(loads_of_ranks(interval.blocks, owners, ranks, &BlockLoad::particles), blocks);
     };
-    for (std::size_t k = 0; k < looks.size(); ++k) {
-        std::vector<BlockLoad> blocks = looks[k].blocks;
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
+        std::vector<BlockLoad> blocks = intervals[k].blocks;
         for (BlockLoad& b : blocks) b.weight = b.particles;
         if (k > 0) {
-            owners = carries[k].owners(owners, looks[k], l, *partitioner);
-            seconds += 50 * (slowest + slowest_of(looks[k])) / 2;
+            owners = carries[k].owners(owners, intervals[k], l, *partitioner);
+            seconds += 50 * (slowest + slowest_of(intervals[k])) / 2;
             for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners[b];
         }
         if (k == 0 || mask >> k & 1u) {
@@ -91,7 +91,7 @@ double seconds_of(unsigned mask, const std::vector<Interval>& looks, const std::
             if (k > 0) seconds += best_plan({{PlanKind::relabelled, next}}, blocks, ranks, costs).migration;
             owners = next;
         }
-        slowest = slowest_of(looks[k]);
+        slowest = slowest_of(intervals[k]);
     }
     return seconds;
 }
@@ -112,7 +112,7 @@ TEST_CASE("a block keeps its owner, a new one follows its first neighbour, an is
     CHECK(carry.owners(std::vector<std::int32_t>{0, 3}, now, l, *slabs) == std::vector<std::int32_t>{0, 1, 2, 3, 40});
 }
 
-TEST_CASE("never keeps the first cut, every repartitions at each look but the first, threshold in between") {
+TEST_CASE("never keeps the first cut, every repartitions at each imbalance check but the first, threshold in between") {
     BalanceSpec spec;
     spec.trigger = Trigger::never;
     const ForecastResult never = forecast(spec, moving_heap(9, 1), 4);
@@ -130,13 +130,13 @@ TEST_CASE("never keeps the first cut, every repartitions at each look but the fi
 }
 
 TEST_CASE("one rank is balanced and sends nothing; its time is the model's") {
-    const std::vector<Interval> looks = moving_heap(3, 5);
-    const ForecastResult r = forecast(BalanceSpec{}, looks, 1);
+    const std::vector<Interval> intervals = moving_heap(3, 5);
+    const ForecastResult r = forecast(BalanceSpec{}, intervals, 1);
     double expected = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         double n = 0;
-        for (const BlockLoad& b : looks[k].blocks) n += static_cast<double>(b.particles);
-        expected += (k == 1 ? 50 : 25) * (1e-5 * n + 2e-6 * static_cast<double>(looks[k].blocks.size()));
+        for (const BlockLoad& b : intervals[k].blocks) n += static_cast<double>(b.particles);
+        expected += (k == 1 ? 50 : 25) * (1e-5 * n + 2e-6 * static_cast<double>(intervals[k].blocks.size()));
     }
     CHECK(r.imbalance_mean() == 1);
     CHECK(r.bytes == 0);
@@ -144,22 +144,24 @@ TEST_CASE("one rank is balanced and sends nothing; its time is the model's") {
     CHECK(r.computing == doctest::Approx(r.ideal));
 }
 
-TEST_CASE("the offline optimum is the least of all subsets of looks to a thousandth, and no trigger beats it") {
+TEST_CASE(
+    "the offline optimum is the least of all subsets of imbalance checks to a thousandth, and no trigger beats it") {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         CAPTURE(seed);
         const int ranks = 2 + static_cast<int>(seed % 4);
-        const std::vector<Interval> looks = moving_heap(7, seed);
-        const std::vector<Carry> carries = carries_of(looks);
+        const std::vector<Interval> intervals = moving_heap(7, seed);
+        const std::vector<Carry> carries = carries_of(intervals);
         const Layout l = layout();
         const TimeModel m = model();
-        const Optimum best = offline_optimum(BalanceSpec{}, l, weights, ranks, m, looks, carries);
+        const Optimum best = offline_optimum(BalanceSpec{}, l, weights, ranks, m, intervals, carries);
         double least = 1e300;
-        for (unsigned mask = 0; mask < 64; mask += 2) least = std::min(least, seconds_of(mask, looks, carries, ranks));
+        for (unsigned mask = 0; mask < 64; mask += 2)
+            least = std::min(least, seconds_of(mask, intervals, carries, ranks));
         CHECK(best.seconds == doctest::Approx(least).epsilon(1e-3));  // ties of the greedy relabelling
         for (const Trigger trigger : {Trigger::never, Trigger::every, Trigger::threshold, Trigger::planned}) {
             BalanceSpec spec;
             spec.trigger = trigger;
-            const ForecastResult r = forecast(spec, looks, ranks, true);
+            const ForecastResult r = forecast(spec, intervals, ranks, true);
             CHECK(r.computing + r.migration >= best.seconds * (1 - 1e-3));
         }
     }

@@ -39,10 +39,10 @@ double ratio(double found, double expected) {
 
 TEST_CASE("costs of particles and blocks are found again where they vary") {
     ModelFit fit;
-    for (const double look : {1e-3, 9e-3, 2e-3}) {
+    for (const double check : {1e-3, 9e-3, 2e-3}) {
         fit.add(steps_of({{1000, 10}, {1100, 100}, {900, 4}}, 2e-7, 3e-6, 5e-8));
         ModelFit::Interval other = steps_of({{100, 30}, {1200, 10}, {300, 4}}, 2e-7, 3e-6, 5e-8);
-        other.look = look;
+        other.check = check;
         fit.add(other);
     }
     const TimeModel m = fit.model(prior);
@@ -52,14 +52,14 @@ TEST_CASE("costs of particles and blocks are found again where they vary") {
     CHECK(m.unrest < 0.02);
 }
 
-TEST_CASE("a look costs the median of all") {
+TEST_CASE("an imbalance check costs the median of all") {
     ModelFit fit;
-    for (const double look : {1e-3, 9e-3, 2e-3}) {
+    for (const double check : {1e-3, 9e-3, 2e-3}) {
         ModelFit::Interval interval = steps_of({{1000, 10}}, 2e-7, 0, 0);
-        interval.look = look;
+        interval.check = check;
         fit.add(interval);
     }
-    CHECK(fit.model(prior).look == 2e-3);
+    CHECK(fit.model(prior).check == 2e-3);
 }
 
 TEST_CASE("where particles and blocks cannot be told apart their ratio is the cost model's, and the step is right") {
@@ -103,17 +103,18 @@ TEST_CASE("the times of another run count as well") {
     CHECK(ratio(one.model(prior).computing(1000, 20), 3e-4) == doctest::Approx(1));
 }
 
-TEST_CASE("migrations are as slow as looks with one took beyond the others, and as reckoned where nothing moved") {
+TEST_CASE(
+    "migrations are as slow as imbalance checks with one took beyond the others, and as reckoned where nothing moved") {
     ModelFit fit;
-    const auto look = [&](double took, double moves) {
+    const auto check = [&](double took, double moves) {
         ModelFit::Interval interval = steps_of({{1000, 10}}, 2e-7, 0, 0);
-        interval.look = took, interval.moves = moves;
+        interval.check = took, interval.moves = moves;
         fit.add(interval);
     };
-    for (int k = 0; k < 7; ++k) look(1e-3, 0);
+    for (int k = 0; k < 7; ++k) check(1e-3, 0);
     CHECK(fit.model(prior).moves_slower == 1);
-    look(6e-3, 20e-3);
-    look(2e-3, 4e-3);
+    check(6e-3, 20e-3);
+    check(2e-3, 4e-3);
     CHECK(fit.model(prior).moves_slower == doctest::Approx((5e-3 + 1e-3) / 24e-3));
 }
 

@@ -101,8 +101,9 @@ Epochs run_epochs(const Scene& scene, const Comm& comm, int steps, bool beside) 
     return {sim.state_hash(true), counts.epochs, counts.repartitions, comm.sum(counts.migrated_particles)};
 }
 
-/// Of each look that planned, the steps from its begin to its end; one every 40 steps where nothing is in its way.
-std::vector<std::int64_t> looks_of(Scene scene, int steps) {
+/// Of each imbalance check that planned, the steps from its begin to its end; one every 40 steps where nothing is in
+/// its way.
+std::vector<std::int64_t> checks_of(Scene scene, int steps) {
     const Comm comm(MPI_COMM_WORLD);
     scene.balance.trigger = Trigger::threshold;
     scene.balance.threshold = 1;
@@ -114,8 +115,8 @@ std::vector<std::int64_t> looks_of(Scene scene, int steps) {
     for (int n = 0; n < steps; ++n) {
         sim.step();
         sim.balance();
-        const BalanceLook look = sim.take_look();
-        if (look.terms.step > 0) lasted.push_back(sim.clock().step - look.terms.step);
+        const ImbalanceCheck check = sim.take_imbalance_check();
+        if (check.terms.step > 0) lasted.push_back(sim.clock().step - check.terms.step);
     }
     sim.conclude();
     return lasted;
@@ -155,7 +156,7 @@ TEST_CASE("it is the same whether epochs are made when they are needed or beside
     }
 }
 
-TEST_CASE("it is the same whether looks at the balance are made at once or begin steps before they are due") {
+TEST_CASE("it is the same whether imbalance checks are made at once or begin steps before they are due") {
     const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
     Scene scene = drifting();
     const int steps = 139;  // one that begins at 137 is still under way at the end
@@ -176,11 +177,11 @@ TEST_CASE("it is the same whether looks at the balance are made at once or begin
             }
 }
 
-TEST_CASE("no look at the balance is cut short by the end of an epoch: it begins after the next epoch") {
+TEST_CASE("no imbalance check is cut short by the end of an epoch: it begins after the next epoch") {
     Scene scene = drifting();
     scene.bodies[0].velocity = {2, 0, 0};
-    scene.cfl = 0.15;  // less than a cell in a look
-    const std::vector<std::int64_t> lasted = looks_of(scene, 600);
+    scene.cfl = 0.15;  // less than a cell in an imbalance check
+    const std::vector<std::int64_t> lasted = checks_of(scene, 600);
     for (const std::int64_t steps : lasted) CHECK(steps >= most_steps_ahead);
     if (Comm(MPI_COMM_WORLD).size() > 1)
         CHECK(lasted.size() >= 5);
@@ -188,8 +189,8 @@ TEST_CASE("no look at the balance is cut short by the end of an epoch: it begins
         CHECK(lasted.empty());
 }
 
-TEST_CASE("there are looks at the balance where epochs are shorter than a look, too") {
-    if (Comm(MPI_COMM_WORLD).size() > 1) CHECK(looks_of(drifting(), 400).size() >= 4);
+TEST_CASE("there are imbalance checks where epochs are shorter than an imbalance check, too") {
+    if (Comm(MPI_COMM_WORLD).size() > 1) CHECK(checks_of(drifting(), 400).size() >= 4);
 }
 
 TEST_CASE("it is the same where shares are balanced by measured time") {

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "balance/look.hpp"
+#include "balance/imbalance_check.hpp"
 
 using namespace moraine;
 
@@ -18,20 +18,20 @@ std::vector<BlockLoad> blocks_of(const std::vector<std::int64_t>& particles, con
     return blocks;
 }
 
-Look look(const std::vector<BlockLoad>& blocks, std::int64_t most, Trigger rule = Trigger::threshold) {
+ImbalanceCheckResult check(const std::vector<BlockLoad>& blocks, std::int64_t most, Trigger rule = Trigger::threshold) {
     BalanceSpec spec;
     spec.trigger = rule;
     const auto partitioner = make_partitioner(spec, row_of_blocks(), 2);
-    LookInput input;
+    ImbalanceCheckInput input;
     input.times.step = 50;
     input.most = most;
     input.unit = 1e-9;
-    return look_at(blocks, input, 2, *partitioner, RepartitionTrigger(spec, *partitioner));
+    return check_imbalance(blocks, input, 2, *partitioner, RepartitionTrigger(spec, *partitioner));
 }
 
 const std::vector<std::int64_t> tens(8, 10);
 
-std::int64_t held_by(const Look& found, const std::vector<BlockLoad>& blocks, int rank) {
+std::int64_t held_by(const ImbalanceCheckResult& found, const std::vector<BlockLoad>& blocks, int rank) {
     std::int64_t sum = 0;
     for (std::size_t b = 0; b < blocks.size(); ++b)
         if (found.owners[b] == rank) sum += blocks[b].particles;
@@ -40,9 +40,9 @@ std::int64_t held_by(const Look& found, const std::vector<BlockLoad>& blocks, in
 
 }  // namespace
 
-TEST_CASE("a look at one rank that holds all gives half to the other, and says why") {
+TEST_CASE("an imbalance check at one rank that holds all gives half to the other, and says why") {
     const std::vector<BlockLoad> blocks = blocks_of(tens, tens);
-    const Look found = look(blocks, 1000);
+    const ImbalanceCheckResult found = check(blocks, 1000);
     REQUIRE(found.owners.size() == 8);
     CHECK(found.found.repartitioned);
     CHECK(found.found.reason == "threshold");
@@ -52,24 +52,24 @@ TEST_CASE("a look at one rank that holds all gives half to the other, and says w
     CHECK(held_by(found, blocks, 0) == 40);
 }
 
-TEST_CASE("a look at what is balanced changes nothing, unless every look is to") {
+TEST_CASE("an imbalance check at what is balanced changes nothing, unless every imbalance check is to") {
     std::vector<BlockLoad> blocks = blocks_of(tens, tens);
     for (std::size_t b = 4; b < 8; ++b) blocks[b].owner = 1;
-    const Look found = look(blocks, 1000);
+    const ImbalanceCheckResult found = check(blocks, 1000);
     CHECK(found.owners.empty());
     CHECK_FALSE(found.found.repartitioned);
     CHECK(found.found.reason == "balanced");
-    CHECK(look(blocks, 1000, Trigger::every).owners.size() == 8);
+    CHECK(check(blocks, 1000, Trigger::every).owners.size() == 8);
 }
 
 TEST_CASE("where a rank cannot hold its part by weight, parts are by particles; where not even that, all stays") {
     const std::vector<std::int64_t> heavy{70, 1, 1, 1, 1, 1, 1, 1};
     const std::vector<BlockLoad> blocks = blocks_of(tens, heavy);
-    CHECK(held_by(look(blocks, 70), blocks, 0) == 70);
-    const Look fits = look(blocks, 40, Trigger::every);
+    CHECK(held_by(check(blocks, 70), blocks, 0) == 70);
+    const ImbalanceCheckResult fits = check(blocks, 40, Trigger::every);
     REQUIRE(fits.owners.size() == 8);
     CHECK(held_by(fits, blocks, 1) == 40);
-    const Look none = look(blocks, 39, Trigger::every);
+    const ImbalanceCheckResult none = check(blocks, 39, Trigger::every);
     CHECK(none.owners.empty());
     CHECK(none.found.reason == "memory");
 }

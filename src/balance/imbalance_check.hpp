@@ -1,5 +1,5 @@
 #pragma once
-// A look at the balance: from the loads of now to a decision and the owners to be.
+// An imbalance check: from the loads of now to a decision and the owners to be.
 //
 // A pure function of numbers that are the same on all ranks, so that every rank decides alike, and may do so on a
 // thread beside the steps.
@@ -13,29 +13,29 @@
 
 namespace moraine {
 
-/// What a look found, for the records.
-struct BalanceLook {
+/// What an imbalance check found, for the records.
+struct ImbalanceCheck {
     bool repartitioned = false;
     std::string reason;
     TriggerInput terms;
 };
 
-/// What a look must know besides the loads.
-struct LookInput {
+/// What an imbalance check must know besides the loads.
+struct ImbalanceCheckInput {
     TriggerInput times;      ///< steps, and what they took
     std::int64_t round = 0;  ///< partitions made
     std::int64_t most = 0;   ///< particles that any rank can hold
     double unit = 0;         ///< time of a unit of weight in a step, by the model [s]
 };
 
-struct Look {
-    BalanceLook found;
+struct ImbalanceCheckResult {
+    ImbalanceCheck found;
     std::vector<std::int32_t> owners;  ///< of each block; none where all stays
 };
 
 /// blocks: of all ranks, in key order. Where a rank cannot hold its part by weight, parts are by particles; where it
 /// cannot hold that either, all stays. Collective where the partitioner is.
-Look look_at(std::span<const BlockLoad> blocks, const LookInput& input, int ranks, const Partitioner& partitioner,
-             const RepartitionTrigger& trigger);
+ImbalanceCheckResult check_imbalance(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& input, int ranks,
+                                     const Partitioner& partitioner, const RepartitionTrigger& trigger);
 
 }  // namespace moraine

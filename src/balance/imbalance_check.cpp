@@ -1,4 +1,4 @@
-#include "balance/look.hpp"
+#include "balance/imbalance_check.hpp"
 
 #include <utility>
 
@@ -8,7 +8,7 @@
 namespace moraine {
 namespace {
 
-std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const LookInput& in, int ranks,
+std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& in, int ranks,
                                      const Partitioner& partitioner) {
     std::vector<Option> options = that_fit(partitioner.options(blocks, in.round), blocks, ranks, in.most);
     if (!options.empty()) return options;
@@ -19,28 +19,28 @@ std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const Lo
 
 }  // namespace
 
-Look look_at(std::span<const BlockLoad> blocks, const LookInput& in, int ranks, const Partitioner& partitioner,
-             const RepartitionTrigger& trigger) {
-    Look look;
-    look.found.reason = "balanced";
-    TriggerInput& terms = look.found.terms;
+ImbalanceCheckResult check_imbalance(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& in, int ranks,
+                                     const Partitioner& partitioner, const RepartitionTrigger& trigger) {
+    ImbalanceCheckResult check;
+    check.found.reason = "balanced";
+    TriggerInput& terms = check.found.terms;
     const LoadSummary now = summary_of(loads_of_ranks(blocks, present_owners(blocks), ranks));
     terms.now = now;
-    if (!trigger.needs_plan(now)) return look;
+    if (!trigger.needs_plan(now)) return check;
     terms = in.times;
     terms.now = now;
     std::vector<Option> options = options_that_fit(blocks, in, ranks, partitioner);
     if (options.empty()) {
-        look.found.reason = "memory";
-        return look;
+        check.found.reason = "memory";
+        return check;
     }
     Plan plan = best_plan(std::move(options), blocks, ranks, trigger.costs(terms, in.unit));
     terms.take(plan);
     const Decision decision = trigger.decide(terms);
-    look.found.repartitioned = decision.repartition;
-    look.found.reason = decision.reason;
-    if (decision.repartition) look.owners = std::move(plan.owners);
-    return look;
+    check.found.repartitioned = decision.repartition;
+    check.found.reason = decision.reason;
+    if (decision.repartition) check.owners = std::move(plan.owners);
+    return check;
 }
 
 }  // namespace moraine
