@@ -165,14 +165,14 @@ std::vector<std::int32_t> zoltan_parts(ZoltanMethod method, const Layout& layout
     zoltan.set("LB_METHOD", method == ZoltanMethod::rcb ? "RCB" : method == ZoltanMethod::hsfc ? "HSFC" : "HYPERGRAPH");
     if (method == ZoltanMethod::phg) set_phg(zoltan, q, steps);
 
-    int changes = 0, id_words = 0, local_words = 0, arriving = 0, listed = 0;
-    ZOLTAN_ID_PTR arriving_ids = nullptr, arriving_local = nullptr, ids = nullptr, local = nullptr;
+    int changes = 0, id_words = 0, local_words = 0, incoming = 0, listed = 0;
+    ZOLTAN_ID_PTR incoming_ids = nullptr, incoming_local = nullptr, ids = nullptr, local = nullptr;
     int *from = nullptr, *into = nullptr, *to = nullptr, *part = nullptr;
-    const int code = Zoltan_LB_Partition(zoltan.get(), &changes, &id_words, &local_words, &arriving, &arriving_ids,
-                                         &arriving_local, &from, &into, &listed, &ids, &local, &to, &part);
+    const int code = Zoltan_LB_Partition(zoltan.get(), &changes, &id_words, &local_words, &incoming, &incoming_ids,
+                                         &incoming_local, &from, &into, &listed, &ids, &local, &to, &part);
     std::vector<std::int32_t> result(blocks.size(), -1);
     for (int k = 0; k < listed; ++k) result[ids[k]] = part[k];
-    Zoltan_LB_Free_Part(&arriving_ids, &arriving_local, &from, &into);
+    Zoltan_LB_Free_Part(&incoming_ids, &incoming_local, &from, &into);
     Zoltan_LB_Free_Part(&ids, &local, &to, &part);
     Handle::check(code, "partitioning");
     const bool complete = std::all_of(result.begin(), result.end(), [&](int p) { return p >= 0 && p < parts; });

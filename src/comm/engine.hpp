@@ -116,16 +116,16 @@ class Engine {
     virtual void refresh_memory(bool always) = 0;
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
-    virtual void bin() = 0;  ///< arrivals; each block's list by cell
+    virtual void bin() = 0;  ///< incoming particles; each block's list by cell
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;
     /// Before the gather: no more leave than `crowd`, the same on all ranks. Collective.
-    virtual void expect_leavers(const Crowd& /*crowd*/) {}
+    virtual void expect_outgoing(const Crowd& /*crowd*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;
-    virtual void send_leavers(const StepScales<Dim>& step) = 0;
+    virtual void send_outgoing(const StepScales<Dim>& step) = 0;
 
     /// Of the steps since it was last taken. Binned state only. Not collective.
     virtual StepReport<Dim> take_report() = 0;

@@ -36,7 +36,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void receive_halo() override { halo_->finish(patch_.grid(), patch_.tile_of()); }
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
-    void send_leavers(const StepScales<Dim>& step) override;
+    void send_outgoing(const StepScales<Dim>& step) override;
 
     StepReport<Dim> take_report() override;
     std::vector<Offence<Dim>> offences() override { return offences_; }

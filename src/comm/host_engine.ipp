@@ -119,10 +119,12 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    const GatherCall<Real, Dim> gather{method_.stress(), method_.ends,      round.gather,
-                                       method_.tpic,     method_.flip,      static_cast<Real>(step.dt),
-                                       patch_.moves(),   patch_.leavers(),  patch_.shuffled(),
-                                       patch_.outcome(), method_.averaged()};
+    const GatherCall<Real, Dim> gather{method_.stress(),  method_.ends,
+                                       round.gather,      method_.tpic,
+                                       method_.flip,      static_cast<Real>(step.dt),
+                                       patch_.moves(),    patch_.outgoing_count(),
+                                       patch_.shuffled(), patch_.outcome(),
+                                       method_.averaged()};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) offences_.clear();
     book(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
@@ -161,7 +163,7 @@ void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome&
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::send_leavers(const StepScales<Dim>& step) {
+void HostEngine<Real, Dim>::send_outgoing(const StepScales<Dim>& step) {
     migration_->start([&](std::uint32_t slot) { lose(slot, step); });
     moving_ = true;
 }

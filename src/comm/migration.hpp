@@ -29,11 +29,11 @@ class Migration {
         in_.resize(rooms_in_.size());
     }
 
-    /// Sends this step's leavers to the ranks they go to. Calls gone(slot) for those that left through
+    /// Sends this step's outgoing particles to the ranks they go to. Calls gone(slot) for those that left through
     /// an open wall. Collective over peers.
     template <class Gone>
     void start(const Gone& gone) {
-        patch_.collect_leavers();
+        patch_.collect_outgoing();
         sort_out(gone);
         const std::vector<ColumnBytes> columns = patch_.particles.columns();
         sends_.clear();
@@ -57,24 +57,24 @@ class Migration {
         messages_.start(sends_, receives_);
     }
 
-    /// Takes in the arrivals and bins all lists anew. Collective over peers.
+    /// Takes in the incoming particles and bins all lists anew. Collective over peers.
     void finish() {
         messages_.finish();
         const std::vector<std::vector<std::byte>> rest = exchange_rest();
         for (Outgoing& o : outgoing_) patch_.give_slots(o.slot);
         patch_.give_slots(gone_);
-        std::vector<Leaver> leaver;
+        std::vector<OutgoingParticle> outgoing;
         std::vector<std::uint32_t> first(patch_.tables().ghost.size() + 1, 0);
         for (std::size_t k = 0; k < in_.size(); ++k) {
             std::int64_t total = 0;
             std::memcpy(&total, in_[k].data(), 8);
             const std::size_t now = std::min(static_cast<std::size_t>(total), rooms_in_[k]);
-            unpack(now, in_[k].data() + 8, leaver, first);
+            unpack(now, in_[k].data() + 8, outgoing, first);
             if (static_cast<std::size_t>(total) > now)
-                unpack(static_cast<std::size_t>(total) - now, rest[k].data(), leaver, first);
+                unpack(static_cast<std::size_t>(total) - now, rest[k].data(), outgoing, first);
         }
         for (std::size_t g = 1; g < first.size(); ++g) first[g] += first[g - 1];
-        patch_.make_lists(leaver, first);
+        patch_.make_lists(outgoing, first);
     }
 
     std::int64_t crossed() const { return crossed_; }  ///< particles sent so far
@@ -102,7 +102,7 @@ class Migration {
         outgoing_.assign(tables.peers.size(), {});
         gone_.clear();
         for (int b = 0; b < patch_.own(); ++b)
-            for (const Leaver& l : patch_.leavers_of(b)) {
+            for (const OutgoingParticle& l : patch_.outgoing_of(b)) {
                 const int code = move_code(l.move);
                 if (code == Block<Dim>::gone) {
                     gone(l.slot);
@@ -160,7 +160,8 @@ class Migration {
         return receive;
     }
 
-    void unpack(std::size_t n, const std::byte* from, std::vector<Leaver>& leaver, std::vector<std::uint32_t>& first) {
+    void unpack(std::size_t n, const std::byte* from, std::vector<OutgoingParticle>& outgoing,
+                std::vector<std::uint32_t>& first) {
         const EpochTables<Dim>& tables = patch_.tables();
         const std::vector<std::uint32_t> slots = patch_.take_slots(n);
         scatter_rows(patch_.particles.columns(), slots, from + 8 * n + padded(2 * n));
@@ -169,7 +170,7 @@ class Migration {
             std::uint16_t move = 0;
             std::memcpy(&key, from + 8 * k, 8);
             std::memcpy(&move, from + 8 * n + 2 * k, 2);
-            leaver.push_back({slots[k], move});
+            outgoing.push_back({slots[k], move});
             ++first[ghost_of(tables, key) + 1];
         }
     }

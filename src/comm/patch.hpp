@@ -43,7 +43,7 @@ class Patch {
     TileView<Real> grid() { return {tile_of_.data(), tiles_.data(), node_of_.data(), nodes_.data()}; }
     std::int32_t* tile_of() { return tile_of_.data(); }
     std::uint16_t* moves() { return moves_.data(); }
-    std::uint32_t* leavers() { return leavers_.data(); }
+    std::uint32_t* outgoing_count() { return outgoing_count_.data(); }
     std::uint8_t* shuffled() { return shuffled_.data(); }
     BlockOutcome* outcome() { return outcome_.data(); }
     const BlockOutcome& outcome(int block) const { return outcome_[static_cast<std::size_t>(block)]; }
@@ -65,12 +65,12 @@ class Patch {
     /// The binned state of this moment. Nothing may be under way.
     BinnedBlocks binned() const;
 
-    /// Binning, first half: lists this step's leavers by own block. Returns their number.
-    std::uint32_t collect_leavers();
-    std::span<const Leaver> leavers_of(int block) const;
-    /// Binning, second half, once the arrivals from other ranks stand behind the own leavers:
-    /// `ghost_leaver` in ghost order, `ghost_first` with ghosts + 1 entries.
-    void make_lists(const std::vector<Leaver>& ghost_leaver, const std::vector<std::uint32_t>& ghost_first);
+    /// Binning, first half: lists this step's outgoing particles by own block. Returns their number.
+    std::uint32_t collect_outgoing();
+    std::span<const OutgoingParticle> outgoing_of(int block) const;
+    /// Binning, second half, once the incoming particles from other ranks stand behind the own outgoing particles:
+    /// `ghost_outgoing` in ghost order, `ghost_first` with ghosts + 1 entries.
+    void make_lists(const std::vector<OutgoingParticle>& ghost_outgoing, const std::vector<std::uint32_t>& ghost_first);
 
     /// Whether some particle is in a cell of the rim. Binned state only.
     bool is_at_rim() const;
@@ -93,8 +93,8 @@ class Patch {
 
     Array<std::uint32_t> first_, cell_first_, slot_, next_slot_, next_count_, next_first_;
     Array<std::uint16_t> moves_;
-    Array<std::uint32_t> leavers_, leaver_first_;
-    Array<Leaver> leaver_;
+    Array<std::uint32_t> outgoing_count_, outgoing_first_;
+    Array<OutgoingParticle> outgoing_;
     Array<std::uint8_t> shuffled_;
     Array<BlockOutcome> outcome_;
     std::vector<std::uint32_t> free_;

@@ -78,7 +78,7 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlock
     interior_.assign(tables_.interior);
     every_.resize(std::max(n, tables_.node_key.size()));
     for (std::size_t b = 0; b < every_.size(); ++b) every_[b] = static_cast<std::int32_t>(b);
-    leavers_.resize(n);
+    outgoing_count_.resize(n);
     shuffled_.resize(n);
     outcome_.resize(n);
     moves_.resize(slot_.size());
@@ -120,41 +120,41 @@ BinnedBlocks Patch<Space, Real, Dim>::binned() const {
 }
 
 template <class Space, class Real, int Dim>
-std::uint32_t Patch<Space, Real, Dim>::collect_leavers() {
+std::uint32_t Patch<Space, Real, Dim>::collect_outgoing() {
     const auto n = static_cast<std::size_t>(own());
-    leaver_first_.resize(n + tables_.ghost.size() + 1);
-    const std::uint32_t total = Space::scan(n, leavers_.data(), leaver_first_.data());
-    leaver_.resize(total);
-    Space::launch(own(), CollectLeavers<Dim>{list(), moves_.data(), leaver_first_.data(), leaver_.data()});
+    outgoing_first_.resize(n + tables_.ghost.size() + 1);
+    const std::uint32_t total = Space::scan(n, outgoing_count_.data(), outgoing_first_.data());
+    outgoing_.resize(total);
+    Space::launch(own(), CollectOutgoing<Dim>{list(), moves_.data(), outgoing_first_.data(), outgoing_.data()});
     return total;
 }
 
 template <class Space, class Real, int Dim>
-std::span<const Leaver> Patch<Space, Real, Dim>::leavers_of(int block) const {
+std::span<const OutgoingParticle> Patch<Space, Real, Dim>::outgoing_of(int block) const {
     const auto b = static_cast<std::size_t>(block);
-    return {leaver_.data() + leaver_first_[b], leaver_.data() + leaver_first_[b + 1]};
+    return {outgoing_.data() + outgoing_first_[b], outgoing_.data() + outgoing_first_[b + 1]};
 }
 
 template <class Space, class Real, int Dim>
-void Patch<Space, Real, Dim>::make_lists(const std::vector<Leaver>& ghost_leaver,
+void Patch<Space, Real, Dim>::make_lists(const std::vector<OutgoingParticle>& ghost_outgoing,
                                          const std::vector<std::uint32_t>& ghost_first) {
     const auto n = static_cast<std::size_t>(own());
-    const std::size_t mine = leaver_.size();
-    leaver_.resize(mine + ghost_leaver.size());
-    std::copy(ghost_leaver.begin(), ghost_leaver.end(), leaver_.data() + mine);
+    const std::size_t mine = outgoing_.size();
+    outgoing_.resize(mine + ghost_outgoing.size());
+    std::copy(ghost_outgoing.begin(), ghost_outgoing.end(), outgoing_.data() + mine);
     for (std::size_t g = 0; g < tables_.ghost.size(); ++g)
-        leaver_first_[n + g + 1] = static_cast<std::uint32_t>(mine) + ghost_first[g + 1];
+        outgoing_first_[n + g + 1] = static_cast<std::uint32_t>(mine) + ghost_first[g + 1];
 
     next_count_.resize(n);
     next_first_.resize(n + 1);
-    Space::launch(own(), CountNextList<Dim>{table(), list(), leavers_.data(), leaver_first_.data(), leaver_.data(),
-                                            shuffled_.data(), next_count_.data()});
+    Space::launch(own(), CountNextList<Dim>{table(), list(), outgoing_count_.data(), outgoing_first_.data(),
+                                            outgoing_.data(), shuffled_.data(), next_count_.data()});
     const std::uint32_t total = Space::scan(n, next_count_.data(), next_first_.data());
     next_slot_.resize(total);
-    Space::launch(
-        own(), FillNextList<Dim>{table(), list(), moves_.data(), leaver_first_.data(), leaver_.data(), shuffled_.data(),
-                                 next_first_.data(), next_slot_.data(), cell_first_.data()});
-    reordered_ += leaver_.size();
+    Space::launch(own(),
+                  FillNextList<Dim>{table(), list(), moves_.data(), outgoing_first_.data(), outgoing_.data(),
+                                    shuffled_.data(), next_first_.data(), next_slot_.data(), cell_first_.data()});
+    reordered_ += outgoing_.size();
     slot_.swap(next_slot_);
     first_.swap(next_first_);
     moves_.resize(slot_.size());

@@ -53,20 +53,20 @@ struct GridToParticles {
     const std::int32_t* chosen;    ///< own blocks
     const std::uint8_t* averaged;  ///< by body: takes its volumetric part from the cell; null: none does
     DomainEnds<Real, Dim> ends;
-    unsigned gather;         ///< bits of Gather
-    bool tpic;               ///< C_p is the velocity gradient
-    Real flip;               ///< share of FLIP [-]
-    Real dt;                 ///< [s]
-    std::uint16_t* moves;    ///< per list entry
-    std::uint32_t* leavers;  ///< own blocks: particles that change block
-    std::uint8_t* shuffled;  ///< own blocks: any particle changed its cell
-    BlockOutcome* outcome;   ///< own blocks
+    unsigned gather;                ///< bits of Gather
+    bool tpic;                      ///< C_p is the velocity gradient
+    Real flip;                      ///< share of FLIP [-]
+    Real dt;                        ///< [s]
+    std::uint16_t* moves;           ///< per list entry
+    std::uint32_t* outgoing_count;  ///< own blocks: particles that change block
+    std::uint8_t* shuffled;         ///< own blocks: any particle changed its cell
+    BlockOutcome* outcome;          ///< own blocks
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
         const int block = chosen[item];
         BlockOutcome out;
-        leavers[block] = 0;
+        outgoing_count[block] = 0;
         shuffled[block] = 0;
         if (list.count(block) > 0) {
             team.each(tile_nodes, [&](int n) { load_node(block, n, scratch); });
@@ -281,7 +281,7 @@ struct GridToParticles {
         if (step.faults) out.fault(step.faults, p.id[s]);
         if (double(step.moved) > out.moved) out.moved = double(step.moved);
         moves[k] = step.move;
-        if (move_code(step.move) != Block<Dim>::centre) ++leavers[block];
+        if (move_code(step.move) != Block<Dim>::centre) ++outgoing_count[block];
         if (step.move != encode_move(Block<Dim>::centre, from)) shuffled[block] = 1;
     }
 };

@@ -32,7 +32,7 @@ struct GatherCall {
     Real flip;
     Real dt;
     std::uint16_t* moves;
-    std::uint32_t* leavers;
+    std::uint32_t* outgoing_count;
     std::uint8_t* shuffled;
     BlockOutcome* outcome;
     const std::uint8_t* averaged = nullptr;  ///< by body: takes its volumetric part from the cell; null: none does

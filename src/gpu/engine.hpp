@@ -1,7 +1,7 @@
 #pragma once
 // The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
 //
-// A step is queued on one stream:  binning, report, P2G | nodes, G2P, leavers.  At the bar the host waits
+// A step is queued on one stream:  binning, report, P2G | nodes, G2P, outgoing particles.  At the bar the host waits
 // once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
 // its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
@@ -59,10 +59,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void send_halo() override;
     void sum_interior() override;
     void receive_halo() override;
-    void expect_leavers(const Crowd& crowd) override;
+    void expect_outgoing(const Crowd& crowd) override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
-    void send_leavers(const StepScales<Dim>&) override;
+    void send_outgoing(const StepScales<Dim>&) override;
 
     StepReport<Dim> take_report() override;
     std::vector<Offence<Dim>> offences() override;

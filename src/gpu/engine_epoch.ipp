@@ -20,7 +20,7 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
     const double block =
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
-        4.0 * (Lists<Dim>::bounds + leaver_bounds<Dim> + 2 * Block<Dim>::offsets);
+        4.0 * (Lists<Dim>::bounds + outgoing_bounds<Dim> + 2 * Block<Dim>::offsets);
     const double each =
         rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
@@ -141,8 +141,8 @@ void DeviceEngine<Real, Dim>::find_cells() {
                            particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
 }
 
-/// Blocks keep their lists wherever they go. Arrivals stand behind all that is stored until memory is next put in
-/// order.
+/// Blocks keep their lists wherever they go. Incoming particles stand behind all that is stored until memory is next
+/// put in order.
 template <class Real, int Dim>
 BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     if (moving_) throw std::logic_error("blocks move in the binned state alone");
@@ -154,8 +154,8 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     }
     BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
     const auto here = static_cast<std::size_t>(census_.particles);
-    if (stored_ + plan.arrivals > particles_.room()) refresh();
-    if (here + plan.arrivals > particles_.room()) refresh_and_grow(here + plan.arrivals);
+    if (stored_ + plan.incoming > particles_.room()) refresh();
+    if (here + plan.incoming > particles_.room()) refresh_and_grow(here + plan.incoming);
     const auto first_free = static_cast<std::uint32_t>(stored_);
     exchange_->moves.move(plan, lists_.slots(), record_layout(particles_.view()), first_free, stream_);
 
@@ -169,7 +169,7 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
         std::inplace_merge(next.begin(), next.begin() + kept, next.end(),
                            [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
     }
-    set_stored(stored_ + plan.arrivals);
+    set_stored(stored_ + plan.incoming);
     install(std::move(tables), next);
     return moved;
 }

@@ -18,7 +18,7 @@ Ledger<Dim> ledger_of(const Account<Dim>& a) {
     return l;
 }
 
-/// Arrivals, then the next lists; the report of the step before goes to the host.
+/// Incoming particles, then the next lists; the report of the step before goes to the host.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::bin() {
     if (!moving_) return;
@@ -92,19 +92,19 @@ void DeviceEngine<Real, Dim>::receive_halo() {
 
 /// Room for the messages, and in memory for all that may arrive in this step.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::expect_leavers(const Crowd& crowd) {
+void DeviceEngine<Real, Dim>::expect_outgoing(const Crowd& crowd) {
     if (!exchange_) return;
     exchange_->migration.expect(crowd, record_layout(particles_.view()).bytes());
-    const std::size_t arrivals = exchange_->migration.most_arrivals();
-    const std::size_t most = static_cast<std::size_t>(census_.particles) + arrivals;
+    const std::size_t incoming = exchange_->migration.most_incoming();
+    const std::size_t most = static_cast<std::size_t>(census_.particles) + incoming;
     if (most > particles_.room())
         refresh_and_grow(most);
-    else if (stored_ + arrivals > particles_.room())
+    else if (stored_ + incoming > particles_.room())
         refresh();
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::send_leavers(const StepScales<Dim>&) {
+void DeviceEngine<Real, Dim>::send_outgoing(const StepScales<Dim>&) {
     if (exchange_) {
         lists_.collect(tables_.view(), Part::boundary, boundary_blocks_, exchange_->stream);
         exchange_->migration.start(exchange_->routes.send(), lists_.binning(tables_.view()),

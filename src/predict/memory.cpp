@@ -114,11 +114,11 @@ double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
     const auto particles = static_cast<double>(mine.particles), blocks = static_cast<double>(mine.blocks);
     const double record = 16 + (device_reals(scene, r) - 4) * real_bytes(scene);
     const double boundary = boundary_blocks(scene, blocks, ranks);
-    const double leavers = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
+    const double outgoing = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
     const double halo = boundary * tile_bytes(scene) * 0.4;  // of a face and some edges, without the unused sums
     const double moves = std::min(particles / 16 * record, 64.0 * (1 << 20));  // a round of gpu/exchange/block_moves.cu
     return particles / 64 * (record + 40) + boundary * 9 / 8 * tile_bytes(scene) + device_tables(scene, mine) / 4 +
-           boxes(leavers * record) + boxes(halo) + boxes(moves);
+           boxes(outgoing * record) + boxes(halo) + boxes(moves);
 }
 
 }  // namespace

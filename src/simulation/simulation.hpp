@@ -271,7 +271,7 @@ class Simulation {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
-    bin();  // arrivals of the last step; each block's list is binned by cell
+    bin();  // incoming particles of the last step; each block's list is binned by cell
     apply_body_force();
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
@@ -286,7 +286,7 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
     }
-    phases_.time(Phase::migrate, [&] { engine_->send_leavers(scales()); });
+    phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
     unbooked_ = true;
     clock_.time += clock_.dt;
     structures_.end_step(clock_.time, clock_.dt);

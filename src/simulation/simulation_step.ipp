@@ -74,7 +74,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         clock_.dt = scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
-    engine_->expect_leavers(agreed_.crowd);
+    engine_->expect_outgoing(agreed_.crowd);
 }
 
 /// Free structures are moved alike on all ranks: by a sum that is the same whoever owns the nodes.

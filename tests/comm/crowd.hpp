@@ -102,7 +102,7 @@ class Crowd {
         const ListView<Dim> list = patch.list();
         const ParticleView<Real, Dim> p = patch.particles.view();
         for (int b = 0; b < patch.own(); ++b) {
-            patch.leavers()[b] = 0;
+            patch.outgoing_count()[b] = 0;
             patch.shuffled()[b] = 0;
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const std::uint32_t s = list.slot[k];
@@ -115,7 +115,7 @@ class Crowd {
                 }
                 if (leaves(p.id[s])) code = Block<Dim>::gone;
                 patch.moves()[k] = encode_move(code, cell);
-                if (code != Block<Dim>::centre) ++patch.leavers()[b];
+                if (code != Block<Dim>::centre) ++patch.outgoing_count()[b];
                 if (code != Block<Dim>::centre || cell != old) patch.shuffled()[b] = 1;
             }
         }

@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("random walkers are binned on any number of ranks as on one, 
     }
 }
 
-TEST_CASE_TEMPLATE("more leavers than a message has room for follow in a second one and none is lost", C,
+TEST_CASE_TEMPLATE("more outgoing particles than a message has room for follow in a second one and none is lost", C,
                    Case<float, 2>, Case<double, 3>) {
     constexpr int dim = C::dim;
     using Real = typename C::Real;
@@ -113,6 +113,6 @@ TEST_CASE("what crossed is counted and its slots are used again") {
     else
         CHECK(crossed > 500);
     CHECK(crowd.comm.sum(crowd.patch.count()) == 2000);
-    // There and back again: no more slots than one round of arrivals needed at most.
+    // There and back again: no more slots than one round of incoming particles needed at most.
     CHECK(crowd.comm.sum(static_cast<std::int64_t>(crowd.patch.particles.size())) <= 2000 + crossed / 4);
 }

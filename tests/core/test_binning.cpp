@@ -18,7 +18,7 @@ struct Entry {
 };
 
 /// A fully periodic domain, all blocks of which are occupied, and its lists kept by the rule in words:
-/// stayers in list order, then arrivals by source offset and source order, then stably by cell.
+/// stayers in list order, then incoming particles by source offset and source order, then stably by cell.
 template <int Dim>
 class Reference {
   public:
@@ -123,7 +123,7 @@ struct Setup {
         const ListView<Dim> list = patch.list();
         for (int b = 0; b < patch.own(); ++b) {
             const std::size_t r = reference.index(Morton<Dim>::decode(patch.tables().own[static_cast<std::size_t>(b)]));
-            patch.leavers()[b] = 0;
+            patch.outgoing_count()[b] = 0;
             patch.shuffled()[b] = 0;
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const int old = reference.lists[r][k - list.first[b]].cell;
@@ -133,11 +133,11 @@ struct Setup {
                 if (chance(random) < gone) code = Block<Dim>::gone;
                 moves[r].emplace_back(code, cell);
                 patch.moves()[k] = encode_move(code, cell);
-                if (code != Block<Dim>::centre) ++patch.leavers()[b];
+                if (code != Block<Dim>::centre) ++patch.outgoing_count()[b];
                 if (code != Block<Dim>::centre || cell != old) patch.shuffled()[b] = 1;
             }
         }
-        patch.collect_leavers();
+        patch.collect_outgoing();
         patch.make_lists({}, {0});
         reference.bin(moves);
     }

@@ -48,10 +48,17 @@ std::map<std::uint32_t, Mat<Real, Dim>> gather(Sample<Real, Dim>& sample, unsign
     }
     const Recorder<Real, Dim> recorder;
     const LawBatch<Real, Dim>* laws[] = {&recorder};
-    const GatherCall<Real, Dim> call{{laws, 1, nullptr},     sample.method.ends,      what,
-                                     sample.method.tpic,     sample.method.flip,      static_cast<Real>(dt),
-                                     sample.patch.moves(),   sample.patch.leavers(),  sample.patch.shuffled(),
-                                     sample.patch.outcome(), sample.method.averaged()};
+    const GatherCall<Real, Dim> call{{laws, 1, nullptr},
+                                     sample.method.ends,
+                                     what,
+                                     sample.method.tpic,
+                                     sample.method.flip,
+                                     static_cast<Real>(dt),
+                                     sample.patch.moves(),
+                                     sample.patch.outgoing_count(),
+                                     sample.patch.shuffled(),
+                                     sample.patch.outcome(),
+                                     sample.method.averaged()};
     sample.method.kernels.g2p(sample.call(), call);
     return recorder.seen;
 }
@@ -208,7 +215,7 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
         int bad = 0;
         double worst = 0;
         for (int b = 0; b < sample.patch.own(); ++b) {
-            std::uint32_t leavers = 0;
+            std::uint32_t outgoing_count = 0;
             bool shuffled = false;
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const std::uint32_t s = list.slot[k];
@@ -234,7 +241,7 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
                     continue;
                 }
                 bad += move_code(m) != code || move_cell(m) != new_cell;
-                leavers += code != Block<dim>::centre;
+                outgoing_count += code != Block<dim>::centre;
                 shuffled = shuffled || !stays;
                 for (int a = 0; a < dim; ++a) {
                     const auto i = static_cast<std::size_t>(a);
@@ -243,7 +250,7 @@ TEST_CASE_TEMPLATE("particles move with the field and are told their next cell a
                     test::widen(worst, std::fabs(local_of<typename C::Real>(block, p.position[s][a]) - to));
                 }
             }
-            CHECK(sample.patch.leavers()[b] == leavers);
+            CHECK(sample.patch.outgoing_count()[b] == outgoing_count);
             CHECK(bool(sample.patch.shuffled()[b]) == shuffled);
         }
         CHECK(bad <= (sizeof(typename C::Real) == 8 ? 0 : 1));  // a float may round across a face

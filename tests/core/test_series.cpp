@@ -48,10 +48,16 @@ std::array<double, Dim> play(Sample<Real, Dim>& sample) {
             quantum,
             impulse.data()};
         Host::launch_teams(static_cast<std::int64_t>(chosen.size()), nodes);
-        const GatherCall<Real, Dim> gather{
-            {nullptr, 0, nullptr},   sample.method.ends,    round.gather & gather_velocity, sample.method.tpic,
-            sample.method.flip,      static_cast<Real>(dt), sample.patch.moves(),           sample.patch.leavers(),
-            sample.patch.shuffled(), sample.patch.outcome()};
+        const GatherCall<Real, Dim> gather{{nullptr, 0, nullptr},
+                                           sample.method.ends,
+                                           round.gather & gather_velocity,
+                                           sample.method.tpic,
+                                           sample.method.flip,
+                                           static_cast<Real>(dt),
+                                           sample.patch.moves(),
+                                           sample.patch.outgoing_count(),
+                                           sample.patch.shuffled(),
+                                           sample.patch.outcome()};
         sample.method.kernels.g2p(sample.call(), gather);
         for (std::size_t k = 0; k < impulse.size(); ++k) sum[k % Dim].add(impulse[k]);
     }

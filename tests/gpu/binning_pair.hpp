@@ -71,14 +71,14 @@ class FilingPair {
         const auto n = static_cast<std::size_t>(patch.count());
         std::vector<std::uint32_t> changed(n / 32 + static_cast<std::size_t>(patch.own()) + 1, 0);
         for (int b = 0; b < patch.own(); ++b) {
-            patch.leavers()[b] = 0, patch.shuffled()[b] = 0;
+            patch.outgoing_count()[b] = 0, patch.shuffled()[b] = 0;
             const std::uint32_t* cell_first = list.cell_first + b * (B::cells + 1);
             int cell = 0;
             for (std::uint32_t k = 0; k < list.count(b); ++k) {
                 while (cell_first[cell + 1] <= k) ++cell;
                 const std::uint16_t m = random_move(b, cell, chances);
                 patch.moves()[list.first[b] + k] = m;
-                if (move_code(m) != B::centre) ++patch.leavers()[b];
+                if (move_code(m) != B::centre) ++patch.outgoing_count()[b];
                 if (m == encode_move(B::centre, cell)) continue;
                 patch.shuffled()[b] = 1;
                 changed[list.first[b] / 32 + static_cast<std::uint32_t>(b) + k / 32] |= 1u << k % 32;
@@ -90,9 +90,9 @@ class FilingPair {
     void step(const Chances& chances) {
         move(chances);
         make_ghosts(chances);
-        patch.collect_leavers();
-        patch.make_lists(ghost_leaver_, ghost_first_);
-        device_->set_ghosts(GhostLeavers::of<Dim>(ghost_leaver_, ghost_first_));
+        patch.collect_outgoing();
+        patch.make_lists(ghost_outgoing_, ghost_first_);
+        device_->set_ghosts(GhostOutgoing::of<Dim>(ghost_outgoing_, ghost_first_));
         device_->launch();
         device_->advance();
         compare();
@@ -184,16 +184,16 @@ class FilingPair {
     }
 
     void make_ghosts(const Chances& chances) {
-        ghost_leaver_.clear(), ghost_first_.assign(1, 0);
+        ghost_outgoing_.clear(), ghost_first_.assign(1, 0);
         for (int g = 0; g < patch.table().ghosts; ++g) {
             for (int k = below(12); k > 0 && chances.leave > 0; --k) {
                 int code = below(B::offsets);
                 if (code == B::centre) code = 0;
-                ghost_leaver_.push_back({fresh_slot_++, encode_move(code, below(B::cells))});
+                ghost_outgoing_.push_back({fresh_slot_++, encode_move(code, below(B::cells))});
             }
-            ghost_first_.push_back(static_cast<std::uint32_t>(ghost_leaver_.size()));
+            ghost_first_.push_back(static_cast<std::uint32_t>(ghost_outgoing_.size()));
         }
-        REQUIRE(static_cast<std::size_t>(patch.count()) + ghost_leaver_.size() < room_);
+        REQUIRE(static_cast<std::size_t>(patch.count()) + ghost_outgoing_.size() < room_);
     }
 
     std::vector<std::int32_t> occupied_among(std::span<const std::int32_t> blocks) const {
@@ -207,7 +207,7 @@ class FilingPair {
     std::mt19937_64 random_{7};
     std::size_t room_ = 0;
     std::uint32_t fresh_slot_ = 0;
-    std::vector<Leaver> ghost_leaver_;
+    std::vector<OutgoingParticle> ghost_outgoing_;
     std::vector<std::uint32_t> ghost_first_;
     std::unique_ptr<DeviceLists<Dim>> device_;
 };

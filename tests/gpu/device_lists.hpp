@@ -1,7 +1,7 @@
 #pragma once
 // The lists of a share on the device with all that binning needs around them, for tests: uploaded once, then binned
 // step by step from moves that the host makes up. What binning writes is poisoned before each step, so that what it
-// reads it has written; leavers of ghost blocks come as the host has them and are sorted here by exit.
+// reads it has written; outgoing particles of ghost blocks come as the host has them and are sorted here by exit.
 
 #include <vector>
 
@@ -11,23 +11,23 @@
 
 namespace moraine::test {
 
-/// Leavers of ghost blocks, sorted by exit as the device wants them.
-struct GhostLeavers {
+/// Outgoing particles of ghost blocks, sorted by exit as the device wants them.
+struct GhostOutgoing {
     std::vector<std::uint32_t> slot, start, count, bound;
     std::vector<std::uint8_t> cell;
 
     /// From the host's form: in ghost order, ghosts + 1 bounds.
     template <int Dim>
-    static GhostLeavers of(const std::vector<Leaver>& leaver, const std::vector<std::uint32_t>& first) {
-        GhostLeavers g;
+    static GhostOutgoing of(const std::vector<OutgoingParticle>& outgoing, const std::vector<std::uint32_t>& first) {
+        GhostOutgoing g;
         for (std::size_t i = 0; i + 1 < first.size(); ++i) {
             g.start.push_back(static_cast<std::uint32_t>(g.slot.size()));
             for (int exit = 0; exit <= Block<Dim>::offsets; ++exit) {
                 g.bound.push_back(static_cast<std::uint32_t>(g.slot.size()) - g.start.back());
                 for (std::uint32_t k = first[i]; k < first[i + 1]; ++k)
-                    if (move_code(leaver[k].move) == exit) {
-                        g.slot.push_back(leaver[k].slot);
-                        g.cell.push_back(static_cast<std::uint8_t>(move_cell(leaver[k].move)));
+                    if (move_code(outgoing[k].move) == exit) {
+                        g.slot.push_back(outgoing[k].slot);
+                        g.cell.push_back(static_cast<std::uint8_t>(move_cell(outgoing[k].move)));
                     }
             }
             g.bound.push_back(static_cast<std::uint32_t>(g.slot.size()) - g.start.back());
@@ -39,12 +39,12 @@ struct GhostLeavers {
 
 template <int Dim>
 class DeviceLists {
-    static constexpr std::size_t bounds = gpu::leaver_bounds<Dim>;
+    static constexpr std::size_t bounds = gpu::outgoing_bounds<Dim>;
 
   public:
     gpu::Binning<Dim> binning{};
 
-    /// room: the most particles, with ghosts' leavers, that there ever will be.
+    /// room: the most particles, with outgoing particles of ghosts, that there ever will be.
     DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
                 const std::vector<std::uint64_t>& rim, std::size_t room)
         : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
@@ -58,8 +58,8 @@ class DeviceLists {
         slot_.assign(list.slot, list.first[own_]), next_slot_.resize(room);
         binning.cell_first = upload(cell_first_, list.cell_first, own_ * (Block<Dim>::cells + 1));
         changed_.reserve(room / 32 + own_ + 1);
-        leaver_slot_.resize(room), leaver_cell_.resize(room), leaver_bound_.resize((own_ + ghosts_) * bounds);
-        leaver_count_.resize(own_ + ghosts_);
+        outgoing_slot_.resize(room), outgoing_cell_.resize(room), outgoing_bound_.resize((own_ + ghosts_) * bounds);
+        outgoing_count_.resize(own_ + ghosts_);
         tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(5);
         tally_.resize(static_cast<std::size_t>(gpu::binning_chunks(table.own)));
         poison_results();
@@ -73,20 +73,20 @@ class DeviceLists {
         point();
     }
 
-    /// Puts them behind the own leavers.
-    void set_ghosts(GhostLeavers ghosts) {
+    /// Puts them behind the own outgoing particles.
+    void set_ghosts(GhostOutgoing ghosts) {
         if (ghosts_ == 0) return;
         const std::size_t behind = slot_.size();
         for (std::uint32_t& s : ghosts.start) s += static_cast<std::uint32_t>(behind);
         ghost_start_.assign(ghosts.start);
-        put(leaver_slot_.data() + behind, ghosts.slot), put(leaver_cell_.data() + behind, ghosts.cell);
-        put(leaver_bound_.data() + own_ * bounds, ghosts.bound), put(leaver_count_.data() + own_, ghosts.count);
+        put(outgoing_slot_.data() + behind, ghosts.slot), put(outgoing_cell_.data() + behind, ghosts.cell);
+        put(outgoing_bound_.data() + own_ * bounds, ghosts.bound), put(outgoing_count_.data() + own_, ghosts.count);
         point();
     }
 
     void launch() const {
-        gpu::collect_leavers(binning, gpu::Part::boundary, binning.table.own, nullptr);
-        gpu::collect_leavers(binning, gpu::Part::interior, binning.table.own, nullptr);
+        gpu::collect_outgoing(binning, gpu::Part::boundary, binning.table.own, nullptr);
+        gpu::collect_outgoing(binning, gpu::Part::interior, binning.table.own, nullptr);
         gpu::make_lists(binning, nullptr);
     }
 
@@ -127,7 +127,7 @@ class DeviceLists {
     }
     void poison_results() {
         poison(next_first_), poison(next_slot_), poison(tally_);
-        poison(leaver_slot_), poison(leaver_cell_), poison(leaver_count_), poison(leaver_bound_);
+        poison(outgoing_slot_), poison(outgoing_cell_), poison(outgoing_count_), poison(outgoing_bound_);
     }
     /// The first n: what lies behind them nobody has written.
     static std::vector<std::int32_t> head(const gpu::Array<std::int32_t>& array, std::size_t n) {
@@ -139,8 +139,8 @@ class DeviceLists {
     void point() {
         binning.list = {first_.data(), cell_first_.data(), slot_.data()};
         binning.moves = moves_.data(), binning.changed = changed_.data();
-        binning.leavers = {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(),
-                           ghost_start_.data()};
+        binning.outgoing = {outgoing_slot_.data(), outgoing_cell_.data(), outgoing_count_.data(),
+                            outgoing_bound_.data(), ghost_start_.data()};
         binning.occupied = {tile_of_.data(),     boundary_.data(),     interior_.data(),
                             occupied_.data(),    occupied_.data() + 2, tiles,
                             occupied_.data() + 4};
@@ -150,9 +150,9 @@ class DeviceLists {
 
     std::size_t own_, ghosts_;
     gpu::Array<std::int32_t> neighbour_, tile_of_, boundary_, interior_;
-    gpu::Array<std::uint8_t> on_boundary_, leaver_cell_;
+    gpu::Array<std::uint8_t> on_boundary_, outgoing_cell_;
     gpu::Array<std::uint32_t> first_, next_first_, slot_, next_slot_, cell_first_, changed_;
-    gpu::Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_, occupied_;
+    gpu::Array<std::uint32_t> outgoing_slot_, outgoing_count_, outgoing_bound_, ghost_start_, occupied_;
     gpu::Array<std::uint16_t> moves_;
     gpu::Array<std::uint64_t> rim_;
     gpu::Array<gpu::Tally> tally_;

@@ -56,7 +56,8 @@ TEST_CASE("particles that leave through an open wall leave the device's lists, d
     CHECK(pair.device().interior().empty());
 }
 
-TEST_CASE("arrivals from ghost blocks merge by the same rule, and boundary blocks are told from interior ones") {
+TEST_CASE(
+    "incoming particles from ghost blocks merge by the same rule, and boundary blocks are told from interior ones") {
     same_lists<2>({.count = {6, 5}, .ranks = 2, .filled = 0.7}, {0.1, 0.01, 0.2});
     same_lists<3>({.count = {4, 4, 3}, .ranks = 2, .filled = 0.7, .particles = 60}, {0.1, 0.01, 0.2});
     same_lists<3>({.count = {7, 7, 7}, .ranks = 40, .filled = 0.9, .particles = 60}, {0.1, 0, 0.2});

@@ -50,9 +50,9 @@ BlockPlan plan_block_moves(const Comm& comm, const std::vector<Stretch>& mine, s
     for (std::size_t r = 0; r < ranks; ++r) {
         if (static_cast<int>(r) == comm.rank() || (leaving[r].empty() && come[r].empty())) continue;
         BlockPlan::Partner p{static_cast<int>(r), leaving[r], {}, 0, 0};
-        const std::size_t before = plan.arrivals;
-        p.coming = stretches_of(come[r], plan.arrivals);
-        p.in = plan.arrivals - before;
+        const std::size_t before = plan.incoming;
+        p.coming = stretches_of(come[r], plan.incoming);
+        p.in = plan.incoming - before;
         for (const Stretch& s : p.leaving) p.out += s.count;
         plan.partners.push_back(std::move(p));
     }

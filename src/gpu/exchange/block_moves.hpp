@@ -1,7 +1,7 @@
 #pragma once
 // Whole blocks travel between devices when the partition changes: their particles as records
 // (gpu/exchange/particle_record.hpp), in list order, in rounds of bounded size. A block is a stretch of the lists here,
-// and of the arrivals' slots there.
+// and of the slots of the incoming particles there.
 
 #include <span>
 
@@ -31,12 +31,12 @@ struct BlockPlan {
     struct Partner {
         int rank;
         std::vector<Stretch> leaving;
-        std::vector<Stretch> coming;  ///< start: where they will be, counted from the first arrival
+        std::vector<Stretch> coming;  ///< start: where they will be, counted from the first incoming particle
         std::size_t out, in;          ///< particles
     };
     std::vector<Stretch> kept;
     std::vector<Partner> partners;
-    std::size_t arrivals = 0;
+    std::size_t incoming = 0;
 };
 
 /// mine: this rank's occupied blocks, keys ascending; owner: who gets them. Collective.
@@ -48,8 +48,8 @@ class BlockMoves {
     BlockMoves(const Comm& comm, std::unique_ptr<Transport> transport)
         : comm_(comm), transport_(std::move(transport)) {}
 
-    /// lists: slots of this rank's particles, in list order. Arrivals take the slots from `first_free` on, which must
-    /// be there. Synchronous. Collective.
+    /// lists: slots of this rank's particles, in list order. Incoming particles take the slots from `first_free` on,
+    /// which must be there. Synchronous. Collective.
     void move(const BlockPlan& plan, const std::uint32_t* lists, const RecordLayout& layout, std::uint32_t first_free,
               const Stream& stream);
 

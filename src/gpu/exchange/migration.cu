@@ -18,18 +18,18 @@ constexpr std::int64_t grown(std::int64_t had, std::int64_t least) {
     return least > had ? least + least / 4 + 32 : had;
 }
 
-/// Whether leavers of block b at offset `code` go to peer k.
+/// Whether outgoing particles of block b at offset `code` go to peer k.
 template <int Dim>
 __device__ __forceinline__ bool goes_to(const Route& route, const BlockTable<Dim>& table, int k, int b, int code) {
     const std::int32_t ghost = table.neighbour[std::size_t(b) * Block<Dim>::offsets + std::size_t(code)] - table.own;
     return code != Block<Dim>::centre && ghost >= route.ghost_first[k] && ghost < route.ghost_first[k + 1];
 }
 
-/// Leavers of block b to peer k.
+/// Outgoing particles of block b to peer k.
 template <int Dim>
-__device__ __forceinline__ std::uint32_t leavers_to(const Route& route, const Binning<Dim>& f, int k, int b) {
-    if (f.leavers.count[b] == 0) return 0;
-    const std::uint32_t* bound = f.leavers.bound + std::size_t(b) * leaver_bounds<Dim>;
+__device__ __forceinline__ std::uint32_t outgoing_to(const Route& route, const Binning<Dim>& f, int k, int b) {
+    if (f.outgoing.count[b] == 0) return 0;
+    const std::uint32_t* bound = f.outgoing.bound + std::size_t(b) * outgoing_bounds<Dim>;
     std::uint32_t n = 0;
     for (int code = 0; code < Block<Dim>::offsets; ++code)
         if (bound[code + 1] > bound[code] && goes_to(route, f.table, k, b, code)) n += bound[code + 1] - bound[code];
@@ -87,7 +87,7 @@ __global__ void __launch_bounds__(threads)
     std::uint32_t before = 0;
     for (std::uint32_t base = begin; base < end; base += threads) {
         const std::uint32_t t = base + threadIdx.x;
-        const std::uint32_t n = t < end ? leavers_to(route, f, k, route.block[t]) : 0;
+        const std::uint32_t n = t < end ? outgoing_to(route, f, k, route.block[t]) : 0;
         std::uint32_t total = 0;
         const std::uint32_t at = before + scan_exclusive(n, total);
         if (t < end) place[t] = at;
@@ -106,8 +106,8 @@ __global__ void __launch_bounds__(threads)
     const int t = static_cast<int>(blockIdx.x) * warps + static_cast<int>(threadIdx.x) / 32;
     if (t >= route.tiles) return;
     const int k = route.peer[t], b = route.block[t];
-    if (f.leavers.count[b] == 0) return;
-    const std::uint32_t* bound = f.leavers.bound + std::size_t(b) * leaver_bounds<Dim>;
+    if (f.outgoing.count[b] == 0) return;
+    const std::uint32_t* bound = f.outgoing.bound + std::size_t(b) * outgoing_bounds<Dim>;
     auto* records = reinterpret_cast<uint4*>(out[k] + sizeof(MessageHead));
     std::uint32_t at = place[t];
     for (int code = 0; code < Block<Dim>::offsets; ++code) {
@@ -117,11 +117,11 @@ __global__ void __launch_bounds__(threads)
         const std::uint32_t units = n * static_cast<std::uint32_t>(layout.units);
         for (std::uint32_t i = static_cast<std::uint32_t>(lane_id()); i < units; i += 32) {
             const std::uint32_t j = i / layout.units, u = i % layout.units;
-            const std::uint32_t slot = f.leavers.slot[first + j];
+            const std::uint32_t slot = f.outgoing.slot[first + j];
             uint4 unit;
             if (u == 0) {
                 const RecordHead head{layout.id[slot], layout.body[slot], static_cast<std::uint8_t>(code),
-                                      f.leavers.cell[first + j], static_cast<std::uint32_t>(t) - route.peer_first[k]};
+                                      f.outgoing.cell[first + j], static_cast<std::uint32_t>(t) - route.peer_first[k]};
                 memcpy(&unit, &head, sizeof(unit));
             } else {
                 unit = record_unit(layout, static_cast<int>(u), slot);
@@ -136,8 +136,8 @@ __device__ __forceinline__ std::uint32_t count_of(const std::byte* const* in, in
     return static_cast<std::uint32_t>(reinterpret_cast<const MessageHead*>(in[k])->count);
 }
 
-/// Arrivals from peers before k.
-__device__ __forceinline__ std::uint32_t arrivals_before(const std::byte* const* in, int k) {
+/// Incoming particles from peers before k.
+__device__ __forceinline__ std::uint32_t incoming_before(const std::byte* const* in, int k) {
     std::uint32_t n = 0;
     for (int i = 0; i < k; ++i) n += count_of(in, i);
     return n;
@@ -161,7 +161,7 @@ __device__ __forceinline__ std::uint32_t find_record(const std::byte* message, i
     return from;
 }
 
-/// A warp per ghost block: its leavers are a stretch of the peer's records, each exit a stretch of that.
+/// A warp per ghost block: its outgoing particles are a stretch of the peer's records, each exit a stretch of that.
 template <int Dim>
 __global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __grid_constant__ Binning<Dim> f, int units,
                                                          const std::byte* const* in, std::uint32_t* ghost_start) {
@@ -174,20 +174,20 @@ __global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __gr
     const std::uint32_t first = __shfl_sync(all_lanes, bound, 0);
     const std::uint32_t count = __shfl_sync(all_lanes, bound, 31) - first;
     if (lane_id() == 0) {
-        f.leavers.count[at] = count;
-        ghost_start[ghost] = f.list.first[f.table.own] + arrivals_before(in, k) + first;
+        f.outgoing.count[at] = count;
+        ghost_start[ghost] = f.list.first[f.table.own] + incoming_before(in, k) + first;
     }
-    if (lane_id() < leaver_bounds<Dim>)
-        f.leavers.bound[std::size_t(at) * leaver_bounds<Dim> + std::size_t(lane_id())] = bound - first;
+    if (lane_id() < outgoing_bounds<Dim>)
+        f.outgoing.bound[std::size_t(at) * outgoing_bounds<Dim> + std::size_t(lane_id())] = bound - first;
 }
 
-/// Rows to free slots; leavers behind the own ones. A thread block row (y) per peer.
+/// Rows to free slots; outgoing particles behind the own ones. A thread block row (y) per peer.
 template <int Dim>
 __global__ void __launch_bounds__(threads)
     unpack_kernel(const __grid_constant__ Binning<Dim> f, const __grid_constant__ RecordLayout layout,
                   const std::byte* const* in, const Counters* counters) {
     const int k = static_cast<int>(blockIdx.y);
-    const std::uint32_t n = count_of(in, k), before = arrivals_before(in, k);
+    const std::uint32_t n = count_of(in, k), before = incoming_before(in, k);
     const auto* message = reinterpret_cast<const uint4*>(in[k] + sizeof(MessageHead));
     const std::uint64_t units = std::uint64_t(n) * layout.units;
     for (std::uint64_t i = blockIdx.x * threads + threadIdx.x; i < units; i += std::uint64_t(gridDim.x) * threads) {
@@ -197,13 +197,13 @@ __global__ void __launch_bounds__(threads)
         set_record_unit(layout, u, slot, message[i]);
         if (u > 0) continue;
         const std::uint32_t to = f.list.first[f.table.own] + before + j;
-        f.leavers.slot[to] = slot;
-        f.leavers.cell[to] = head_of(in[k], layout.units, j).cell;
+        f.outgoing.slot[to] = slot;
+        f.outgoing.cell[to] = head_of(in[k], layout.units, j).cell;
     }
 }
 
 __global__ void stored_kernel(int peers, const std::byte* const* in, Counters* counters, std::uint32_t* facing) {
-    counters->stored += arrivals_before(in, peers);
+    counters->stored += incoming_before(in, peers);
     for (int k = 0; k < peers; ++k) facing[k] = 0;
 }
 
@@ -235,16 +235,16 @@ void DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
     crowd_ = {grown(crowd_.block, crowd.block), grown(crowd_.pair, crowd.pair)};
     record_ = record;
     std::vector<TransportPeer> peers;
-    most_arrivals_ = 0;
+    most_incoming_ = 0;
     for (const Peer& p : peers_) {
         const std::size_t out = most_from(p.tiles_out), in = most_from(p.tiles_in);
         peers.push_back({p.rank, sizeof(MessageHead) + out * record, sizeof(MessageHead) + in * record});
-        most_arrivals_ += in;
+        most_incoming_ += in;
     }
     transport_->open(peers);
 }
 
-/// Leavers of so many blocks to one peer.
+/// Outgoing particles of so many blocks to one peer.
 template <int Dim>
 std::size_t DeviceMigration<Dim>::most_from(std::size_t tiles) const {
     return std::min(tiles * static_cast<std::size_t>(crowd_.block), static_cast<std::size_t>(crowd_.pair));
@@ -279,10 +279,10 @@ void DeviceMigration<Dim>::finish(const Route& receive, const Binning<Dim>& binn
     const std::byte* const* in = transport_->incoming();
     const auto peers = static_cast<unsigned>(receive.peers);
     ghosts_kernel<<<blocks_for(receive.tiles, warps), threads, 0, stream>>>(
-        receive, binning, layout.units, in, const_cast<std::uint32_t*>(binning.leavers.ghost_start));
+        receive, binning, layout.units, in, const_cast<std::uint32_t*>(binning.outgoing.ghost_start));
     unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(binning, layout, in, counters);
     stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters, facing_.data());
-    check(cudaGetLastError(), "Taking arrivals in");
+    check(cudaGetLastError(), "Taking incoming in");
 }
 
 template class DeviceMigration<2>;

@@ -2,12 +2,12 @@
 // Migration between devices: particles that walk into a block of another rank.
 //
 // A message: its head with the count, then one record per particle (gpu/exchange/particle_record.hpp) by source block,
-// exit and list order. At the other side they become the leavers of ghost blocks behind the own ones, in that order,
-// and binning goes on by its one rule; their rows go to the free slots at the end of memory.
+// exit and list order. At the other side they become the outgoing particles of ghost blocks behind the own ones, in
+// that order, and binning goes on by its one rule; their rows go to the free slots at the end of memory.
 //
 // Rooms cannot overflow: who leaves a block stood in a cell beside the face, for no step is as long as a cell. How many
 // stand in such cells, of a block and of all that one rank shares with another (the crowd), travels with each step's
-// agreement, before the leavers do. When it outgrows the rooms, all ranks make larger ones.
+// agreement, before the outgoing particles do. When it outgrows the rooms, all ranks make larger ones.
 
 #include "comm/agreement.hpp"
 #include "gpu/exchange/particle_record.hpp"
@@ -29,17 +29,17 @@ class DeviceMigration {
     /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Collective.
     void expect(const Crowd& crowd, std::size_t record);
     /// Particles that may arrive in one step.
-    std::size_t most_arrivals() const { return most_arrivals_; }
+    std::size_t most_incoming() const { return most_incoming_; }
 
     /// Makes counters.crowd no less than this rank's. Not again before finish() or begin_epoch(). Asynchronous.
     void count_crowd(const Route& send, const BlockTable<Dim>& table, const ListView<Dim>& list, Counters* counters,
                      cudaStream_t stream);
-    /// Sends the leavers that are collected. On one stream, as is finish().
+    /// Sends the outgoing particles that are collected. On one stream, as is finish().
     void start(const Route& send, const Binning<Dim>& binning, const RecordLayout& layout, Counters* counters,
                cudaStream_t stream);
     void post() { transport_->post(); }
-    /// Takes the arrivals in, as leavers of ghosts; own leavers end at binning.list.first[own]. The crowd may be
-    /// counted anew.
+    /// Takes the incoming particles in, as outgoing ones of ghosts; own ones end at binning.list.first[own]. The crowd
+    /// may be counted anew.
     void finish(const Route& receive, const Binning<Dim>& binning, const RecordLayout& layout, Counters* counters,
                 cudaStream_t stream);
 
@@ -52,11 +52,11 @@ class DeviceMigration {
 
     std::unique_ptr<Transport> transport_;
     std::vector<Peer> peers_;
-    Array<std::uint32_t> place_;   ///< by tile: leavers of this peer before its own
+    Array<std::uint32_t> place_;   ///< by tile: outgoing particles of this peer before its own
     Array<std::uint32_t> facing_;  ///< by peer: particles that can leave to it; zeros before they are counted
     Crowd crowd_;                  ///< what the rooms are made for; 0: there are none yet
     std::size_t record_ = 0;
-    std::size_t most_arrivals_ = 0;
+    std::size_t most_incoming_ = 0;
 };
 
 }  // namespace moraine::gpu

@@ -40,11 +40,11 @@ void number_blocks(const Binning<Dim>& binning, cudaStream_t stream) {
 }
 
 template <int Dim>
-void collect_leavers(const Binning<Dim>& binning, Part part, int blocks, cudaStream_t stream) {
+void collect_outgoing(const Binning<Dim>& binning, Part part, int blocks, cudaStream_t stream) {
     static const unsigned most = resident(collect_kernel<Dim>);
     if (binning.table.own == 0) return;
     collect_kernel<<<grid_of(most, blocks), threads, 0, stream>>>(binning, part);
-    check(cudaGetLastError(), "Collecting leavers");
+    check(cudaGetLastError(), "Collecting outgoing");
 }
 
 template <int Dim>
@@ -59,8 +59,8 @@ void make_lists(const Binning<Dim>& binning, cudaStream_t stream) {
 
 template void number_blocks(const Binning<2>&, cudaStream_t);
 template void number_blocks(const Binning<3>&, cudaStream_t);
-template void collect_leavers(const Binning<2>&, Part, int, cudaStream_t);
-template void collect_leavers(const Binning<3>&, Part, int, cudaStream_t);
+template void collect_outgoing(const Binning<2>&, Part, int, cudaStream_t);
+template void collect_outgoing(const Binning<3>&, Part, int, cudaStream_t);
 template void make_lists(const Binning<2>&, cudaStream_t);
 template void make_lists(const Binning<3>&, cudaStream_t);
 

@@ -1,9 +1,9 @@
 #pragma once
-// The light kernels of binning (gpu/kernels/cells/binning.hpp): leavers, counts, places. The lists are filled in
-// gpu/kernels/cells/fill_lists.cuh.
+// The light kernels of binning (gpu/kernels/cells/binning.hpp): outgoing particles, counts, places. The lists are
+// filled in gpu/kernels/cells/fill_lists.cuh.
 //
-// Leavers: a warp per occupied block. Only the changed entries, one in ten, are looked at: a rank within 32 and running
-// totals in shared memory put them in order. Counts and places: a thread per own block.
+// Outgoing particles: a warp per occupied block. Only the changed entries, one in ten, are looked at: a rank within 32
+// and running totals in shared memory put them in order. Counts and places: a thread per own block.
 
 #include "core/g2p.hpp"
 #include "gpu/kernels/cells/binning.hpp"
@@ -46,7 +46,7 @@ __device__ __forceinline__ int exit_of(std::uint16_t move) {
     return code == Block<Dim>::gone ? Block<Dim>::offsets : code;
 }
 
-/// Lists block b's leavers. at: 32 counters of this warp.
+/// Lists block b's outgoing particles. at: 32 counters of this warp.
 template <int Dim>
 __device__ __forceinline__ void collect_block(const Binning<Dim>& f, int b, std::uint32_t* at,
                                               std::uint16_t* gathered) {
@@ -65,16 +65,17 @@ __device__ __forceinline__ void collect_block(const Binning<Dim>& f, int b, std:
     __syncwarp();
     const std::uint32_t mine = at[lane];
     const std::uint32_t upto = scan_inclusive(mine), before = upto - mine;
-    if (lane == 31) f.leavers.count[b] = upto;
+    if (lane == 31) f.outgoing.count[b] = upto;
     if (!__any_sync(all_lanes, mine > 0)) return;
-    if (lane < leaver_bounds<Dim>) f.leavers.bound[std::size_t(b) * leaver_bounds<Dim> + std::size_t(lane)] = before;
+    if (lane < outgoing_bounds<Dim>)
+        f.outgoing.bound[std::size_t(b) * outgoing_bounds<Dim> + std::size_t(lane)] = before;
     at[lane] = begin + before;
     __syncwarp();
     changed.each([&](std::uint32_t e, bool active) {
         const std::uint16_t m = active ? moves[e] : encode_move(stays, 0);
         const bool leaves = exit_of<Dim>(m) != stays;
         const std::uint32_t to = take_place(leaves, exit_of<Dim>(m), at);
-        if (leaves) f.leavers.slot[to] = slot[e], f.leavers.cell[to] = std::uint8_t(move_cell(m));
+        if (leaves) f.outgoing.slot[to] = slot[e], f.outgoing.cell[to] = std::uint8_t(move_cell(m));
     });
 }
 
@@ -86,7 +87,7 @@ __global__ void __launch_bounds__(32 * binning_warps)
     const auto threads = static_cast<int>(gridDim.x * blockDim.x);
     for (int b = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); part != Part::interior && b < f.table.own;
          b += threads)
-        if (f.list.first[b + 1] == f.list.first[b]) f.leavers.count[b] = 0;
+        if (f.list.first[b + 1] == f.list.first[b]) f.outgoing.count[b] = 0;
     const OccupiedItems items(f.occupied, part);
     std::uint32_t item = items.first();
     for (int b = items.block(item); b >= 0;) {
@@ -96,10 +97,10 @@ __global__ void __launch_bounds__(32 * binning_warps)
     }
 }
 
-/// Bounds of the leavers of block `from` that come to its neighbour, which sees it at offset `code`.
+/// Bounds of the outgoing particles of block `from` that come to its neighbour, which sees it at offset `code`.
 template <int Dim>
 __device__ __forceinline__ const std::uint32_t* exit_towards(const Binning<Dim>& f, int from, int code) {
-    return f.leavers.bound + std::size_t(from) * leaver_bounds<Dim> + std::size_t(Block<Dim>::opposite(code));
+    return f.outgoing.bound + std::size_t(from) * outgoing_bounds<Dim> + std::size_t(Block<Dim>::opposite(code));
 }
 
 /// Length of block b's next list. Where nobody comes from it takes the difference of a number and itself: without
@@ -109,16 +110,16 @@ __device__ __forceinline__ std::uint32_t next_length(const Binning<Dim>& f, int 
     constexpr int offsets = Block<Dim>::offsets;
     const std::int32_t* neighbour = f.table.neighbour + std::size_t(b) * offsets;
     std::int32_t from[offsets];
-    bool leavers[offsets];
+    bool outgoing[offsets];
 #pragma unroll
     for (int code = 0; code < offsets; ++code) from[code] = code == Block<Dim>::centre ? -1 : neighbour[code];
 #pragma unroll
-    for (int code = 0; code < offsets; ++code) leavers[code] = from[code] >= 0 && f.leavers.count[from[code]] > 0;
-    std::uint32_t n = f.list.first[b + 1] - f.list.first[b] - f.leavers.count[b];
+    for (int code = 0; code < offsets; ++code) outgoing[code] = from[code] >= 0 && f.outgoing.count[from[code]] > 0;
+    std::uint32_t n = f.list.first[b + 1] - f.list.first[b] - f.outgoing.count[b];
 #pragma unroll
     for (int code = 0; code < offsets; ++code) {
-        const std::uint32_t* exit = leavers[code] ? exit_towards(f, from[code], code) : f.list.first;
-        if (code != Block<Dim>::centre) n += exit[leavers[code] ? 1 : 0] - exit[0];
+        const std::uint32_t* exit = outgoing[code] ? exit_towards(f, from[code], code) : f.list.first;
+        if (code != Block<Dim>::centre) n += exit[outgoing[code] ? 1 : 0] - exit[0];
     }
     return n;
 }

@@ -1,12 +1,13 @@
 #pragma once
 // Binning on the device: each block's list made anew, by the rule of core/binning.hpp and to the same lists.
 //
-//   new list = stayers in list order, then arrivals by source offset, then by source order; stable sort by cell
+//   new list = stayers in list order, then incoming particles by source offset, then by source order; stable sort by
+//   cell
 //
-// In two calls, so that leavers of ghost blocks may come from other ranks in between. Leavers are sorted by the exit
-// that they take and stand where their block's list is long: no capacity, no count ahead. The same prefix sum that
-// places the lists also numbers the occupied blocks, in block order, apart for boundary and interior. Work goes to
-// occupied blocks only; of an empty one a thread looks at the neighbours' counts of leavers.
+// In two calls, so that outgoing particles of ghost blocks may come from other ranks in between. Outgoing particles are
+// sorted by the exit that they take and stand where their block's list is long: no capacity, no count ahead. The same
+// prefix sum that places the lists also numbers the occupied blocks, in block order, apart for boundary and interior.
+// Work goes to occupied blocks only; of an empty one a thread looks at the neighbours' counts of outgoing particles.
 
 #include <cuda_runtime.h>
 
@@ -14,17 +15,20 @@
 
 namespace moraine::gpu {
 
-/// Exits of a block: the offset codes and, last, `gone`. Bounds of the exits within a block's leavers: one more.
+/// Exits of a block: the offset codes and, last, `gone`. Bounds of the exits within a block's outgoing particles: one
+/// more.
 template <int Dim>
-inline constexpr int leaver_bounds = Block<Dim>::offsets + 2;
+inline constexpr int outgoing_bounds = Block<Dim>::offsets + 2;
 
-/// Who leaves which block, by exit, in list order. Own leavers start where their block's list starts, those of a ghost
-/// where `ghost_start` says; whoever received them wrote them, their number and, if there are any, their bounds.
-struct Leavers {
+/// Who leaves which block, by exit, in list order. Own outgoing particles start where their block's list starts, those
+/// of a ghost where `ghost_start` says; whoever received them wrote them, their number and, if there are any, their
+/// bounds.
+struct Outgoing {
     std::uint32_t* slot;
     std::uint8_t* cell;    ///< next cell
     std::uint32_t* count;  ///< own + ghosts
-    std::uint32_t* bound;  ///< (own + ghosts) x leaver_bounds, from the first leaver; means nothing at count 0
+    std::uint32_t*
+        bound;  ///< (own + ghosts) x outgoing_bounds, from the first outgoing particle; means nothing at count 0
     const std::uint32_t* ghost_start;  ///< ghosts; at first[own] or behind
 };
 
@@ -57,7 +61,7 @@ struct Binning {
     const std::uint8_t* boundary;  ///< own: 1 where some peer needs the tile, 0 elsewhere; for an epoch
     const std::uint64_t* rim;      ///< own: bit per cell (comm/rim.hpp)
     int first_tile;                ///< storage indices of tiles below are taken
-    Leavers leavers;
+    Outgoing outgoing;
     OccupiedBlocks occupied;    ///< of the old lists; made anew in place
     std::uint32_t* cell_first;  ///< list.cell_first; made anew in place. Means nothing in an empty block
     std::uint32_t* next_first;  ///< own + 1
@@ -72,12 +76,13 @@ void number_blocks(const Binning<Dim>& binning, cudaStream_t stream);
 /// Which own blocks.
 enum class Part { all, boundary, interior };
 
-/// Leavers of own blocks, by the moves of the step; `blocks`: about how many. What a peer needs is there once those of
-/// the boundary are: empty blocks belong to it here.
+/// Outgoing particles of own blocks, by the moves of the step; `blocks`: about how many. What a peer needs is there
+/// once those of the boundary are: empty blocks belong to it here.
 template <int Dim>
-void collect_leavers(const Binning<Dim>& binning, Part part, int blocks, cudaStream_t stream);
+void collect_outgoing(const Binning<Dim>& binning, Part part, int blocks, cudaStream_t stream);
 
-/// The next lists, once the leavers of ghosts stand behind the own ones. The caller then swaps first and slot.
+/// The next lists, once the outgoing particles of ghosts stand behind the own ones. The caller then swaps first and
+/// slot.
 template <int Dim>
 void make_lists(const Binning<Dim>& binning, cudaStream_t stream);
 

@@ -2,9 +2,9 @@
 // The last kernel of binning (gpu/kernels/cells/binning.hpp): a warp fills one block's next list and makes its cell
 // bounds anew.
 //
-// A cell's part of the list is: who came up from lower cells, who stayed, who came down, arrivals. Those that stayed
-// keep their order, so each one's place is its old one, plus a shift of its cell, minus the changed entries before it,
-// and no lane waits for another; only the others are sorted. A block in which nothing changed is copied.
+// A cell's part of the list is: who came up from lower cells, who stayed, who came down, incoming particles. Those that
+// stayed keep their order, so each one's place is its old one, plus a shift of its cell, minus the changed entries
+// before it, and no lane waits for another; only the others are sorted. A block in which nothing changed is copied.
 
 #include "gpu/kernels/cells/binning.cuh"
 
@@ -22,8 +22,8 @@ class BlockFill {
         std::uint32_t old[cells + 1];  ///< bounds of the cells in the old list
         std::uint32_t in[2 * cells];   ///< who came up into a cell; who came down or from other blocks: counts, places
         std::uint32_t shift[cells];    ///< next place - old place + changed entries before, of one that stayed
-        std::uint32_t upto[32];        ///< arrivals by neighbour code, added up
-        std::uint32_t start[32];       ///< where the arrivals of a code are, less those of the codes below
+        std::uint32_t upto[32];        ///< incoming particles by neighbour code, added up
+        std::uint32_t start[32];       ///< where the incoming particles of a code are, less those of the codes below
         std::uint16_t gathered[ChangedEntries::span];
     };
 
@@ -39,7 +39,7 @@ class BlockFill {
     static constexpr int batch = 8;  ///< loads in flight per lane
 
     /// One that comes from another block.
-    struct Arrival {
+    struct IncomingParticle {
         std::uint32_t slot;
         int cell;
     };
@@ -59,7 +59,7 @@ class BlockFill {
         place_cells();
         place_unchanged();
         place_changed();
-        place_arrivals();
+        place_incoming();
     }
 
     /// Few blocks have a rim, and fewer of them hold particles.
@@ -104,7 +104,8 @@ class BlockFill {
         }
     }
 
-    /// Cells and arrivals; from: the neighbour at the lane's code, or -1. All loads first, then what waits for them.
+    /// Cells and incoming particles; from: the neighbour at the lane's code, or -1. All loads first, then what waits
+    /// for them.
     __device__ void look_around(int from) {
         constexpr int rows = cells / 32 + 1;
         const std::uint32_t* bounds = f.cell_first + std::size_t(b) * (cells + 1);
@@ -116,8 +117,8 @@ class BlockFill {
         }
         if (from >= 0) {
             const std::uint32_t* exit = exit_towards(f, from, lane_id());
-            n = f.leavers.count[from] > 0 ? exit[1] - exit[0] : 0;
-            start = (from < f.table.own ? f.list.first[from] : f.leavers.ghost_start[from - f.table.own]) + exit[0];
+            n = f.outgoing.count[from] > 0 ? exit[1] - exit[0] : 0;
+            start = (from < f.table.own ? f.list.first[from] : f.outgoing.ghost_start[from - f.table.own]) + exit[0];
         }
 #pragma unroll
         for (int i = 0; i < rows; ++i)
@@ -127,17 +128,17 @@ class BlockFill {
         const std::uint32_t upto = scan_inclusive(n);
         s.upto[lane()] = upto;
         s.start[lane()] = start - (upto - n);
-        arriving = __shfl_sync(all_lanes, upto, 31);
+        incoming = __shfl_sync(all_lanes, upto, 31);
         __syncwarp();
     }
 
-    __device__ Arrival arrival(std::uint32_t k) const {
+    __device__ IncomingParticle incoming(std::uint32_t k) const {
         int code = 0;
 #pragma unroll
         for (int step = 16; step > 0; step /= 2)
             if (s.upto[code + step - 1] <= k) code += step;
         const std::uint32_t at = s.start[code] + k;
-        return {f.leavers.slot[at], f.leavers.cell[at]};
+        return {f.outgoing.slot[at], f.outgoing.cell[at]};
     }
 
     /// Which of `in` takes a changed entry that stays in the block: it is not in its next cell now.
@@ -161,9 +162,9 @@ class BlockFill {
                 if (move_code(m) == Block<Dim>::centre) atomicAdd(&s.in[key(e, move_cell(m))], 1u);
             });
         }
-        if (lane() < arriving) first_arrival = arrival(lane());
-        for (std::uint32_t k = lane(); k < arriving; k += 32)
-            atomicAdd(&s.in[cells + (k < 32 ? first_arrival : arrival(k)).cell], 1u);
+        if (lane() < incoming) first_incoming = incoming(lane());
+        for (std::uint32_t k = lane(); k < incoming; k += 32)
+            atomicAdd(&s.in[cells + (k < 32 ? first_incoming : incoming(k)).cell], 1u);
         __syncwarp();
     }
 
@@ -240,10 +241,10 @@ class BlockFill {
         });
     }
 
-    __device__ void place_arrivals() const {
-        for (std::uint32_t k = lane(); k - lane() < arriving; k += 32) {
-            const bool in = k < arriving;
-            const Arrival a = k >= 32 && in ? arrival(k) : first_arrival;
+    __device__ void place_incoming() const {
+        for (std::uint32_t k = lane(); k - lane() < incoming; k += 32) {
+            const bool in = k < incoming;
+            const IncomingParticle a = k >= 32 && in ? incoming(k) : first_incoming;
             const std::uint32_t place = take_place(in, cells + a.cell, s.in);
             if (in) to[place] = a.slot;
         }
@@ -258,8 +259,8 @@ class BlockFill {
     std::uint32_t* to;           ///< its next list
     std::uint32_t next_count;
     ChangedEntries changed;
-    std::uint32_t arriving = 0;
-    Arrival first_arrival{0, 0};                 ///< that of the lane's number
+    std::uint32_t incoming = 0;
+    IncomingParticle first_incoming{0, 0};       ///< that of the lane's number
     std::uint32_t changed_before[per_lane + 1];  ///< changed entries before the bounds of the lane's cells
 };
 

@@ -17,10 +17,10 @@ void Lists<Dim>::make_room(const EpochTables<Dim>& tables, cudaStream_t stream) 
     occupied_.resize(5);
     cell_first_.resize(own_ * bounds);
     next_first_.resize(own_ + 1);
-    leaver_count_.resize(own_ + ghosts);
-    leaver_bound_.resize((own_ + ghosts) * leaver_bounds<Dim>);
+    outgoing_count_.resize(own_ + ghosts);
+    outgoing_bound_.resize((own_ + ghosts) * outgoing_bounds<Dim>);
     // read, and multiplied by nothing, where no particle leaves
-    check(cudaMemsetAsync(leaver_bound_.data(), 0, leaver_bound_.size() * sizeof(std::uint32_t), stream),
+    check(cudaMemsetAsync(outgoing_bound_.data(), 0, outgoing_bound_.size() * sizeof(std::uint32_t), stream),
           "Clearing lists");
     ghost_start_.resize(ghosts);
     tally_.resize(static_cast<std::size_t>(binning_chunks(static_cast<int>(own_))));
@@ -31,8 +31,8 @@ void Lists<Dim>::make_room(std::size_t most) {
     next_slot_.resize(most);
     moves_.resize(most);
     changed_.resize(most / 32 + own_ + 1);
-    leaver_slot_.resize(most);
-    leaver_cell_.resize(most);
+    outgoing_slot_.resize(most);
+    outgoing_cell_.resize(most);
 }
 
 template <int Dim>
@@ -104,7 +104,8 @@ Binning<Dim> Lists<Dim>::binning(const BlockTable<Dim>& table) const {
             tables_.is_boundary.data(),
             tables_.rim.data(),
             table.ghosts,
-            {leaver_slot_.data(), leaver_cell_.data(), leaver_count_.data(), leaver_bound_.data(), ghost_start_.data()},
+            {outgoing_slot_.data(), outgoing_cell_.data(), outgoing_count_.data(), outgoing_bound_.data(),
+             ghost_start_.data()},
             {tile_of_.data(), boundary_.data(), interior_.data(), occupied_.data(), occupied_.data() + 2, tiles_,
              occupied_.data() + 4},
             cell_first_.data(),

@@ -33,7 +33,7 @@ class Lists {
     /// whoever knows the places. Asynchronous.
     void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                    const std::vector<Stretch>& blocks, cudaStream_t stream);
-    /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and leavers are lost. Synchronous.
+    /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and outgoing particles are lost. Synchronous.
     void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
     void limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream);
@@ -58,10 +58,10 @@ class Lists {
     std::vector<std::uint32_t> cell_first(cudaStream_t stream) const { return cell_first_.host(stream); }
 
     Binning<Dim> binning(const BlockTable<Dim>& table) const;
-    /// The next lists, from moves() and changed(): first the leavers, then, once those of ghosts stand behind the own
-    /// ones, the lists. Asynchronous.
+    /// The next lists, from moves() and changed(): first the outgoing particles, then, once those of ghosts stand
+    /// behind the own ones, the lists. Asynchronous.
     void collect(const BlockTable<Dim>& table, Part part, int blocks, cudaStream_t stream) {
-        collect_leavers(binning(table), part, blocks, stream);
+        collect_outgoing(binning(table), part, blocks, stream);
     }
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
@@ -75,9 +75,9 @@ class Lists {
     ListTables tables_;
     Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
     Array<std::int32_t> tile_of_, boundary_, interior_;
-    Array<std::uint8_t> leaver_cell_;
+    Array<std::uint8_t> outgoing_cell_;
     Array<std::uint16_t> moves_;
-    Array<std::uint32_t> leaver_slot_, leaver_count_, leaver_bound_, ghost_start_;
+    Array<std::uint32_t> outgoing_slot_, outgoing_count_, outgoing_bound_, ghost_start_;
     Array<Tally> tally_;
     Array<ListCopy> copies_;
 };
