@@ -38,9 +38,9 @@ std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int p
 
 std::int64_t even_parts(std::span<const std::int64_t> weights, std::int64_t at_most, double limit) {
     const Chain chain(weights);
-    const double room = limit * static_cast<double>(chain.total());
+    const double allowed = limit * static_cast<double>(chain.total());
     const auto is_even = [&](std::int64_t parts) {
-        const double each = std::floor(room / static_cast<double>(parts));
+        const double each = std::floor(allowed / static_cast<double>(parts));
         const bool takes_all = each >= static_cast<double>(chain.total());
         return takes_all || chain.fits(parts, static_cast<std::int64_t>(each));
     };

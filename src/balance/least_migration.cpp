@@ -57,9 +57,9 @@ class Search {
     Search(std::span<const std::int64_t> weights, const Homes& homes, int parts, double tolerance)
         : chain_(weights), held_(homes.held), homes_(homes), parts_(parts), home_of_(weights.size()) {
         const std::int64_t best = chain_.bottleneck(std::min<std::int64_t>(parts, chain_.size()));
-        const double room = tolerance * static_cast<double>(best);
-        limit_ =
-            room < static_cast<double>(chain_.total() - best) ? best + static_cast<std::int64_t>(room) : chain_.total();
+        const double allowed = tolerance * static_cast<double>(best);
+        limit_ = allowed < static_cast<double>(chain_.total() - best) ? best + static_cast<std::int64_t>(allowed)
+                                                                      : chain_.total();
         for (std::size_t h = 0; h < homes.rank.size(); ++h)
             std::fill(home_of_.begin() + homes.first[h], home_of_.begin() + homes.first[h + 1],
                       static_cast<std::int32_t>(h));

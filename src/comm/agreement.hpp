@@ -11,7 +11,7 @@
 
 namespace moraine {
 
-/// Most particles that can leave in one step, where devices must have room for them before they do.
+/// Most particles that can leave in one step, where devices must have capacity for them before they do.
 struct Crowd {
     std::int64_t block = 0;  ///< out of one block to one peer
     std::int64_t pair = 0;   ///< from one rank to another

@@ -85,8 +85,8 @@ class Engine {
     /// The share in the memory of the host; in the binned state it is that of now. What is changed in it counts after
     /// adopt(). Not collective.
     virtual Share& share() = 0;
-    /// Calls f for the share piece by piece, in list order, so that the host need not have room for all of a device's;
-    /// `only`: the columns that are wanted, all if empty. Binned state only. Not collective.
+    /// Calls f for the share piece by piece, in list order, so that the host need not have capacity for all of a
+    /// device's; `only`: the columns that are wanted, all if empty. Binned state only. Not collective.
     using PieceReader = std::function<void(const SharePiece<Real, Dim>&)>;
     virtual void each_piece(const PieceReader& f, const std::vector<std::string>& only = {}) {
         f(whole_of(share(), only));

@@ -24,10 +24,10 @@ struct Parts {
     std::size_t end(std::size_t part) const { return begin(part + 1); }
 };
 
-/// Item i makes count(i) entries. Calls room(entries of all items), then, where there are any, fill(i, its first
+/// Item i makes count(i) entries. Calls resize(entries of all items), then, where there are any, fill(i, its first
 /// entry). Not collective.
-template <class Count, class Room, class Fill>
-void place_in_order(std::size_t n, const Count& count, const Room& room, const Fill& fill) {
+template <class Count, class Resize, class Fill>
+void place_in_order(std::size_t n, const Count& count, const Resize& resize, const Fill& fill) {
     const Parts parts(n);
     std::vector<std::size_t> first(parts.count + 1, 0);
 #pragma omp parallel for schedule(static) if (parts.count > 1)
@@ -37,7 +37,7 @@ void place_in_order(std::size_t n, const Count& count, const Room& room, const F
         first[p + 1] = sum;
     }
     for (std::size_t p = 0; p < parts.count; ++p) first[p + 1] += first[p];
-    room(first.back());
+    resize(first.back());
 #pragma omp parallel for schedule(static) if (parts.count > 1)
     for (std::size_t p = 0; p < parts.count; ++p) {
         std::size_t at = first[p];

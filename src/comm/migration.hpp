@@ -1,7 +1,7 @@
 #pragma once
 // Migration: particles that walk into a block of another rank.
 //
-// One message per peer and step: a header with the count, then up to `room` records (room follows
+// One message per peer and step: a header with the count, then up to `capacity` records (capacity follows
 // from the epoch's tables, so both sides know it); what does not fit follows in a second message of
 // known size, never lost. A record is the source block's key, the move, and all columns. Records
 // travel in (source block, list) order: that is all the binning rule needs.
@@ -22,11 +22,11 @@ class Migration {
     /// Not collective; buffers for one epoch.
     Migration(Share& patch, PointToPoint& messages) : patch_(patch), messages_(messages) {
         for (const PeerHalo& peer : patch.tables().peers) {
-            rooms_out_.push_back(records_per_tile * peer.send.block.size());
-            rooms_in_.push_back(records_per_tile * peer.receive.block.size());
+            capacities_out_.push_back(records_per_tile * peer.send.block.size());
+            capacities_in_.push_back(records_per_tile * peer.receive.block.size());
         }
-        out_.resize(rooms_out_.size());
-        in_.resize(rooms_in_.size());
+        out_.resize(capacities_out_.size());
+        in_.resize(capacities_in_.size());
     }
 
     /// Sends this step's outgoing particles to the ranks they go to. Calls gone(slot) for those that left through
@@ -40,16 +40,16 @@ class Migration {
         receives_.clear();
         for (std::size_t k = 0; k < out_.size(); ++k) {
             const std::size_t n = outgoing_[k].slot.size();
-            const std::size_t now = std::min(n, rooms_out_[k]);
+            const std::size_t now = std::min(n, capacities_out_[k]);
             const int rank = patch_.tables().peers[k].rank;
-            const auto room = static_cast<std::int64_t>(message_bytes(columns, rooms_out_[k]));
-            out_[k].resize(static_cast<std::size_t>(room));
+            const auto capacity = static_cast<std::int64_t>(message_bytes(columns, capacities_out_[k]));
+            out_[k].resize(static_cast<std::size_t>(capacity));
             const auto total = static_cast<std::int64_t>(n);
             std::memcpy(out_[k].data(), &total, 8);
             const auto bytes =
                 static_cast<std::int64_t>(pack(columns, outgoing_[k], 0, now, out_[k].data() + 8) - out_[k].data());
-            sends_.push_back({rank, out_[k].data(), bytes, room});
-            in_[k].resize(message_bytes(columns, rooms_in_[k]));
+            sends_.push_back({rank, out_[k].data(), bytes, capacity});
+            in_[k].resize(message_bytes(columns, capacities_in_[k]));
             receives_.push_back({rank, in_[k].data(), 0, static_cast<std::int64_t>(in_[k].size())});
             crossed_ += total;
             bytes_ += bytes;
@@ -68,7 +68,7 @@ class Migration {
         for (std::size_t k = 0; k < in_.size(); ++k) {
             std::int64_t total = 0;
             std::memcpy(&total, in_[k].data(), 8);
-            const std::size_t now = std::min(static_cast<std::size_t>(total), rooms_in_[k]);
+            const std::size_t now = std::min(static_cast<std::size_t>(total), capacities_in_[k]);
             unpack(now, in_[k].data() + 8, outgoing, first);
             if (static_cast<std::size_t>(total) > now)
                 unpack(static_cast<std::size_t>(total) - now, rest[k].data(), outgoing, first);
@@ -141,17 +141,17 @@ class Migration {
         for (std::size_t k = 0; k < out_.size(); ++k) {
             const int rank = patch_.tables().peers[k].rank;
             const std::size_t n = outgoing_[k].slot.size();
-            if (n > rooms_out_[k]) {
-                send[k].resize(record_bytes(columns, n - rooms_out_[k]));
-                pack(columns, outgoing_[k], rooms_out_[k], n, send[k].data());
+            if (n > capacities_out_[k]) {
+                send[k].resize(record_bytes(columns, n - capacities_out_[k]));
+                pack(columns, outgoing_[k], capacities_out_[k], n, send[k].data());
                 const auto bytes = static_cast<std::int64_t>(send[k].size());
                 sends.push_back({rank, send[k].data(), bytes, bytes});
                 bytes_ += bytes;
             }
             std::int64_t total = 0;
             std::memcpy(&total, in_[k].data(), 8);
-            if (static_cast<std::size_t>(total) > rooms_in_[k]) {
-                receive[k].resize(record_bytes(columns, static_cast<std::size_t>(total) - rooms_in_[k]));
+            if (static_cast<std::size_t>(total) > capacities_in_[k]) {
+                receive[k].resize(record_bytes(columns, static_cast<std::size_t>(total) - capacities_in_[k]));
                 receives.push_back({rank, receive[k].data(), 0, static_cast<std::int64_t>(receive[k].size())});
             }
         }
@@ -187,7 +187,7 @@ class Migration {
 
     Share& patch_;
     PointToPoint& messages_;
-    std::vector<std::size_t> rooms_out_, rooms_in_;
+    std::vector<std::size_t> capacities_out_, capacities_in_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Outgoing> outgoing_;
     std::vector<std::uint32_t> gone_;

@@ -58,7 +58,7 @@ class Patch {
     std::vector<std::uint32_t> take_slots(std::size_t n);
     void give_slots(std::span<const std::uint32_t> slots) { free_.insert(free_.end(), slots.begin(), slots.end()); }
 
-    /// Forgets all particles and makes room for n in the slots 0, 1, ..., which are returned.
+    /// Forgets all particles and makes space for n in the slots 0, 1, ..., which are returned.
     std::vector<std::uint32_t> start_over(std::size_t n);
     /// Begins an epoch: `binned` holds blocks of tables.own only.
     void install(EpochTables<Dim> tables, const BinnedBlocks& binned);

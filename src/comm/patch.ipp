@@ -2,7 +2,7 @@
 
 namespace moraine {
 
-/// Room for n elements whose content does not matter: the old ones are given back before new ones are taken.
+/// Capacity for n elements whose content does not matter: the old ones are given back before new ones are taken.
 template <class Array>
 void renew(Array& array, std::size_t n) {
     if (n > array.capacity()) {

@@ -19,10 +19,10 @@ void PointToPoint::start(std::span<Parcel> sends, std::span<Parcel> receives) {
     for (std::size_t r = 0; r < receives.size(); ++r) {
         receives[r].bytes = 0;
         for (std::int64_t k = 0; k < pieces(receives[r].capacity); ++k) {
-            const std::int64_t room = std::min(piece, receives[r].capacity - k * piece);
+            const std::int64_t capacity = std::min(piece, receives[r].capacity - k * piece);
             requests_.emplace_back();
             owner_.push_back(static_cast<int>(r));
-            MPI_Irecv(receives[r].data + k * piece, static_cast<int>(room), MPI_BYTE, receives[r].peer, tag_,
+            MPI_Irecv(receives[r].data + k * piece, static_cast<int>(capacity), MPI_BYTE, receives[r].peer, tag_,
                       comm_.handle(), &requests_.back());
         }
     }

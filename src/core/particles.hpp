@@ -81,7 +81,7 @@ class Particles {
 
     std::size_t size() const { return id_.size(); }
 
-    /// Makes room for n slots in every column. New slots hold anything.
+    /// Makes space for n slots in every column. New slots hold anything.
     void resize(std::size_t n) {
         each_column([&](const char*, const char*, auto& column, std::size_t) { column.resize(n); });
     }

@@ -5,7 +5,7 @@
 // once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
 // its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
-// empty lists, and is queued again) or more particles may arrive than there is room for.
+// empty lists, and is queued again) or more particles may arrive than there is capacity for.
 
 #include <cuda_runtime.h>
 
@@ -126,8 +126,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
     Census census_;
     int boundary_blocks_ = 0;  ///< occupied, as far as known: makes grids, any number is right
-    std::size_t tile_room_ = 0;
-    std::size_t ghost_room_ = 0;
+    std::size_t tile_capacity_ = 0;
+    std::size_t ghost_capacity_ = 0;
     std::size_t stored_ = 0;  ///< slots in use when the last report was made
     int steps_since_refresh_ = 0;
     std::uint32_t faults_ = 0;  ///< of the last report

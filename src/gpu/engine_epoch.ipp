@@ -1,13 +1,14 @@
-// The engine between steps: epochs, room, and whole blocks.
+// The engine between steps: epochs, capacity, and whole blocks.
 
 namespace moraine::gpu {
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
-    tile_room_ = tiles;
-    ghost_room_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
+    tile_capacity_ = tiles;
+    ghost_capacity_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
     tiles_.release();
-    tiles_.resize((tiles + ghost_room_) * static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
+    tiles_.resize((tiles + ghost_capacity_) *
+                  static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
 }
 
@@ -47,7 +48,7 @@ void DeviceEngine<Real, Dim>::take_tables(EpochTables<Dim> tables) {
     prepared_ = 0;
 }
 
-/// What an epoch's tables ask for, once the lists are in place. Tiles have room to spare: a flow that spreads occupies
+/// What an epoch's tables ask for, once the lists are in place. Tiles have space to spare: a flow that spreads occupies
 /// a few blocks more in every epoch.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::open_epoch() {
@@ -60,8 +61,8 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
-    const std::size_t room = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
-    if (least > tile_room_ || 2 * room < tile_room_ || ghosts > ghost_room_) make_tiles(room);
+    const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
+    if (least > tile_capacity_ || 2 * capacity < tile_capacity_ || ghosts > ghost_capacity_) make_tiles(capacity);
     report_is_of_epoch_ = false;
     if (exchange_) exchange_->open(epoch_, stream_);
 }
@@ -154,8 +155,8 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     }
     BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
     const auto here = static_cast<std::size_t>(census_.particles);
-    if (stored_ + plan.incoming > particles_.room()) refresh();
-    if (here + plan.incoming > particles_.room()) refresh_and_grow(here + plan.incoming);
+    if (stored_ + plan.incoming > particles_.capacity()) refresh();
+    if (here + plan.incoming > particles_.capacity()) refresh_and_grow(here + plan.incoming);
     const auto first_free = static_cast<std::uint32_t>(stored_);
     exchange_->moves.move(plan, lists_.slots(), record_layout(particles_.view()), first_free, stream_);
 

@@ -90,16 +90,16 @@ void DeviceEngine<Real, Dim>::receive_halo() {
     stream_.wait_for(e.halo_here);
 }
 
-/// Room for the messages, and in memory for all that may arrive in this step.
+/// Capacity for the messages, and in memory for all that may arrive in this step.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::expect_outgoing(const Crowd& crowd) {
     if (!exchange_) return;
     exchange_->migration.expect(crowd, record_layout(particles_.view()).bytes());
     const std::size_t incoming = exchange_->migration.most_incoming();
     const std::size_t most = static_cast<std::size_t>(census_.particles) + incoming;
-    if (most > particles_.room())
+    if (most > particles_.capacity())
         refresh_and_grow(most);
-    else if (stored_ + incoming > particles_.room())
+    else if (stored_ + incoming > particles_.capacity())
         refresh();
 }
 
@@ -141,7 +141,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    const auto stride = static_cast<std::uint64_t>(particles_.room());
+    const auto stride = static_cast<std::uint64_t>(particles_.capacity());
     watch_.begin(2, stream_);
     GatherArgs<Real, Dim> args{};
     args.ends = method_.ends;
@@ -218,7 +218,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.ledger = ledger_of(account);
     report.felt = structures_.take();
     report.seconds = watch_.take();
-    if (static_cast<std::size_t>(census_.blocks) > tile_room_) grow_tiles();
+    if (static_cast<std::size_t>(census_.blocks) > tile_capacity_) grow_tiles();
     if (++steps_since_refresh_ >= refresh_interval) refresh();
     return report;
 }

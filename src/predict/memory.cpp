@@ -97,8 +97,8 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
 
 /// Boxes of a transport for messages of so many bytes in all, two for each (gpu/transport/peer_transport.cpp).
 double boxes(double bytes) {
-    const double room = 2 * 9.0 / 8 * bytes;
-    return room + std::max(room / 8, std::min(room, 64.0 * (1 << 20)));
+    const double capacity = 2 * 9.0 / 8 * bytes;
+    return capacity + std::max(capacity / 8, std::min(capacity, 64.0 * (1 << 20)));
 }
 
 /// Blocks of one of `ranks` shares that touch others: as many as if all were cubes in a larger one, and half as many

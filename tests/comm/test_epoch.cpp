@@ -88,7 +88,7 @@ void neighbours_are_own_or_ghosts() {
                     if (!there) continue;
                     REQUIRE(key_of(t, n) == key);
                     if (n >= static_cast<std::int32_t>(t.own.size())) ghosts.insert(key);
-                    if (world.is_occupied(t.own[i])) REQUIRE(there == inside);  // room to walk
+                    if (world.is_occupied(t.own[i])) REQUIRE(there == inside);  // space to walk
                 }
             REQUIRE(ghosts.size() == t.ghost.size());
             for (std::size_t g = 0; g < t.ghost.size(); ++g) {

@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("random walkers are binned on any number of ranks as on one, 
     }
 }
 
-TEST_CASE_TEMPLATE("more outgoing particles than a message has room for follow in a second one and none is lost", C,
+TEST_CASE_TEMPLATE("more outgoing particles than a message has capacity for follow in a second one and none is lost", C,
                    Case<float, 2>, Case<double, 3>) {
     constexpr int dim = C::dim;
     using Real = typename C::Real;
@@ -84,10 +84,10 @@ TEST_CASE_TEMPLATE("more outgoing particles than a message has room for follow i
         crowd.step([](std::uint64_t, int a) { return a == 0 ? 0.9 : 0; }, [](std::uint64_t) { return false; });
         alone.step([](std::uint64_t, int a) { return a == 0 ? 0.9 : 0; }, [](std::uint64_t) { return false; });
         REQUIRE(crowd.rows() == alone.rows());
-        std::int64_t room = 0;
+        std::int64_t capacity = 0;
         for (const PeerHalo& peer : crowd.patch.tables().peers)
-            room += 32 * static_cast<std::int64_t>(peer.send.block.size());
-        overflow = overflow || crowd.migration->crossed() - before > room;
+            capacity += 32 * static_cast<std::int64_t>(peer.send.block.size());
+        overflow = overflow || crowd.migration->crossed() - before > capacity;
         if (n == 1 || n == 3) {
             crowd.shuffle(static_cast<std::uint64_t>(n));
             alone.shuffle(static_cast<std::uint64_t>(n));

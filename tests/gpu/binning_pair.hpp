@@ -57,9 +57,10 @@ class FilingPair {
         patch.install(make_epoch<Dim>(make_topology<Dim>(domain, occupied, owner_at), domain, {3, 1, 0.5}, 0), binned);
         std::vector<std::uint8_t> boundary(static_cast<std::size_t>(patch.own()), 0);
         for (std::int32_t b : patch.boundary()) boundary[static_cast<std::size_t>(b)] = 1;
-        room_ = static_cast<std::size_t>(patch.count()) + 4096;
+        capacity_ = static_cast<std::size_t>(patch.count()) + 4096;
         fresh_slot_ = static_cast<std::uint32_t>(patch.count());
-        device_ = std::make_unique<DeviceLists<Dim>>(patch.table(), patch.list(), boundary, patch.tables().rim, room_);
+        device_ =
+            std::make_unique<DeviceLists<Dim>>(patch.table(), patch.list(), boundary, patch.tables().rim, capacity_);
         compare_blocks();
     }
 
@@ -193,7 +194,7 @@ class FilingPair {
             }
             ghost_first_.push_back(static_cast<std::uint32_t>(ghost_outgoing_.size()));
         }
-        REQUIRE(static_cast<std::size_t>(patch.count()) + ghost_outgoing_.size() < room_);
+        REQUIRE(static_cast<std::size_t>(patch.count()) + ghost_outgoing_.size() < capacity_);
     }
 
     std::vector<std::int32_t> occupied_among(std::span<const std::int32_t> blocks) const {
@@ -205,7 +206,7 @@ class FilingPair {
 
     Plan<Dim> plan_;
     std::mt19937_64 random_{7};
-    std::size_t room_ = 0;
+    std::size_t capacity_ = 0;
     std::uint32_t fresh_slot_ = 0;
     std::vector<OutgoingParticle> ghost_outgoing_;
     std::vector<std::uint32_t> ghost_first_;

@@ -44,9 +44,9 @@ class DeviceLists {
   public:
     gpu::Binning<Dim> binning{};
 
-    /// room: the most particles, with outgoing particles of ghosts, that there ever will be.
+    /// capacity: the most particles, with outgoing particles of ghosts, that there ever will be.
     DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
-                const std::vector<std::uint64_t>& rim, std::size_t room)
+                const std::vector<std::uint64_t>& rim, std::size_t capacity)
         : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
         binning.table = table;
         binning.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
@@ -54,11 +54,12 @@ class DeviceLists {
         binning.rim = upload(rim_, rim.data(), own_);
         binning.first_tile = table.ghosts;
         first_.assign(list.first, own_ + 1), next_first_.resize(own_ + 1);
-        slot_.reserve(room), next_slot_.reserve(room), moves_.reserve(room);
-        slot_.assign(list.slot, list.first[own_]), next_slot_.resize(room);
+        slot_.reserve(capacity), next_slot_.reserve(capacity), moves_.reserve(capacity);
+        slot_.assign(list.slot, list.first[own_]), next_slot_.resize(capacity);
         binning.cell_first = upload(cell_first_, list.cell_first, own_ * (Block<Dim>::cells + 1));
-        changed_.reserve(room / 32 + own_ + 1);
-        outgoing_slot_.resize(room), outgoing_cell_.resize(room), outgoing_bound_.resize((own_ + ghosts_) * bounds);
+        changed_.reserve(capacity / 32 + own_ + 1);
+        outgoing_slot_.resize(capacity), outgoing_cell_.resize(capacity),
+            outgoing_bound_.resize((own_ + ghosts_) * bounds);
         outgoing_count_.resize(own_ + ghosts_);
         tile_of_.resize(own_), boundary_.resize(own_), interior_.resize(own_), occupied_.resize(5);
         tally_.resize(static_cast<std::size_t>(gpu::binning_chunks(table.own)));
@@ -94,9 +95,9 @@ class DeviceLists {
     void advance() {
         gpu::check(cudaDeviceSynchronize(), "Binning");
         first_.swap(next_first_);
-        const std::size_t room = next_slot_.size();
+        const std::size_t capacity = next_slot_.size();
         slot_.swap(next_slot_);
-        slot_.resize(first().back()), next_slot_.resize(room);
+        slot_.resize(first().back()), next_slot_.resize(capacity);
         point();
     }
 
@@ -105,7 +106,7 @@ class DeviceLists {
     std::vector<std::uint32_t> cell_first() const { return cell_first_.host(); }
     void set_cell_first(const std::uint32_t* from) { cell_first_.assign(from, cell_first_.size()); }
     std::vector<std::int32_t> tile_of() const { return tile_of_.host(); }
-    std::uint32_t tiles = ~0u;  ///< that there is room for; from the next step on
+    std::uint32_t tiles = ~0u;  ///< that there is capacity for; from the next step on
     std::vector<std::uint32_t> counts() const { return occupied_.host(); }
     bool is_at_rim() const { return occupied_.host()[4] != 0; }
     std::vector<std::int32_t> boundary() const { return head(boundary_, occupied_.host()[0]); }

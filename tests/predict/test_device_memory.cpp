@@ -101,7 +101,8 @@ TEST_CASE("device memory is predicted within a fiftieth of what was measured, of
 }
 
 TEST_CASE(
-    "device memory of two ranks, with room for each other's, is predicted within a fifteenth of what was measured") {
+    "device memory of two ranks, with capacity for each other's, is predicted within a fifteenth of what was "
+    "measured") {
     for (const Measured& m : {Measured{"column-64M", 200, 200, 165.8, 0}, {"column-16M", 128, 128, 175.9, 0}}) {
         CAPTURE(std::string(m.name));
         const Scene s = scene_of(m, Precision::single_);

@@ -21,11 +21,11 @@ Weights weights_along(const std::vector<BlockLoad>& blocks, const Links& links) 
 
 /// Can `parts` parts of at most `limit` hold the chain? Link by link, without prefix sums.
 bool holds(const Weights& w, int parts, std::int64_t limit) {
-    std::int64_t room = limit;
+    std::int64_t capacity = limit;
     for (std::int64_t x : w) {
         if (x > limit) return false;
-        if (x > room) --parts, room = limit;
-        room -= x;
+        if (x > capacity) --parts, capacity = limit;
+        capacity -= x;
     }
     return parts > 0;
 }

@@ -77,11 +77,11 @@ struct DruckerPrager {
         const Real before = state.history[1];
         Real gap = before;
         const Real mean = close_gap(gap, trial.mean, elastic.bulk);
-        const Real room = strength - friction * mean;  // largest sqrt(J2) at this mean stress
-        if (room >= Real(0) && trial.j2 <= room * room) {
+        const Real strength_left = strength - friction * mean;  // largest sqrt(J2) at this mean stress
+        if (strength_left >= Real(0) && trial.j2 <= strength_left * strength_left) {
             if (gap != before) scale_deviator(state.stress, trial.mean, mean, Real(1));
         } else {
-            flow(state, trial, mean, room, gap);
+            flow(state, trial, mean, strength_left, gap);
         }
         if (gap != before) keep_grains(state, before, gap);
         state.history[1] = gap;
@@ -100,12 +100,12 @@ struct DruckerPrager {
   private:
     /// Back to the cone, or to its apex, from the trial deviator and the mean stress `mean`.
     template <int Dim>
-    MORAINE_HD void flow(PointState<Real, Dim>& state, const Invariants<Real>& trial, Real mean, Real room,
+    MORAINE_HD void flow(PointState<Real, Dim>& state, const Invariants<Real>& trial, Real mean, Real strength_left,
                          Real& gap) const {
         using std::sqrt;
         const Real swell = gap > Real(0) ? Real(0) : elastic.bulk * dilation;
         const Real tau = sqrt(trial.j2);
-        const Real shear_strain = (tau - room) / (elastic.shear + swell * friction);
+        const Real shear_strain = (tau - strength_left) / (elastic.shear + swell * friction);
         const Real remains = tau - elastic.shear * shear_strain;
         Real& xi = state.history[0];
         if (remains > Real(0) && !(gap > Real(0) && mean >= apex)) {

@@ -103,18 +103,18 @@ void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* 
     check(cudaGetLastError(), "Listing blocks");
 }
 
-/// Both sides know what goes between them, so both keep the same rooms.
+/// Both sides know what goes between them, so both keep the same capacities.
 std::vector<BlockPlan::Partner> BlockMoves::open(const BlockPlan& plan, std::size_t chunk, std::size_t record) {
     for (const Partner& p : plan.partners) {
         const auto rank_below = [](const TransportPeer& peer, int rank) { return peer.rank < rank; };
         auto at = std::lower_bound(peers_.begin(), peers_.end(), p.rank, rank_below);
         if (at == peers_.end() || at->rank != p.rank) at = peers_.insert(at, {p.rank, 0, 0});
-        const auto widen = [&](std::size_t& room, std::size_t particles) {
+        const auto widen = [&](std::size_t& capacity, std::size_t particles) {
             const std::size_t needed = sizeof(MessageHead) + std::min(particles, chunk) * record;
-            if (needed > room) room = needed + needed / 2;
+            if (needed > capacity) capacity = needed + needed / 2;
         };
-        widen(at->room_out, p.out);
-        widen(at->room_in, p.in);
+        widen(at->capacity_out, p.out);
+        widen(at->capacity_in, p.in);
     }
     transport_->open(peers_);
     std::vector<Partner> partners;

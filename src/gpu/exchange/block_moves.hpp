@@ -55,7 +55,7 @@ class BlockMoves {
 
   private:
     using Partner = BlockPlan::Partner;
-    /// A partner for each peer of the transport, which has room for all that travels in a round of at most `chunk`
+    /// A partner for each peer of the transport, which has capacity for all that travels in a round of at most `chunk`
     /// records.
     std::vector<Partner> open(const BlockPlan& plan, std::size_t chunk, std::size_t record);
 

@@ -114,14 +114,14 @@ __global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileV
 
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables) {
-    const auto room = [](const TileList& list) {
+    const auto capacity = [](const TileList& list) {
         return sizeof(MessageHead) + padded16(list.block.size()) +
                padded16(list.node.size() * node_sums<Dim> * sizeof(Real));
     };
     std::vector<TransportPeer> peers;
     std::size_t most = 0, tiles_out = 0, tiles_in = 0;
     for (const PeerHalo& peer : tables.peers) {
-        peers.push_back({peer.rank, room(peer.send), room(peer.receive)});
+        peers.push_back({peer.rank, capacity(peer.send), capacity(peer.receive)});
         tiles_out += peer.send.block.size(), tiles_in += peer.receive.block.size();
     }
     most = std::max(tiles_out, tiles_in);

@@ -13,7 +13,8 @@ namespace {
 constexpr int threads = scan_threads;
 constexpr int warps = threads / 32;
 
-/// What it is to be when it was `had` and is to be at least `least`: a growing crowd does not grow rooms at each step.
+/// What it is to be when it was `had` and is to be at least `least`: a growing crowd does not grow capacities at each
+/// step.
 constexpr std::int64_t grown(std::int64_t had, std::int64_t least) {
     return least > had ? least + least / 4 + 32 : had;
 }

@@ -5,9 +5,9 @@
 // exit and list order. At the other side they become the outgoing particles of ghost blocks behind the own ones, in
 // that order, and binning goes on by its one rule; their rows go to the free slots at the end of memory.
 //
-// Rooms cannot overflow: who leaves a block stood in a cell beside the face, for no step is as long as a cell. How many
-// stand in such cells, of a block and of all that one rank shares with another (the crowd), travels with each step's
-// agreement, before the outgoing particles do. When it outgrows the rooms, all ranks make larger ones.
+// Buffers cannot overflow: who leaves a block stood in a cell beside the face, for no step is as long as a cell. How
+// many stand in such cells, of a block and of all that one rank shares with another (the crowd), travels with each
+// step's agreement, before the outgoing particles do. When it outgrows the capacities, all ranks make larger ones.
 
 #include "comm/agreement.hpp"
 #include "gpu/exchange/particle_record.hpp"
@@ -23,10 +23,10 @@ class DeviceMigration {
   public:
     explicit DeviceMigration(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
 
-    /// With rooms for the crowd of the epoch before; the first ones are made by expect(). The crowd may be counted on
-    /// the stream behind it. Collective.
+    /// With capacities for the crowd of the epoch before; the first ones are made by expect(). The crowd may be counted
+    /// on the stream behind it. Collective.
     void begin_epoch(const EpochTables<Dim>& tables, cudaStream_t stream);
-    /// Makes room for a crowd (the same on all ranks) whose records take `record` bytes. Collective.
+    /// Makes space for a crowd (the same on all ranks) whose records take `record` bytes. Collective.
     void expect(const Crowd& crowd, std::size_t record);
     /// Particles that may arrive in one step.
     std::size_t most_incoming() const { return most_incoming_; }
@@ -54,7 +54,7 @@ class DeviceMigration {
     std::vector<Peer> peers_;
     Array<std::uint32_t> place_;   ///< by tile: outgoing particles of this peer before its own
     Array<std::uint32_t> facing_;  ///< by peer: particles that can leave to it; zeros before they are counted
-    Crowd crowd_;                  ///< what the rooms are made for; 0: there are none yet
+    Crowd crowd_;                  ///< what the capacities are made for; 0: there are none yet
     std::size_t record_ = 0;
     std::size_t most_incoming_ = 0;
 };

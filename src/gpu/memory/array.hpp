@@ -30,7 +30,7 @@ class Array {
     std::size_t size() const { return size_; }
     std::size_t capacity() const { return capacity_; }
 
-    /// Room for n elements; the old content is lost when it grows.
+    /// Capacity for n elements; the old content is lost when it grows.
     void resize(std::size_t n) {
         if (n > capacity_) reserve(n + (capacity_ > 0 ? n / 16 : 0));
         size_ = n;
@@ -53,8 +53,8 @@ class Array {
         if (n > 0) check(cudaMemcpy(data_, from, n * sizeof(T), cudaMemcpyHostToDevice), "Copying to the device");
     }
     void assign(const std::vector<T>& from) { assign(from.data(), from.size()); }
-    /// Queued on a stream; `from` may change at once, the copy is there when the stream has been waited for. With room
-    /// for an eighth more: the next tables differ a little, and to free memory waits for the whole device.
+    /// Queued on a stream; `from` may change at once, the copy is there when the stream has been waited for. With
+    /// capacity for an eighth more: the next tables differ a little, and to free memory waits for the whole device.
     void assign(const std::vector<T>& from, cudaStream_t stream) {
         if (from.size() > capacity_) reserve(from.size() + from.size() / 8);
         size_ = from.size();

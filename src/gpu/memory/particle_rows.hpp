@@ -67,7 +67,7 @@ struct Columns {
     Row<Real>* log_stretch;
     Real* second_history;
     std::uint64_t* id;
-    std::uint16_t* body;  ///< two to a word: there is room for an even number
+    std::uint16_t* body;  ///< two to a word: there is space for an even number
 };
 
 }  // namespace moraine::gpu

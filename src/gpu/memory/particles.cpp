@@ -75,11 +75,11 @@ void DeviceParticles<Real, Dim>::each_chunk(const ColumnBytes& column, std::size
 
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
-    const auto longer = [&]<class T>(Array<T>& column, std::size_t room) {
+    const auto longer = [&]<class T>(Array<T>& column, std::size_t capacity) {
         Array<T> fresh;
-        fresh.resize(room);
+        fresh.resize(capacity);
         check(cudaMemcpy(fresh.data(), column.data(), n * sizeof(T), cudaMemcpyDeviceToDevice),
-              "Making room for particles");
+              "Growing the storage of particles");
         column.swap(fresh);
     };
     spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();

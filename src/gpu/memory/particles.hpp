@@ -15,14 +15,14 @@ class DeviceParticles {
   public:
     explicit DeviceParticles(const ColumnNeeds& needs) : needs_(needs) {}
 
-    std::size_t room() const { return id_.size(); }  ///< slots
+    std::size_t capacity() const { return id_.size(); }  ///< slots
     Columns<Real, Dim> view() const;
 
-    /// Room for n particles, all of them zeros. Synchronous.
+    /// Capacity for n particles, all of them zeros. Synchronous.
     void clear(std::size_t n);
-    /// Takes the host's particles: slot k is what slots[k] is there; room for `most`. Synchronous.
+    /// Takes the host's particles: slot k is what slots[k] is there; capacity for `most`. Synchronous.
     void upload(const std::vector<ColumnBytes>& columns, const std::vector<std::uint32_t>& slots, std::size_t most);
-    /// Room for `most`; the first n slots keep what they hold. Synchronous.
+    /// Capacity for `most`; the first n slots keep what they hold. Synchronous.
     void grow(std::size_t n, std::size_t most);
     /// Row k of the host's columns becomes the particle in slot[k] (on the device), k < n. Synchronous.
     void download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot, std::size_t n);

@@ -10,14 +10,15 @@ namespace moraine::gpu {
 
 constexpr std::size_t message_align = 256;
 
-inline std::size_t message_room(std::size_t bytes) {
+inline std::size_t message_capacity(std::size_t bytes) {
     return (std::max(bytes, sizeof(MessageHead)) + message_align - 1) / message_align * message_align;
 }
 
-/// Starts of the peers' rooms (&TransportPeer::room_out or room_in) one after the other, and their sum.
-inline std::vector<std::size_t> room_starts(const std::vector<TransportPeer>& peers, std::size_t TransportPeer::*room) {
+/// Starts of the peers' capacities (&TransportPeer::capacity_out or capacity_in) one after the other, and their sum.
+inline std::vector<std::size_t> capacity_starts(const std::vector<TransportPeer>& peers,
+                                                std::size_t TransportPeer::*capacity) {
     std::vector<std::size_t> start{0};
-    for (const TransportPeer& peer : peers) start.push_back(start.back() + message_room(peer.*room));
+    for (const TransportPeer& peer : peers) start.push_back(start.back() + message_capacity(peer.*capacity));
     return start;
 }
 

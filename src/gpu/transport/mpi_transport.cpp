@@ -22,8 +22,8 @@ class MpiTransport final : public Transport {
 
     void open(const std::vector<TransportPeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        const std::vector<std::size_t> out_at = room_starts(peers, &TransportPeer::room_out);
-        const std::vector<std::size_t> in_at = room_starts(peers, &TransportPeer::room_in);
+        const std::vector<std::size_t> out_at = capacity_starts(peers, &TransportPeer::capacity_out);
+        const std::vector<std::size_t> in_at = capacity_starts(peers, &TransportPeer::capacity_in);
         here_.resize(in_at.back());
         if (memory_ == MpiMemory::pinned) {
             pinned_out_.resize(out_at.back());
@@ -38,10 +38,10 @@ class MpiTransport final : public Transport {
         sends_.clear(), receives_.clear();
         std::vector<std::byte*> out_pointer, in_pointer;
         for (std::size_t k = 0; k < peers.size(); ++k) {
-            sends_.push_back(
-                {peers[k].rank, from + out_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_out))});
+            sends_.push_back({peers[k].rank, from + out_at[k], 0,
+                              static_cast<std::int64_t>(message_capacity(peers[k].capacity_out))});
             receives_.push_back(
-                {peers[k].rank, to + in_at[k], 0, static_cast<std::int64_t>(message_room(peers[k].room_in))});
+                {peers[k].rank, to + in_at[k], 0, static_cast<std::int64_t>(message_capacity(peers[k].capacity_in))});
             out_pointer.push_back(written + out_at[k]);
             in_pointer.push_back(here_.data() + in_at[k]);
         }

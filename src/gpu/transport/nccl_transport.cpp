@@ -61,8 +61,8 @@ class NcclTransport final : public Transport {
 
     void open(const std::vector<TransportPeer>& peers) override {
         check(cudaDeviceSynchronize(), "Ending an epoch");
-        const std::vector<std::size_t> out_at = room_starts(peers, &TransportPeer::room_out);
-        const std::vector<std::size_t> in_at = room_starts(peers, &TransportPeer::room_in);
+        const std::vector<std::size_t> out_at = capacity_starts(peers, &TransportPeer::capacity_out);
+        const std::vector<std::size_t> in_at = capacity_starts(peers, &TransportPeer::capacity_in);
         out_.resize(out_at.back());
         in_.resize(in_at.back());
         heads_.resize(peers.size() * sizeof(MessageHead));

@@ -24,7 +24,7 @@ class SharedInboxes {
     /// Inbox of another rank.
     std::byte* of(int rank) const { return mapped_[static_cast<std::size_t>(rank)]; }
 
-    /// Room for `bytes` here; where any rank needs more than it has, all exchange theirs anew. Collective.
+    /// Capacity for `bytes` here; where any rank needs more than it has, all exchange theirs anew. Collective.
     void reserve(std::size_t bytes) {
         bytes = std::max<std::size_t>(bytes, 1);  // even an inbox of nothing has an address
         if (comm_.max(static_cast<double>(bytes > size_)) == 0) return;
@@ -100,8 +100,8 @@ class PeerTransport final : public Transport {
         if (comm_.max(static_cast<std::int64_t>(!fits(asked))) == 0) return;
         check(cudaDeviceSynchronize(), "Ending an epoch");
         std::vector<TransportPeer>& peers = peers_ = asked;
-        for (TransportPeer& peer : peers) peer.room_in += peer.room_in / 8;
-        const std::vector<std::size_t> start = room_starts(peers, &TransportPeer::room_in);
+        for (TransportPeer& peer : peers) peer.capacity_in += peer.capacity_in / 8;
+        const std::vector<std::size_t> start = capacity_starts(peers, &TransportPeer::capacity_in);
         const std::size_t flags = peers.size() * message_align;
         inboxes_.reserve(flags + 2 * start.back());
         if (flags > 0) check(cudaMemset(inboxes_.mine(), 0, flags), "Clearing flags");
@@ -126,9 +126,10 @@ class PeerTransport final : public Transport {
 
   private:
     bool fits(const std::vector<TransportPeer>& asked) const {
-        return std::equal(
-            asked.begin(), asked.end(), peers_.begin(), peers_.end(),
-            [](const TransportPeer& a, const TransportPeer& b) { return a.rank == b.rank && a.room_in <= b.room_in; });
+        return std::equal(asked.begin(), asked.end(), peers_.begin(), peers_.end(),
+                          [](const TransportPeer& a, const TransportPeer& b) {
+                              return a.rank == b.rank && a.capacity_in <= b.capacity_in;
+                          });
     }
 
     void address(const std::vector<TransportPeer>& peers, const std::vector<Place>& all,

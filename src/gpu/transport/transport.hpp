@@ -28,11 +28,11 @@ struct alignas(16) MessageHead {
     std::uint64_t count;  ///< the writer's
 };
 
-/// Another rank, and the room for messages to it and from it [bytes], known to both.
+/// Another rank, and the capacity for messages to it and from it [bytes], known to both.
 struct TransportPeer {
     int rank;
-    std::size_t room_out;
-    std::size_t room_in;
+    std::size_t capacity_out;
+    std::size_t capacity_in;
 };
 
 class Transport {
@@ -40,8 +40,8 @@ class Transport {
     virtual ~Transport() = default;
     virtual const char* name() const = 0;
 
-    /// New peers and rooms, between two rounds of the host. If a is a peer of b, b is one of a. Collective over all
-    /// ranks.
+    /// New peers and capacities, between two rounds of the host. If a is a peer of b, b is one of a. Collective over
+    /// all ranks.
     virtual void open(const std::vector<TransportPeer>& peers) = 0;
 
     /// For kernels: arrays of pointers, by peer, that hold for the round to come (outgoing) or just finished

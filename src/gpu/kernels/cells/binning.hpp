@@ -35,11 +35,11 @@ struct Outgoing {
 /// The blocks that hold particles: what a step's kernels run over.
 struct OccupiedBlocks {
     std::int32_t* tile_of;   ///< own: storage index of the block's tile; -1: empty
-    std::int32_t* boundary;  ///< those that some peer needs, in block order: room for all
+    std::int32_t* boundary;  ///< those that some peer needs, in block order: capacity for all
     std::int32_t* interior;  ///< the others
     std::uint32_t* count;    ///< 2: how many of boundary, of interior
     std::uint32_t* served;   ///< 2: the same, or none while there are more of them than tiles
-    std::uint32_t tiles;     ///< of own blocks that there is room for
+    std::uint32_t tiles;     ///< of own blocks that there is capacity for
     std::uint32_t* at_rim;   ///< 1: some particle is in a cell of the rim
 };
 
@@ -65,7 +65,7 @@ struct Binning {
     OccupiedBlocks occupied;    ///< of the old lists; made anew in place
     std::uint32_t* cell_first;  ///< list.cell_first; made anew in place. Means nothing in an empty block
     std::uint32_t* next_first;  ///< own + 1
-    std::uint32_t* next_slot;   ///< room for all particles that there will be
+    std::uint32_t* next_slot;   ///< capacity for all particles that there will be
     Tally* tally;               ///< binning_chunks(own)
 };
 

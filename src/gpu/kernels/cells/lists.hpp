@@ -2,7 +2,7 @@
 // The lists of a rank's blocks on the device, and all that a binning needs to make the next ones.
 //
 // Memory is taken when an epoch begins, by the number of own blocks and by how many particles there may be at once;
-// when more may come, the engine makes room between two steps.
+// when more may come, the engine makes space between two steps.
 
 #include <cuda_runtime.h>
 
@@ -23,17 +23,17 @@ class Lists {
 
     /// What an epoch brings; install() or renew() follows.
     void swap(ListTables& tables) { tables_.swap(tables); }
-    /// The state of `binned`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; room for
+    /// The state of `binned`, whose slots are 0, 1, 2, ... on the device; `table`: the tables' copy there; capacity for
     /// `most` particles. The cells' bounds are left to whoever knows the places. Synchronous.
     void install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                  std::size_t most);
     /// The same particles under other tables. Asynchronous.
     void renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream);
-    /// The state of `binned`, whose particles are those of `blocks`; room as before. The cells' bounds are left to
+    /// The state of `binned`, whose particles are those of `blocks`; capacity as before. The cells' bounds are left to
     /// whoever knows the places. Asynchronous.
     void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                    const std::vector<Stretch>& blocks, cudaStream_t stream);
-    /// Room for `most` particles. Slots become 0, 1, 2, ...; moves and outgoing particles are lost. Synchronous.
+    /// Capacity for `most` particles. Slots become 0, 1, 2, ...; moves and outgoing particles are lost. Synchronous.
     void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.
     void limit_tiles(std::uint32_t tiles, const BlockTable<Dim>& table, cudaStream_t stream);
@@ -43,7 +43,7 @@ class Lists {
     Chosen interior() const { return {interior_.data(), occupied_.data() + 3}; }
     std::int32_t* tile_of() const { return tile_of_.data(); }  ///< own blocks, then ghosts
     std::uint32_t* cell_bounds() const { return cell_first_.data(); }
-    std::size_t room() const { return slot_.size(); }
+    std::size_t capacity() const { return slot_.size(); }
     const std::uint32_t* particles() const { return first_.data() + own_; }
     const std::uint32_t* occupied() const { return occupied_.data(); }    ///< boundary, interior: however many tiles
     const std::uint32_t* at_rim() const { return occupied_.data() + 4; }  ///< Binning::at_rim
@@ -66,8 +66,8 @@ class Lists {
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
-    void make_room(const EpochTables<Dim>& tables, cudaStream_t stream);
-    void make_room(std::size_t most);
+    void grow(const EpochTables<Dim>& tables, cudaStream_t stream);
+    void grow(std::size_t most);
     std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const BinnedBlocks& binned) const;
 
     std::size_t own_ = 0;

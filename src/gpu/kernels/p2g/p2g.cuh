@@ -165,7 +165,7 @@ constexpr int larger(int a, int b) {
 }
 
 /// Dynamic shared memory. One pass: planes of both parts where the records were. Two: records, then planes of one part.
-/// Behind the planes: room to fold them in.
+/// Behind the planes: space to fold them in.
 template <class Case, int Passes, int Stages>
 constexpr int planes_from() {
     return Passes == 1

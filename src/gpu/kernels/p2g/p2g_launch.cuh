@@ -13,7 +13,7 @@ struct P2gPlan {
 };
 
 /// The fastest of those measured on an H200 that spill no register. What counts most is thread blocks per
-/// multiprocessor; two passes pay where the sums of one would leave room for too few.
+/// multiprocessor; two passes pay where the sums of one would leave registers for too few.
 template <class Case>
 constexpr P2gPlan p2g_plan() {
     constexpr bool single = sizeof(typename Case::Real) == 4, flat = Case::dim == 2;
