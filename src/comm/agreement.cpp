@@ -14,7 +14,7 @@ void combine(void* in, void* in_out, int* n, MPI_Datatype*) {
         b[k].count = std::max(a[k].count, b[k].count);
         b[k].count_sum += a[k].count_sum;
         b[k].blocks += a[k].blocks;
-        b[k].crowd.take_most(a[k].crowd);
+        b[k].migration_bound.take_most(a[k].migration_bound);
         b[k].faults |= a[k].faults;
         b[k].at_rim |= a[k].at_rim;
         b[k].making |= a[k].making;

@@ -61,8 +61,8 @@ struct BlockCounts {
 /// Sizes of the share in the last binned state.
 struct Census {
     std::int64_t particles = 0;
-    std::int64_t blocks = 0;  ///< occupied
-    Crowd crowd;              ///< on a device
+    std::int64_t blocks = 0;         ///< occupied
+    MigrationBound migration_bound;  ///< on a device
 };
 
 /// What this rank has sent since the run began.
@@ -120,8 +120,8 @@ class Engine {
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;
-    /// Before the gather: no more leave than `crowd`, the same on all ranks. Collective.
-    virtual void expect_outgoing(const Crowd& /*crowd*/) {}
+    /// Before the gather: no more leave than `bound`, the same on all ranks. Collective.
+    virtual void expect_outgoing(const MigrationBound& /*bound*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;

@@ -123,7 +123,7 @@ struct GridToParticles {
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        if (averages && crowded) mean = mean_of_crowd(begin, end, nodes, folded);
+        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, folded);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
@@ -152,8 +152,8 @@ struct GridToParticles {
     }
 
     /// The means of a cell with more particles than a batch holds: they are gathered twice.
-    MORAINE_HD VolumetricMean<Real> mean_of_crowd(std::uint32_t begin, std::uint32_t end, const Q* nodes,
-                                                  const bool* folded) const {
+    MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
+                                                     const bool* folded) const {
         VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
             const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);

@@ -59,7 +59,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void send_halo() override;
     void sum_interior() override;
     void receive_halo() override;
-    void expect_outgoing(const Crowd& crowd) override;
+    void expect_outgoing(const MigrationBound& bound) override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>&) override;
@@ -74,7 +74,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void change_tables();
     void open_epoch();
     void count_boundary();
-    void count_crowd();
+    void count_migration_bound();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();

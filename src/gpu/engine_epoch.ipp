@@ -71,18 +71,18 @@ void DeviceEngine<Real, Dim>::open_epoch() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::count_boundary() {
     if (!exchange_) return;
-    count_crowd();
+    count_migration_bound();
     stream_.wait();
     boundary_blocks_ = static_cast<int>(lists_.occupied_boundary());
     const Counters counted = counters_.host().front();
-    census_.crowd = {counted.crowd[0], counted.crowd[1]};
+    census_.migration_bound = {counted.migration_bound[0], counted.migration_bound[1]};
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::count_crowd() {
+void DeviceEngine<Real, Dim>::count_migration_bound() {
     if (!exchange_) return;
-    exchange_->migration.count_crowd(exchange_->routes.send(), tables_.view(), lists_.view(), counters_.data(),
-                                     stream_);
+    exchange_->migration.count_migration_bound(exchange_->routes.send(), tables_.view(), lists_.view(),
+                                               counters_.data(), stream_);
 }
 
 template <class Real, int Dim>

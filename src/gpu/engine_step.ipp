@@ -36,7 +36,7 @@ void DeviceEngine<Real, Dim>::bin() {
         change_tables();
         watch_.begin_again(stream_);
     }
-    count_crowd();
+    count_migration_bound();
     fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.at_rim(), counters_.data(),
                 report_.device(), stream_);
     reported_.record(stream_);
@@ -92,9 +92,9 @@ void DeviceEngine<Real, Dim>::receive_halo() {
 
 /// Capacity for the messages, and in memory for all that may arrive in this step.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::expect_outgoing(const Crowd& crowd) {
+void DeviceEngine<Real, Dim>::expect_outgoing(const MigrationBound& bound) {
     if (!exchange_) return;
-    exchange_->migration.expect(crowd, record_layout(particles_.view()).bytes());
+    exchange_->migration.expect(bound, record_layout(particles_.view()).bytes());
     const std::size_t incoming = exchange_->migration.most_incoming();
     const std::size_t most = static_cast<std::size_t>(census_.particles) + incoming;
     if (most > particles_.capacity())
@@ -198,7 +198,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_census() {
     reported_.wait();
     if (!report_is_of_epoch_) return;
-    census_ = {report_->particles, report_->occupied(), {report_->crowd[0], report_->crowd[1]}};
+    census_ = {report_->particles, report_->occupied(), {report_->migration_bound[0], report_->migration_bound[1]}};
     boundary_blocks_ = static_cast<int>(report_->boundary);
     stored_ = report_->stored;
 }

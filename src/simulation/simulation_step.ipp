@@ -34,7 +34,7 @@ void Simulation<Real, Dim>::start_agreement() {
     const Census census = engine_->census();
     own_.count = census.particles;
     own_.blocks = census.blocks;
-    own_.crowd = census.crowd;
+    own_.migration_bound = census.migration_bound;
     own_.making = next_epoch_.is_ready() ? 0 : 1;
     own_.stop = asked_;
     asked_ = 0;
@@ -74,7 +74,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         clock_.dt = scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.pull[a] += scene_.gravity[a] * clock_.dt;
-    engine_->expect_outgoing(agreed_.crowd);
+    engine_->expect_outgoing(agreed_.migration_bound);
 }
 
 /// Free structures are moved alike on all ranks: by a sum that is the same whoever owns the nodes.

@@ -17,7 +17,7 @@ TEST_CASE("all ranks learn the largest, the sums and every fault and request") {
         mine.seconds_sum = 1e9;  // overwritten
         mine.count = (std::int64_t(1) << 40) + r;
         mine.blocks = 100 + r;
-        mine.crowd = {7 - r, 1000 + r};
+        mine.migration_bound = {7 - r, 1000 + r};
         mine.making = r == 0 ? 1u : 0u;
         mine.faults = 1u << r;
         mine.stop = r == n - 1 ? 2u : 0u;
@@ -30,8 +30,8 @@ TEST_CASE("all ranks learn the largest, the sums and every fault and request") {
         CHECK(all.count == (std::int64_t(1) << 40) + n - 1);
         CHECK(all.count_sum == n * (std::int64_t(1) << 40) + n * (n - 1) / 2);
         CHECK(all.blocks == 100 * n + n * (n - 1) / 2);
-        CHECK(all.crowd.block == 7);
-        CHECK(all.crowd.pair == 1000 + n - 1);
+        CHECK(all.migration_bound.block == 7);
+        CHECK(all.migration_bound.pair == 1000 + n - 1);
         CHECK(all.making == 1);
         CHECK(all.faults == (1u << n) - 1);
         CHECK(all.stop == 2);

@@ -1,15 +1,15 @@
 #include "comm/block_move.hpp"
-#include "comm/crowd.hpp"
+#include "comm/swarm.hpp"
 
 using namespace moraine;
-using moraine::test::Crowd;
 using moraine::test::fraction;
+using moraine::test::Swarm;
 
 namespace {
 
 template <class C>
-void settle(C& crowd, std::uint64_t walkers, double length) {
-    crowd.settle(walkers, [length](std::uint64_t id, int a) {
+void settle(C& swarm, std::uint64_t walkers, double length) {
+    swarm.settle(walkers, [length](std::uint64_t id, int a) {
         return length * fraction(mix(mix(id) + static_cast<unsigned>(a)));
     });
 }
@@ -19,48 +19,48 @@ void settle(C& crowd, std::uint64_t walkers, double length) {
 TEST_CASE_TEMPLATE("whole blocks arrive with every column and in list order, whatever the owners", Real, float,
                    double) {
     const Scene scene = test::periodic_scene(3, 3, 3, 3);
-    Crowd<Real, 3> crowd(MPI_COMM_WORLD, scene);
-    settle(crowd, 2000, 12);
-    const auto before = crowd.rows();
+    Swarm<Real, 3> swarm(MPI_COMM_WORLD, scene);
+    settle(swarm, 2000, 12);
+    const auto before = swarm.rows();
     CHECK(before.size() == 2000);
     for (std::uint64_t round = 1; round < 8; ++round) {
-        crowd.shuffle(round);
-        CHECK(crowd.rows() == before);
-        for (Key key : crowd.patch.binned().key) CHECK(crowd.owner_of(key, round) == crowd.comm.rank());
+        swarm.shuffle(round);
+        CHECK(swarm.rows() == before);
+        for (Key key : swarm.patch.binned().key) CHECK(swarm.owner_of(key, round) == swarm.comm.rank());
     }
 }
 
 TEST_CASE("what moved is counted, and nothing moves to where it is") {
     const Scene scene = test::periodic_scene(2, 5, 5, 1);
-    Crowd<double, 2> crowd(MPI_COMM_WORLD, scene);
-    settle(crowd, 1000, 20);
-    const BlockMoveCount stay = crowd.shuffle(0);
+    Swarm<double, 2> swarm(MPI_COMM_WORLD, scene);
+    settle(swarm, 1000, 20);
+    const BlockMoveCount stay = swarm.shuffle(0);
     CHECK(stay.particles == 0);
     CHECK(stay.blocks == 0);
-    const BinnedBlocks binned = crowd.patch.binned();
+    const BinnedBlocks binned = swarm.patch.binned();
     std::int64_t blocks = 0, particles = 0;
     for (std::size_t b = 0; b < binned.key.size(); ++b) {
-        if (crowd.owner_of(binned.key[b], 5) == crowd.comm.rank()) continue;
+        if (swarm.owner_of(binned.key[b], 5) == swarm.comm.rank()) continue;
         ++blocks;
         particles += binned.count[b];
     }
-    const BlockMoveCount moved = crowd.shuffle(5);
+    const BlockMoveCount moved = swarm.shuffle(5);
     CHECK(moved.blocks == blocks);
     CHECK(moved.particles == particles);
 }
 
 TEST_CASE("all blocks may go to one rank, and back; ranks may be left with nothing") {
     const Scene scene = test::periodic_scene(2, 4, 4, 1);
-    Crowd<float, 2> crowd(MPI_COMM_WORLD, scene);
-    settle(crowd, 500, 16);
-    const auto before = crowd.rows();
-    for (int owner = crowd.comm.size() - 1; owner >= 0; --owner) {
-        const BinnedBlocks binned = crowd.patch.binned();
+    Swarm<float, 2> swarm(MPI_COMM_WORLD, scene);
+    settle(swarm, 500, 16);
+    const auto before = swarm.rows();
+    for (int owner = swarm.comm.size() - 1; owner >= 0; --owner) {
+        const BinnedBlocks binned = swarm.patch.binned();
         BlockMoveCount moved;
-        crowd.begin_epoch(
-            move_blocks(crowd.comm, crowd.patch, binned, std::vector<std::int32_t>(binned.key.size(), owner), moved));
-        CHECK(crowd.patch.count() == (crowd.comm.rank() == owner ? 500 : 0));
-        CHECK(crowd.rows() == before);
+        swarm.begin_epoch(
+            move_blocks(swarm.comm, swarm.patch, binned, std::vector<std::int32_t>(binned.key.size(), owner), moved));
+        CHECK(swarm.patch.count() == (swarm.comm.rank() == owner ? 500 : 0));
+        CHECK(swarm.rows() == before);
     }
 }
 

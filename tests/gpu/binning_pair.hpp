@@ -26,7 +26,7 @@ struct Plan {
     double filled = 1;   ///< share of the blocks that hold particles
     int particles = 30;  ///< of a filled block, at most twice that
     bool even = false;   ///< just as many in each
-    int crowd = 0;       ///< particles of one more block, all in one cell
+    int crammed = 0;     ///< particles of one more block, all in one cell
 };
 
 /// A host's share and its copy on the device, binned side by side.
@@ -149,7 +149,7 @@ class FilingPair {
     bool chance(double p) { return std::uniform_real_distribution<double>(0, 1)(random_) < p; }
     int below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
     int particles_of(bool first) {
-        if (first && plan_.crowd > 0) return plan_.crowd;
+        if (first && plan_.crammed > 0) return plan_.crammed;
         if (!chance(plan_.filled)) return 0;
         return plan_.even ? plan_.particles : 1 + below(2 * plan_.particles);
     }
@@ -164,7 +164,7 @@ class FilingPair {
         for (std::uint32_t n : binned.count) {
             std::shuffle(begin, begin + n, random_);
             std::vector<int> cells(n, below(B::cells));
-            if (static_cast<int>(n) != plan_.crowd)
+            if (static_cast<int>(n) != plan_.crammed)
                 for (int& c : cells) c = below(B::cells);
             std::sort(cells.begin(), cells.end());
             for (std::size_t k = 0; k < n; ++k)

@@ -201,11 +201,11 @@ TEST_CASE("a report is the fold of all accounts with the counts of the binning, 
     CHECK(report->interior == 7);
     CHECK(report->occupied() == 13);
     CHECK(report->stored == 10);
-    CHECK(report->crowd[0] == 11);
-    CHECK(report->crowd[1] == 12);
+    CHECK(report->migration_bound[0] == 11);
+    CHECK(report->migration_bound[1] == 12);
     CHECK(report->at_rim == 1);
-    CHECK(counters.host().front().crowd[0] == 0);
-    CHECK(counters.host().front().crowd[1] == 0);
+    CHECK(counters.host().front().migration_bound[0] == 0);
+    CHECK(counters.host().front().migration_bound[1] == 0);
     CHECK(counters.host().front().stored == 10);
     const gpu::Account<3> empty = empty_account();
     for (const gpu::Account<3>& a : accounts.host()) CHECK(std::memcmp(&a, &empty, sizeof(empty)) == 0);

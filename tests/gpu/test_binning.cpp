@@ -43,9 +43,9 @@ TEST_CASE("device and host lists agree when all particles leave at once, when ha
 }
 
 TEST_CASE("device and host lists agree in blocks of tens of thousands of particles, at first all in one cell") {
-    same_lists<2>({.count = {3, 2}, .crowd = 70001}, {0.02, 0.001, 0.1}, 4);
-    same_lists<3>({.count = {3, 2, 2}, .crowd = 70001}, {0.02, 0.001, 0.1}, 4);
-    same_lists<3>({.count = {2, 2, 2}, .crowd = 40000}, {1, 0, 1}, 3);
+    same_lists<2>({.count = {3, 2}, .crammed = 70001}, {0.02, 0.001, 0.1}, 4);
+    same_lists<3>({.count = {3, 2, 2}, .crammed = 70001}, {0.02, 0.001, 0.1}, 4);
+    same_lists<3>({.count = {2, 2, 2}, .crammed = 40000}, {1, 0, 1}, 3);
 }
 
 TEST_CASE("particles that leave through an open wall leave the device's lists, down to the last") {

@@ -8,10 +8,10 @@ namespace {
 
 /// By the definition, from the host's lists: who stands where less than a cell leads to a block of the peer.
 template <int Dim>
-Crowd crowd_of(const EpochTables<Dim>& tables, const ListView<Dim>& list) {
+MigrationBound migration_bound_of(const EpochTables<Dim>& tables, const ListView<Dim>& list) {
     using B = Block<Dim>;
     const auto own = static_cast<std::int32_t>(tables.own.size());
-    Crowd crowd;
+    MigrationBound migration_bound;
     for (const PeerHalo& peer : tables.peers) {
         std::int64_t pair = 0;
         for (std::int32_t b : peer.send.block) {
@@ -27,12 +27,12 @@ Crowd crowd_of(const EpochTables<Dim>& tables, const ListView<Dim>& list) {
             const std::uint32_t* bound = list.cell_first + b * (B::cells + 1);
             for (int c = 0; c < B::cells && list.count(b) > 0; ++c)
                 if (leads_to_peer(c)) block += bound[c + 1] - bound[c];
-            crowd.take_most({block, 0});
+            migration_bound.take_most({block, 0});
             pair += block;
         }
-        crowd.take_most({0, pair});
+        migration_bound.take_most({0, pair});
     }
-    return crowd;
+    return migration_bound;
 }
 
 template <int Dim>
@@ -52,23 +52,24 @@ void compare(const test::Plan<Dim>& plan) {
     gpu::DeviceMigration<Dim> migration(nullptr);
     for (int twice = 0; twice < 2; ++twice) {  // an epoch begins with sums of zero
         migration.begin_epoch(epoch, nullptr);
-        migration.count_crowd(routes.send(), tables.view(), {first.data(), cell_first.data(), nullptr}, counters.data(),
-                              nullptr);
+        migration.count_migration_bound(routes.send(), tables.view(), {first.data(), cell_first.data(), nullptr},
+                                        counters.data(), nullptr);
     }
-    const Crowd expected = crowd_of(epoch, host);
+    const MigrationBound expected = migration_bound_of(epoch, host);
     const gpu::Counters found = counters.host().front();
     CHECK(epoch.peers.size() == static_cast<std::size_t>(plan.ranks - 1));
-    CHECK(found.crowd[0] == expected.block);
-    CHECK(found.crowd[1] == expected.pair);
+    CHECK(found.migration_bound[0] == expected.block);
+    CHECK(found.migration_bound[1] == expected.pair);
     CHECK(expected.block > 0);
     CHECK(expected.pair > expected.block);
 }
 
 }  // namespace
 
-TEST_CASE("the crowd is who stands where less than a cell leads to the peer, of a block and of all of a pair") {
+TEST_CASE(
+    "the migration bound is who stands where less than a cell leads to the peer, of a block and of all of a pair") {
     compare<2>({.count = {9, 8}, .ranks = 4, .filled = 0.8});
     compare<3>({.count = {5, 4, 6}, .ranks = 3, .filled = 0.7});
     compare<3>({.count = {4, 4, 4}, .periodic = false, .ranks = 2});
-    compare<3>({.count = {3, 2, 2}, .ranks = 2, .crowd = 70001});
+    compare<3>({.count = {3, 2, 2}, .ranks = 2, .migration_bound = 70001});
 }

@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "gpu/crowd_cells.hpp"
 #include "gpu/dense_box.cuh"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/p2g/p2g.hpp"
+#include "gpu/overfull_cells.hpp"
 
 using namespace moraine;
 using moraine::test::DeviceSample;
@@ -36,7 +36,7 @@ void each_method(const F& f) {
                 Scene scene = test::sample_scene(C::dim, shape, periodic);
                 scene.transfer = transfer;
                 Sample<typename C::Real, C::dim> sample(scene, C::dim == 2 ? 1200 : 3000, 11);
-                test::crowd(sample);
+                test::overfill(sample);
                 REQUIRE(test::fullest_cell(sample) >= 100);
                 f(sample);
             }

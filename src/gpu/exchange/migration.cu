@@ -13,7 +13,7 @@ namespace {
 constexpr int threads = scan_threads;
 constexpr int warps = threads / 32;
 
-/// What it is to be when it was `had` and is to be at least `least`: a growing crowd does not grow capacities at each
+/// What it is to be when it was `had` and is to be at least `least`: a growing bound does not grow capacities at each
 /// step.
 constexpr std::int64_t grown(std::int64_t had, std::int64_t least) {
     return least > had ? least + least / 4 + 32 : had;
@@ -53,13 +53,14 @@ __device__ __forceinline__ std::uint32_t facing_of(const Route& route, const Blo
 
 /// The largest of the sums so far is the largest sum. facing: zeros.
 __device__ __forceinline__ void add_facing(std::uint32_t n, int k, std::uint32_t* facing, Counters* counters) {
-    if (n > 0) atomicMax(&counters->crowd[1], atomicAdd(&facing[k], n) + n);
+    if (n > 0) atomicMax(&counters->migration_bound[1], atomicAdd(&facing[k], n) + n);
 }
 
 /// A warp per block that a peer needs. Those of a thread block mostly share a peer: they are added up there first.
 template <int Dim>
 __global__ void __launch_bounds__(threads)
-    crowd_kernel(Route route, BlockTable<Dim> table, ListView<Dim> list, std::uint32_t* facing, Counters* counters) {
+    migration_bound_kernel(Route route, BlockTable<Dim> table, ListView<Dim> list, std::uint32_t* facing,
+                           Counters* counters) {
     __shared__ std::uint32_t most, sum;
     if (threadIdx.x == 0) most = sum = 0;
     __syncthreads();
@@ -74,7 +75,7 @@ __global__ void __launch_bounds__(threads)
     }
     __syncthreads();
     if (threadIdx.x > 0) return;
-    if (most > 0) atomicMax(&counters->crowd[0], most);
+    if (most > 0) atomicMax(&counters->migration_bound[0], most);
     add_facing(sum, usual, facing, counters);
 }
 
@@ -227,13 +228,13 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables, cudaStrea
     if (!peers_.empty())
         check(cudaMemsetAsync(facing_.data(), 0, peers_.size() * sizeof(std::uint32_t), stream), "Beginning an epoch");
     const std::size_t record = std::exchange(record_, 0);
-    if (record > 0) expect(crowd_, record);
+    if (record > 0) expect(migration_bound_, record);
 }
 
 template <int Dim>
-void DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
-    if (record == record_ && crowd.block <= crowd_.block && crowd.pair <= crowd_.pair) return;
-    crowd_ = {grown(crowd_.block, crowd.block), grown(crowd_.pair, crowd.pair)};
+void DeviceMigration<Dim>::expect(const MigrationBound& bound, std::size_t record) {
+    if (record == record_ && bound.block <= migration_bound_.block && bound.pair <= migration_bound_.pair) return;
+    migration_bound_ = {grown(migration_bound_.block, bound.block), grown(migration_bound_.pair, bound.pair)};
     record_ = record;
     std::vector<TransportPeer> peers;
     most_incoming_ = 0;
@@ -248,15 +249,17 @@ void DeviceMigration<Dim>::expect(const Crowd& crowd, std::size_t record) {
 /// Outgoing particles of so many blocks to one peer.
 template <int Dim>
 std::size_t DeviceMigration<Dim>::most_from(std::size_t tiles) const {
-    return std::min(tiles * static_cast<std::size_t>(crowd_.block), static_cast<std::size_t>(crowd_.pair));
+    return std::min(tiles * static_cast<std::size_t>(migration_bound_.block),
+                    static_cast<std::size_t>(migration_bound_.pair));
 }
 
 template <int Dim>
-void DeviceMigration<Dim>::count_crowd(const Route& send, const BlockTable<Dim>& table, const ListView<Dim>& list,
-                                       Counters* counters, cudaStream_t stream) {
+void DeviceMigration<Dim>::count_migration_bound(const Route& send, const BlockTable<Dim>& table,
+                                                 const ListView<Dim>& list, Counters* counters, cudaStream_t stream) {
     if (send.tiles == 0) return;
-    crowd_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, table, list, facing_.data(), counters);
-    check(cudaGetLastError(), "Counting a crowd");
+    migration_bound_kernel<<<blocks_for(send.tiles, warps), threads, 0, stream>>>(send, table, list, facing_.data(),
+                                                                                  counters);
+    check(cudaGetLastError(), "Counting the migration bound");
 }
 
 template <int Dim>

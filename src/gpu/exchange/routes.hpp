@@ -96,9 +96,9 @@ class Routes {
 /// What ranks have sent, and what the next messages need; on the device, added to by kernels.
 struct Counters {
     std::uint64_t halo_bytes;
-    std::uint64_t crossed;   ///< particles that walked to other ranks
-    std::uint32_t stored;    ///< slots in use: those at or above are free
-    std::uint32_t crowd[2];  ///< of a block, of a pair (comm/agreement.hpp), since the last report
+    std::uint64_t crossed;             ///< particles that walked to other ranks
+    std::uint32_t stored;              ///< slots in use: those at or above are free
+    std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp), since the last report
 };
 
 }  // namespace moraine::gpu

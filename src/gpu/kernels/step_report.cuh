@@ -61,9 +61,10 @@ __global__ void __launch_bounds__(32)
     }
     merge_lanes(sum);
     if (lane_id() > 0) return;
-    *report = {sum,    *particles, occupied[0], occupied[1], counters->stored, {counters->crowd[0], counters->crowd[1]},
+    *report = {sum,         *particles,       occupied[0],
+               occupied[1], counters->stored, {counters->migration_bound[0], counters->migration_bound[1]},
                *at_rim};
-    counters->crowd[0] = counters->crowd[1] = 0;
+    counters->migration_bound[0] = counters->migration_bound[1] = 0;
 }
 
 template <int Dim>

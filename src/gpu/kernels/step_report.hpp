@@ -14,17 +14,17 @@ namespace moraine::gpu {
 template <int Dim>
 struct Report {
     Account<Dim> account;
-    std::uint32_t particles;  ///< in the lists
-    std::uint32_t boundary;   ///< occupied blocks that some peer needs
-    std::uint32_t interior;   ///< the other occupied ones
-    std::uint32_t stored;     ///< slots in use
-    std::uint32_t crowd[2];   ///< of a block, of a pair (comm/agreement.hpp)
-    std::uint32_t at_rim;     ///< 1: some particle is in a cell of the rim
+    std::uint32_t particles;           ///< in the lists
+    std::uint32_t boundary;            ///< occupied blocks that some peer needs
+    std::uint32_t interior;            ///< the other occupied ones
+    std::uint32_t stored;              ///< slots in use
+    std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp)
+    std::uint32_t at_rim;              ///< 1: some particle is in a cell of the rim
 
     std::uint32_t occupied() const { return boundary + interior; }
 };
 
-/// Folds and empties the accounts, and the counters' crowd. particles: first[own]; occupied: both counts of
+/// Folds and empties the accounts, and the counters' migration bound. particles: first[own]; occupied: both counts of
 /// gpu/kernels/cells/binning.hpp; at_rim: its flag.
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,

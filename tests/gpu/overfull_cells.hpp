@@ -7,7 +7,7 @@ namespace moraine::test {
 
 /// Every third block's particles move into the cell of its first one: a hundred and more in one cell, none in others.
 template <class Real, int Dim>
-void crowd(Sample<Real, Dim>& sample) {
+void overfill(Sample<Real, Dim>& sample) {
     constexpr int cells = Block<Dim>::cells;
     const ListView<Dim> list = sample.patch.list();
     const ParticleView<Real, Dim> p = sample.patch.particles.view();

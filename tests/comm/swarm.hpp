@@ -1,6 +1,6 @@
 #pragma once
 // Walkers in a periodic domain: particles that move by a hash of their id and the step, spread over the
-// ranks of a communicator. A crowd on MPI_COMM_SELF is what the one on all ranks must equal.
+// ranks of a communicator. A swarm on MPI_COMM_SELF is what the one on all ranks must equal.
 
 #include <doctest/doctest.h>
 
@@ -22,11 +22,11 @@ inline double fraction(std::uint64_t h) {
 }
 
 template <class Real, int Dim>
-class Crowd {
+class Swarm {
   public:
     using Share = Patch<Host, Real, Dim>;
 
-    Crowd(MPI_Comm parent, const Scene& scene)
+    Swarm(MPI_Comm parent, const Scene& scene)
         : comm(parent),
           patch({true, true, false, 1, false}, stencil_of(scene.shape).width),
           domain_(scene),
