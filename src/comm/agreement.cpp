@@ -16,7 +16,7 @@ void combine(void* in, void* in_out, int* n, MPI_Datatype*) {
         b[k].blocks += a[k].blocks;
         b[k].migration_bound.take_most(a[k].migration_bound);
         b[k].faults |= a[k].faults;
-        b[k].at_rim |= a[k].at_rim;
+        b[k].in_guard_layer |= a[k].in_guard_layer;
         b[k].making |= a[k].making;
         b[k].stop |= a[k].stop;
     }

@@ -23,18 +23,18 @@ struct MigrationBound {
 };
 
 struct Agreement {
-    double signal = 0;               ///< max: c + |v| [m/s]
-    double moved = 0;                ///< max: displacement of the last step [cells]
-    double seconds = 0;              ///< max: compute time of the last step, without waiting [s]
-    double seconds_sum = 0;          ///< sum; reported only
-    std::int64_t count = 0;          ///< max: particles of a rank
-    std::int64_t count_sum = 0;      ///< sum
-    std::int64_t blocks = 0;         ///< sum: occupied
-    MigrationBound migration_bound;  ///< max
-    std::uint32_t faults = 0;        ///< or: bits of Fault
-    std::uint32_t at_rim = 0;        ///< or: 1 some particle could leave the topology soon (comm/rim.hpp)
-    std::uint32_t making = 0;        ///< or: 1 the next epoch is still being made
-    std::uint32_t stop = 0;          ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
+    double signal = 0;                 ///< max: c + |v| [m/s]
+    double moved = 0;                  ///< max: displacement of the last step [cells]
+    double seconds = 0;                ///< max: compute time of the last step, without waiting [s]
+    double seconds_sum = 0;            ///< sum; reported only
+    std::int64_t count = 0;            ///< max: particles of a rank
+    std::int64_t count_sum = 0;        ///< sum
+    std::int64_t blocks = 0;           ///< sum: occupied
+    MigrationBound migration_bound;    ///< max
+    std::uint32_t faults = 0;          ///< or: bits of Fault
+    std::uint32_t in_guard_layer = 0;  ///< or: 1 some particle could leave the topology soon (comm/guard_layer.hpp)
+    std::uint32_t making = 0;          ///< or: 1 the next epoch is still being made
+    std::uint32_t stop = 0;            ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
 };
 
 /// One reduction at a time: start, other work, finish.

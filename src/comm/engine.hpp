@@ -26,7 +26,7 @@ struct StepReport {
     double signal = 0;  ///< largest c + |v| [m/s]
     double moved = 0;   ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
-    bool at_rim = false;                   ///< when they were binned, by the tables of then (comm/rim.hpp)
+    bool in_guard_layer = false;           ///< when they were binned, by the tables of then (comm/guard_layer.hpp)
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
     Ledger<Dim> ledger;                    ///< to be added
     std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "comm/growth.hpp"
+#include "comm/guard_layer.hpp"
 #include "comm/halo_lists.hpp"
 #include "comm/in_order.hpp"
-#include "comm/rim.hpp"
 
 namespace moraine {
 
@@ -92,11 +92,11 @@ class Builder {
         return blocks;
     }
 
-    static std::uint64_t rim_of(unsigned child, Places absent) {
-        std::uint64_t rim = 0;
+    static std::uint64_t guard_layer_of(unsigned child, Places absent) {
+        std::uint64_t guard_layer = 0;
         for (std::size_t code = 0; (absent & place_tables<Dim>.around[child]) != 0 && code < offsets; ++code)
-            if (absent >> place_tables<Dim>.at[child][code] & 1u) rim |= rims<Dim>[code];
-        return rim;
+            if (absent >> place_tables<Dim>.at[child][code] & 1u) guard_layer |= guard_layers<Dim>[code];
+        return guard_layer;
     }
 
     bool at_face(const BlockPosition<Dim>& at, int last) const {
@@ -111,7 +111,7 @@ class Builder {
     void link_blocks() {
         e_.position.resize(e_.own.size());
         e_.border.resize(e_.own.size());
-        e_.rim.resize(e_.own.size());
+        e_.guard_layer.resize(e_.own.size());
         e_.neighbour.resize(e_.own.size() * offsets);
         beside_foreign_.resize(e_.own.size());
         is_ghost_.resize(topology_.keys.size());
@@ -131,7 +131,7 @@ class Builder {
                 const BlockPosition<Dim> at = Morton<Dim>::decode(e_.own[i]);
                 e_.position[i] = as_vec<Dim>(at);
                 e_.border[i] = at_face(at, 4 + stencil_.width);
-                e_.rim[i] = rim_of(child, absent);
+                e_.guard_layer[i] = guard_layer_of(child, absent);
                 for (std::size_t code = 0; code < offsets; ++code)
                     e_.neighbour[i * offsets + code] = near[place_tables<Dim>.at[child][code]];
                 beside_foreign_[i] = (foreign_near & place_tables<Dim>.around[child]) != 0;

@@ -37,8 +37,9 @@ struct EpochTables {
     std::vector<Vec<std::int32_t, Dim>> position;  ///< own
     std::vector<std::int32_t> neighbour;           ///< own x offsets: own, own + ghost, or -1
     std::vector<std::uint8_t> border;              ///< own
-    std::vector<std::uint64_t> rim;                ///< own: bit per cell, near a block that there is not (comm/rim.hpp)
-    std::vector<Key> node_key;                     ///< node blocks, ascending
+    std::vector<std::uint64_t>
+        guard_layer;            ///< own: bit per cell, near a block that there is not (comm/guard_layer.hpp)
+    std::vector<Key> node_key;  ///< node blocks, ascending
     std::vector<Vec<std::int32_t, Dim>> node_position;
     std::vector<std::uint8_t> node_border;
     std::vector<std::int32_t> node_block;  ///< own x corners

@@ -68,7 +68,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::bin() {
     if (!moving_) return;
     migration_->finish();
-    report_.at_rim = patch_.is_at_rim();
+    report_.in_guard_layer = patch_.is_in_guard_layer();
     moving_ = false;
 }
 

@@ -72,8 +72,8 @@ class Patch {
     /// `ghost_outgoing` in ghost order, `ghost_first` with ghosts + 1 entries.
     void make_lists(const std::vector<OutgoingParticle>& ghost_outgoing, const std::vector<std::uint32_t>& ghost_first);
 
-    /// Whether some particle is in a cell of the rim. Binned state only.
-    bool is_at_rim() const;
+    /// Whether some particle is in a cell of the guard layer. Binned state only.
+    bool is_in_guard_layer() const;
 
     /// Puts the memory into list order if more than `share` of it is out of order or unused.
     void refresh_memory(double share);

@@ -162,14 +162,14 @@ void Patch<Space, Real, Dim>::make_lists(const std::vector<OutgoingParticle>& gh
 }
 
 template <class Space, class Real, int Dim>
-bool Patch<Space, Real, Dim>::is_at_rim() const {
+bool Patch<Space, Real, Dim>::is_in_guard_layer() const {
     const ListView<Dim> lists = list();
     for (int b = 0; b < own(); ++b) {
-        std::uint64_t rim = tables_.rim[static_cast<std::size_t>(b)];
+        std::uint64_t guard_layer = tables_.guard_layer[static_cast<std::size_t>(b)];
         if (lists.count(b) == 0) continue;
         const std::uint32_t* bounds = lists.cell_first + std::int64_t(b) * (Block<Dim>::cells + 1);
-        for (; rim != 0; rim &= rim - 1) {
-            const int cell = std::countr_zero(rim);
+        for (; guard_layer != 0; guard_layer &= guard_layer - 1) {
+            const int cell = std::countr_zero(guard_layer);
             if (bounds[cell + 1] > bounds[cell]) return true;
         }
     }

@@ -37,7 +37,7 @@ void DeviceEngine<Real, Dim>::bin() {
         watch_.begin_again(stream_);
     }
     count_migration_bound();
-    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.at_rim(), counters_.data(),
+    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.in_guard_layer(), counters_.data(),
                 report_.device(), stream_);
     reported_.record(stream_);
     report_is_of_epoch_ = true;
@@ -213,7 +213,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.signal = std::bit_cast<double>(account.signal);
     report.moved = std::bit_cast<double>(account.moved);
     report.faults = account.faults;
-    report.at_rim = report_->at_rim != 0;
+    report.in_guard_layer = report_->in_guard_layer != 0;
     report.clamped = account.clamped;
     report.ledger = ledger_of(account);
     report.felt = structures_.take();

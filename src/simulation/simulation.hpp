@@ -59,11 +59,12 @@ struct RunCounts {
     double particle_steps = 0;
 };
 
-/// An epoch is used up when particles may have moved this far in the rim by the step before [cells]. With less than one
-/// more in the last step and in the next it is below 3: they are still in blocks of the topology (comm/rim.hpp).
+/// An epoch is used up when particles may have moved this far in the guard layer by the step before [cells]. With less
+/// than one more in the last step and in the next it is below 3: they are still in blocks of the topology
+/// (comm/guard_layer.hpp).
 inline constexpr double epoch_reach = 1;
 /// The next epoch was begun to be made too early when particles may have moved this far since [cells]: they would be in
-/// its rim at once, and beyond 4 it would not be theirs.
+/// its guard layer at once, and beyond 4 it would not be theirs.
 inline constexpr double epoch_stale = 1.25;
 
 /// An imbalance check begins so many steps before it is due where plans and tables are made beside the steps: about
@@ -118,8 +119,8 @@ class Simulation {
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
-    /// Whether the next epoch is made beside the steps, from when the rim is reached. By itself it is where the engine
-    /// leaves the host free. The same on all ranks.
+    /// Whether the next epoch is made beside the steps, from when the guard layer is reached. By itself it is where the
+    /// engine leaves the host free. The same on all ranks.
     void foresee_epochs(bool beside) { beside_ = beside; }
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
@@ -253,7 +254,7 @@ class Simulation {
     bool in_place_ = false;          ///< lattices are seeded by the engine
     bool beside_ = false;            ///< epochs are made beside the steps
     bool unbinned_ = true;           ///< nothing was binned yet by the tables of this epoch
-    bool at_rim_ = false;            ///< somebody was in the rim one step ago
+    bool in_guard_layer_ = false;    ///< somebody was in the guard layer one step ago
     double wandered_ = 0;         ///< since somebody is: sum of the largest displacements up to the step before [cells]
     double foreseen_ = 0;         ///< the same, since the next epoch or an imbalance check was begun
     double computed_ = 0;         ///< computing time up to the last step [s]

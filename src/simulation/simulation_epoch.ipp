@@ -112,7 +112,7 @@ void Simulation<Real, Dim>::renew_epoch() {
         engine_->renew(std::move(*tables));
         ++counts_.epochs;
     }
-    wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
+    wandered_ = std::max(0.0, foreseen_ - 1);  // where the guard layer begins
     unbinned_ = true;
     engine_->refresh_memory(false);
 }
@@ -134,11 +134,11 @@ void Simulation<Real, Dim>::balance() {
     if (check_under_way_) continue_check();
     if (check_under_way_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
-    if (must_wait() && (used_up || (beside_ && at_rim_))) rest();
+    if (must_wait() && (used_up || (beside_ && in_guard_layer_))) rest();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         start_next_epoch();
-        if ((used_up || (beside_ && at_rim_)) && (!under_way || stale)) foresee_epoch();
+        if ((used_up || (beside_ && in_guard_layer_)) && (!under_way || stale)) foresee_epoch();
         if (used_up) start_next_epoch(), renew_epoch();
     });
 }
@@ -262,9 +262,9 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
     const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
-    wandered_ = std::max(0.0, foreseen_ - 1);  // where the rim begins
+    wandered_ = std::max(0.0, foreseen_ - 1);  // where the guard layer begins
     unbinned_ = true;
-    at_rim_ = false;
+    in_guard_layer_ = false;
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;

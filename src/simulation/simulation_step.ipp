@@ -19,7 +19,7 @@ void Simulation<Real, Dim>::book() {
     own_.signal = report.signal;
     own_.moved = report.moved;
     own_.faults = report.faults;
-    own_.at_rim = report.at_rim;
+    own_.in_guard_layer = report.in_guard_layer;
     own_.seconds = phases_.computing() - computed_;
     computed_ = phases_.computing();
     counts_.clamped_boxes += report.clamped;
@@ -49,8 +49,8 @@ void Simulation<Real, Dim>::agree_on_dt() {
         report_faults();
     }
     clock_.signal = agreed_.signal;
-    at_rim_ = agreed_.at_rim && !unbinned_;  // else by the tables before
-    wandered_ = at_rim_ || unbinned_ ? wandered_ + agreed_.moved : 0;
+    in_guard_layer_ = agreed_.in_guard_layer && !unbinned_;  // else by the tables before
+    wandered_ = in_guard_layer_ || unbinned_ ? wandered_ + agreed_.moved : 0;
     foreseen_ += agreed_.moved;
     unbinned_ = false;
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();

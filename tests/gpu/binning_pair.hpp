@@ -59,8 +59,8 @@ class FilingPair {
         for (std::int32_t b : patch.boundary()) boundary[static_cast<std::size_t>(b)] = 1;
         capacity_ = static_cast<std::size_t>(patch.count()) + 4096;
         fresh_slot_ = static_cast<std::uint32_t>(patch.count());
-        device_ =
-            std::make_unique<DeviceLists<Dim>>(patch.table(), patch.list(), boundary, patch.tables().rim, capacity_);
+        device_ = std::make_unique<DeviceLists<Dim>>(patch.table(), patch.list(), boundary, patch.tables().guard_layer,
+                                                     capacity_);
         compare_blocks();
     }
 
@@ -106,7 +106,7 @@ class FilingPair {
         REQUIRE(device_->slot() == std::vector<std::uint32_t>(list.slot, list.slot + patch.count()));
         compare_cells(list);
         compare_blocks();
-        REQUIRE(device_->is_at_rim() == patch.is_at_rim());
+        REQUIRE(device_->is_in_guard_layer() == patch.is_in_guard_layer());
     }
 
     void compare_blocks() const {

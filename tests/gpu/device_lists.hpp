@@ -46,12 +46,12 @@ class DeviceLists {
 
     /// capacity: the most particles, with outgoing particles of ghosts, that there ever will be.
     DeviceLists(const BlockTable<Dim>& table, const ListView<Dim>& list, const std::vector<std::uint8_t>& boundary,
-                const std::vector<std::uint64_t>& rim, std::size_t capacity)
+                const std::vector<std::uint64_t>& guard_layer, std::size_t capacity)
         : own_(static_cast<std::size_t>(table.own)), ghosts_(static_cast<std::size_t>(table.ghosts)) {
         binning.table = table;
         binning.table.neighbour = upload(neighbour_, table.neighbour, own_ * Block<Dim>::offsets);
         binning.boundary = upload(on_boundary_, boundary.data(), own_);
-        binning.rim = upload(rim_, rim.data(), own_);
+        binning.guard_layer = upload(guard_layer_, guard_layer.data(), own_);
         binning.first_tile = table.ghosts;
         first_.assign(list.first, own_ + 1), next_first_.resize(own_ + 1);
         slot_.reserve(capacity), next_slot_.reserve(capacity), moves_.reserve(capacity);
@@ -108,7 +108,7 @@ class DeviceLists {
     std::vector<std::int32_t> tile_of() const { return tile_of_.host(); }
     std::uint32_t tiles = ~0u;  ///< that there is capacity for; from the next step on
     std::vector<std::uint32_t> counts() const { return occupied_.host(); }
-    bool is_at_rim() const { return occupied_.host()[4] != 0; }
+    bool is_in_guard_layer() const { return occupied_.host()[4] != 0; }
     std::vector<std::int32_t> boundary() const { return head(boundary_, occupied_.host()[0]); }
     std::vector<std::int32_t> interior() const { return head(interior_, occupied_.host()[1]); }
 
@@ -155,7 +155,7 @@ class DeviceLists {
     gpu::Array<std::uint32_t> first_, next_first_, slot_, next_slot_, cell_first_, changed_;
     gpu::Array<std::uint32_t> outgoing_slot_, outgoing_count_, outgoing_bound_, ghost_start_, occupied_;
     gpu::Array<std::uint16_t> moves_;
-    gpu::Array<std::uint64_t> rim_;
+    gpu::Array<std::uint64_t> guard_layer_;
     gpu::Array<gpu::Tally> tally_;
 };
 

@@ -203,7 +203,7 @@ TEST_CASE("a report is the fold of all accounts with the counts of the binning, 
     CHECK(report->stored == 10);
     CHECK(report->migration_bound[0] == 11);
     CHECK(report->migration_bound[1] == 12);
-    CHECK(report->at_rim == 1);
+    CHECK(report->in_guard_layer == 1);
     CHECK(counters.host().front().migration_bound[0] == 0);
     CHECK(counters.host().front().migration_bound[1] == 0);
     CHECK(counters.host().front().stored == 10);

@@ -5,8 +5,8 @@ namespace moraine::gpu {
 
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report, cudaStream_t stream) {
-    report_kernel<<<1, 32, 0, stream>>>(accounts, particles, occupied, at_rim, counters, report);
+                 const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report, cudaStream_t stream) {
+    report_kernel<<<1, 32, 0, stream>>>(accounts, particles, occupied, in_guard_layer, counters, report);
     check(cudaGetLastError(), "Folding the report");
 }
 

@@ -53,7 +53,7 @@ __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
 template <int Dim>
 __global__ void __launch_bounds__(32)
     report_kernel(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                  const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report) {
+                  const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report) {
     Account<Dim> sum = empty_account<Dim>();
     for (int i = lane_id(); i < account_parts; i += 32) {
         merge(sum, accounts[i]);
@@ -61,9 +61,13 @@ __global__ void __launch_bounds__(32)
     }
     merge_lanes(sum);
     if (lane_id() > 0) return;
-    *report = {sum,         *particles,       occupied[0],
-               occupied[1], counters->stored, {counters->migration_bound[0], counters->migration_bound[1]},
-               *at_rim};
+    *report = {sum,
+               *particles,
+               occupied[0],
+               occupied[1],
+               counters->stored,
+               {counters->migration_bound[0], counters->migration_bound[1]},
+               *in_guard_layer};
     counters->migration_bound[0] = counters->migration_bound[1] = 0;
 }
 

@@ -19,16 +19,16 @@ struct Report {
     std::uint32_t interior;            ///< the other occupied ones
     std::uint32_t stored;              ///< slots in use
     std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp)
-    std::uint32_t at_rim;              ///< 1: some particle is in a cell of the rim
+    std::uint32_t in_guard_layer;      ///< 1: some particle is in a cell of the guard layer
 
     std::uint32_t occupied() const { return boundary + interior; }
 };
 
 /// Folds and empties the accounts, and the counters' migration bound. particles: first[own]; occupied: both counts of
-/// gpu/kernels/cells/binning.hpp; at_rim: its flag.
+/// gpu/kernels/cells/binning.hpp; in_guard_layer: its flag.
 template <int Dim>
 void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 const std::uint32_t* at_rim, Counters* counters, Report<Dim>* report, cudaStream_t stream);
+                 const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report, cudaStream_t stream);
 
 /// Empties the accounts at the start of a run.
 template <int Dim>

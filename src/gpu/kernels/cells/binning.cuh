@@ -199,7 +199,7 @@ __global__ void __launch_bounds__(binning_chunk) place_kernel(const __grid_const
         const std::uint32_t count[2] = {at[0] + (n > 0 && boundary ? 1 : 0), at[1] + (n > 0 && !boundary ? 1 : 0)};
         const bool fit = count[0] + count[1] <= f.occupied.tiles;
         for (int k = 0; k < 2; ++k) f.occupied.count[k] = count[k], f.occupied.served[k] = fit ? count[k] : 0;
-        *f.occupied.at_rim = 0;
+        *f.occupied.in_guard_layer = 0;
     }
 }
 

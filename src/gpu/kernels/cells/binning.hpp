@@ -34,13 +34,13 @@ struct Outgoing {
 
 /// The blocks that hold particles: what a step's kernels run over.
 struct OccupiedBlocks {
-    std::int32_t* tile_of;   ///< own: storage index of the block's tile; -1: empty
-    std::int32_t* boundary;  ///< those that some peer needs, in block order: capacity for all
-    std::int32_t* interior;  ///< the others
-    std::uint32_t* count;    ///< 2: how many of boundary, of interior
-    std::uint32_t* served;   ///< 2: the same, or none while there are more of them than tiles
-    std::uint32_t tiles;     ///< of own blocks that there is capacity for
-    std::uint32_t* at_rim;   ///< 1: some particle is in a cell of the rim
+    std::int32_t* tile_of;          ///< own: storage index of the block's tile; -1: empty
+    std::int32_t* boundary;         ///< those that some peer needs, in block order: capacity for all
+    std::int32_t* interior;         ///< the others
+    std::uint32_t* count;           ///< 2: how many of boundary, of interior
+    std::uint32_t* served;          ///< 2: the same, or none while there are more of them than tiles
+    std::uint32_t tiles;            ///< of own blocks that there is capacity for
+    std::uint32_t* in_guard_layer;  ///< 1: some particle is in a cell of the guard layer
 };
 
 /// Sums over a chunk of blocks.
@@ -59,8 +59,8 @@ struct Binning {
     const std::uint16_t* moves;    ///< of all list entries: encode_move (core/g2p.hpp)
     const std::uint32_t* changed;  ///< bit per list entry: another cell or block. Words of block b: first[b] / 32 + b
     const std::uint8_t* boundary;  ///< own: 1 where some peer needs the tile, 0 elsewhere; for an epoch
-    const std::uint64_t* rim;      ///< own: bit per cell (comm/rim.hpp)
-    int first_tile;                ///< storage indices of tiles below are taken
+    const std::uint64_t* guard_layer;  ///< own: bit per cell (comm/guard_layer.hpp)
+    int first_tile;                    ///< storage indices of tiles below are taken
     Outgoing outgoing;
     OccupiedBlocks occupied;    ///< of the old lists; made anew in place
     std::uint32_t* cell_first;  ///< list.cell_first; made anew in place. Means nothing in an empty block

@@ -32,7 +32,7 @@ class BlockFill {
 
     __device__ void run() {
         fill();
-        look_at_rim();
+        check_guard_layer();
     }
 
   private:
@@ -62,14 +62,14 @@ class BlockFill {
         place_incoming();
     }
 
-    /// Few blocks have a rim, and fewer of them hold particles.
-    __device__ void look_at_rim() const {
-        const std::uint64_t rim = f.rim[b];
-        if (rim == 0) return;
+    /// Few blocks have a guard layer, and fewer of them hold particles.
+    __device__ void check_guard_layer() const {
+        const std::uint64_t guard_layer = f.guard_layer[b];
+        if (guard_layer == 0) return;
         __syncwarp();  // the bounds are there
         const std::uint32_t* bounds = f.cell_first + std::size_t(b) * (cells + 1);
         for (std::uint32_t c = lane(); c < cells; c += 32)
-            if ((rim >> c & 1) && bounds[c + 1] > bounds[c]) *f.occupied.at_rim = 1;
+            if ((guard_layer >> c & 1) && bounds[c + 1] > bounds[c]) *f.occupied.in_guard_layer = 1;
     }
 
     __device__ BlockFill(const Binning<Dim>& binning, Scratch& scratch, int block, std::uint32_t begin)

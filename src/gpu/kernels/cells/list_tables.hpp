@@ -1,5 +1,6 @@
 #pragma once
-// What the lists need of an epoch's tables, on the device: whom peers need, the rim, and where each block was before.
+// What the lists need of an epoch's tables, on the device: whom peers need, the guard layer, and where each block was
+// before.
 
 #include <algorithm>
 #include <vector>
@@ -10,10 +11,10 @@
 namespace moraine::gpu {
 
 struct ListTables {
-    Array<std::uint8_t> is_boundary;  ///< own: 1 where some peer needs the block
-    Array<std::uint64_t> rim;         ///< own: bit per cell (comm/rim.hpp)
-    Array<std::int32_t> from;         ///< own + 1: how many own blocks of the tables before have smaller keys
-    Array<std::int32_t> same;         ///< own: the same block in the tables before; -1: it was not there
+    Array<std::uint8_t> is_boundary;   ///< own: 1 where some peer needs the block
+    Array<std::uint64_t> guard_layer;  ///< own: bit per cell (comm/guard_layer.hpp)
+    Array<std::int32_t> from;          ///< own + 1: how many own blocks of the tables before have smaller keys
+    Array<std::int32_t> same;          ///< own: the same block in the tables before; -1: it was not there
 
     /// There when the stream has been waited for; before: own blocks of the tables before.
     template <int Dim>
@@ -29,12 +30,12 @@ struct ListTables {
             same_as.push_back(at < before.size() && before[at] == key ? i : -1);
         }
         smaller.push_back(static_cast<std::int32_t>(before.size()));
-        is_boundary.assign(boundary, stream), rim.assign(tables.rim, stream);
+        is_boundary.assign(boundary, stream), guard_layer.assign(tables.guard_layer, stream);
         from.assign(smaller, stream), same.assign(same_as, stream);
     }
 
     void swap(ListTables& other) {
-        is_boundary.swap(other.is_boundary), rim.swap(other.rim);
+        is_boundary.swap(other.is_boundary), guard_layer.swap(other.guard_layer);
         from.swap(other.from), same.swap(other.same);
     }
 };

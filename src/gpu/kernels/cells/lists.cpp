@@ -102,7 +102,7 @@ Binning<Dim> Lists<Dim>::binning(const BlockTable<Dim>& table) const {
             moves_.data(),
             changed_.data(),
             tables_.is_boundary.data(),
-            tables_.rim.data(),
+            tables_.guard_layer.data(),
             table.ghosts,
             {outgoing_slot_.data(), outgoing_cell_.data(), outgoing_count_.data(), outgoing_bound_.data(),
              ghost_start_.data()},

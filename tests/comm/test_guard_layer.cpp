@@ -1,6 +1,6 @@
 #include "comm/epoch.hpp"
+#include "comm/guard_layer.hpp"
 #include "comm/random_world.hpp"
-#include "comm/rim.hpp"
 
 using namespace moraine;
 using moraine::test::World;
@@ -13,7 +13,7 @@ int gap(int place, int eta) {
 }
 
 template <int Dim>
-void rim_is_near_absent_blocks() {
+void guard_layer_is_near_absent_blocks() {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         CAPTURE(seed);
         const World<Dim> world(seed, 3);
@@ -21,7 +21,7 @@ void rim_is_near_absent_blocks() {
         for (int rank = 0; rank < world.ranks; ++rank) {
             const EpochTables<Dim> t = make_epoch<Dim>(topology, world.domain, world.stencil, rank);
             for (std::size_t i = 0; i < t.own.size(); ++i) {
-                std::uint64_t rim = 0;
+                std::uint64_t guard_layer = 0;
                 BlockPosition<Dim> near{};
                 for (int code = 0; code < Block<Dim>::offsets; ++code) {
                     if (!world.neighbour(Morton<Dim>::decode(t.own[i]), code, near)) continue;
@@ -30,11 +30,11 @@ void rim_is_near_absent_blocks() {
                         bool close = true;
                         for (int a = 0, n = cell; a < Dim; ++a, n /= 4)
                             close = close && gap(n % 4, Block<Dim>::offset(code, a)) < 3;
-                        if (close) rim |= std::uint64_t(1) << cell;
+                        if (close) guard_layer |= std::uint64_t(1) << cell;
                     }
                 }
-                REQUIRE(t.rim[i] == rim);
-                if (world.is_occupied(t.own[i])) REQUIRE(rim == 0);
+                REQUIRE(t.guard_layer[i] == guard_layer);
+                if (world.is_occupied(t.own[i])) REQUIRE(guard_layer == 0);
             }
         }
     }
@@ -42,7 +42,7 @@ void rim_is_near_absent_blocks() {
 
 }  // namespace
 
-TEST_CASE("the rim is the cells less than 3 cells away from a block of the domain that the topology lacks") {
-    rim_is_near_absent_blocks<2>();
-    rim_is_near_absent_blocks<3>();
+TEST_CASE("the guard layer is the cells less than 3 cells away from a block of the domain that the topology lacks") {
+    guard_layer_is_near_absent_blocks<2>();
+    guard_layer_is_near_absent_blocks<3>();
 }
