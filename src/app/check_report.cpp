@@ -47,12 +47,12 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
     text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
-    text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
+    text += fmt::format("           {} on one GPU (--device cuda), async what the driver takes\n",
                         bytes_text(bytes_on_device(scene, p)));
     if (ranks > 1)
         text += fmt::format("           {} on each of {} GPUs\n", bytes_text(bytes_on_device(scene, p, ranks)), ranks);
     text += fmt::format("           {} of the host for each of {} rank{} on GPUs\n",
-                        bytes_text(host_bytes_beside_device(scene, p, ranks, writes_particles)), ranks,
+                        bytes_text(host_bytes_with_device(scene, p, ranks, writes_particles)), ranks,
                         ranks == 1 ? "" : "s");
     return text;
 }

@@ -61,7 +61,7 @@ po::options_description check_options(Options& o) {
     po::options_description options("check");
     options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
         "device", po::value(&o.device)->value_name("NAME"),
-        "as in run: with a device, the host's memory is that beside it")(
+        "as in run: with a device, the host's memory is that async it")(
         "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
         "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
     return options;

@@ -2,7 +2,7 @@
 // An imbalance check: from the loads of now to a decision and the owners to be.
 //
 // A pure function of numbers that are the same on all ranks, so that every rank decides alike, and may do so on a
-// thread beside the steps.
+// thread of its own.
 
 #include <span>
 #include <string>

@@ -103,7 +103,7 @@ class Engine {
     virtual void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) = 0;
     /// Begins an epoch with what the lattice has in the blocks of tables.own. Collective.
     virtual void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) = 0;
-    /// Tables that renew() or repartition() will get, if any: may be called by another thread, beside a step. Not
+    /// Tables that renew() or repartition() will get, if any: may be called by another thread, during a step. Not
     /// collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}
     /// Begins an epoch with the same particles, now or with the next binning. Binned state only, unless it leaves the

@@ -113,7 +113,7 @@ class Builder {
         e_.border.resize(e_.own.size());
         e_.guard_layer.resize(e_.own.size());
         e_.neighbour.resize(e_.own.size() * offsets);
-        beside_foreign_.resize(e_.own.size());
+        next_to_foreign_.resize(e_.own.size());
         is_ghost_.resize(topology_.keys.size());
 #pragma omp parallel for schedule(static)
         for (const Family& family : own_.families()) {
@@ -134,7 +134,7 @@ class Builder {
                 e_.guard_layer[i] = guard_layer_of(child, absent);
                 for (std::size_t code = 0; code < offsets; ++code)
                     e_.neighbour[i * offsets + code] = near[place_tables<Dim>.at[child][code]];
-                beside_foreign_[i] = (foreign_near & place_tables<Dim>.around[child]) != 0;
+                next_to_foreign_[i] = (foreign_near & place_tables<Dim>.around[child]) != 0;
                 ghosts |= foreign_near & place_tables<Dim>.around[child];
             }
             for (; ghosts != 0; ghosts &= ghosts - 1)
@@ -165,8 +165,8 @@ class Builder {
 
     void link_ghosts() {
         const std::size_t own = e_.own.size();
-        e_.boundary = chosen_of<std::int32_t>(own, [&](std::size_t i) { return beside_foreign_[i] != 0; });
-        e_.interior = chosen_of<std::int32_t>(own, [&](std::size_t i) { return beside_foreign_[i] == 0; });
+        e_.boundary = chosen_of<std::int32_t>(own, [&](std::size_t i) { return next_to_foreign_[i] != 0; });
+        e_.interior = chosen_of<std::int32_t>(own, [&](std::size_t i) { return next_to_foreign_[i] == 0; });
 #pragma omp parallel for schedule(static)
         for (std::int32_t i : e_.boundary)
             for (std::size_t code = 0; code < offsets; ++code) {
@@ -219,8 +219,8 @@ class Builder {
     EpochTables<Dim> e_;
     BlockIndex<Dim> own_, nodes_;
     std::vector<std::int32_t> local_;  ///< of each block of the topology: own index, own + ghost index, or foreign()
-    std::vector<std::uint8_t> beside_foreign_;  ///< own
-    std::vector<std::uint8_t> is_ghost_;        ///< topology
+    std::vector<std::uint8_t> next_to_foreign_;  ///< own
+    std::vector<std::uint8_t> is_ghost_;         ///< topology
 };
 
 }  // namespace

@@ -11,9 +11,9 @@ namespace moraine {
 
 namespace {
 
-/// Threads beside the steps: one makes 5000 blocks in a millisecond, and an epoch lasts for many. More than are needed
-/// take cores from those that launch the steps.
-int threads_beside(std::size_t blocks) {
+/// Threads of asynchronous work: one makes 5000 blocks in a millisecond, and an epoch lasts for many. More than are
+/// needed take cores from those that launch the steps.
+int async_threads(std::size_t blocks) {
     return std::clamp(static_cast<int>(blocks / 8192), 1, std::min(8, omp_get_max_threads()));
 }
 
@@ -64,29 +64,29 @@ typename NextEpoch<Dim>::Made NextEpoch<Dim>::made_of(std::vector<OccupiedBlock>
 
 template <int Dim>
 template <class Blocks>
-void NextEpoch<Dim>::launch(bool beside, bool stays, std::size_t count, Blocks blocks) {
-    const int threads = threads_beside(count);
+void NextEpoch<Dim>::launch(bool async, bool stays, std::size_t count, Blocks blocks) {
+    const int threads = async_threads(count);
     const std::int64_t serial = ++made_so_far_;
     made_ = std::async(
-        beside ? std::launch::async : std::launch::deferred,
-        [this, beside, stays, threads, serial, blocks = std::move(blocks), forgotten = std::move(made_)]() mutable {
+        async ? std::launch::async : std::launch::deferred,
+        [this, async, stays, threads, serial, blocks = std::move(blocks), forgotten = std::move(made_)]() mutable {
             if (is_running(forgotten)) forgotten.wait();  // prepare_() is of one thread at a time
-            if (beside) omp_set_num_threads(threads);     // of this thread
+            if (async) omp_set_num_threads(threads);      // of this thread
             return made_of(blocks(), stays, serial);
         });
 }
 
 template <int Dim>
-void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside) {
+void NextEpoch<Dim>::start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool async) {
     const std::size_t count = keys.size();
-    launch(beside, true, count,
+    launch(async, true, count,
            [keys = std::move(keys), counts = std::move(counts)] { return blocks_of(keys, counts); });
 }
 
 template <int Dim>
 void NextEpoch<Dim>::start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied,
-                                       bool beside) {
-    launch(beside, false, count, std::move(occupied));
+                                       bool async) {
+    launch(async, false, count, std::move(occupied));
 }
 
 template <int Dim>

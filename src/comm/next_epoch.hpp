@@ -1,11 +1,11 @@
 #pragma once
-// The epoch to come: its topology and tables, made at once or beside the steps of the present one.
+// The epoch to come: its topology and tables, made at once or asynchronously, during the steps of the present one.
 //
-// Beside: what is occupied is looked at early, a thread of its own makes the tables from that, and they are taken when
-// the present epoch is used up. Meanwhile particles walk on, into blocks that were empty when they were looked at.
-// Those blocks are in both topologies, because nobody moves 4 cells meanwhile, and belong to one rank in both, because
-// a block keeps its owner as long as it is in the topology, or goes to whom the new topology says with all that is in
-// it then (a repartition). Devices that waited for their tables lost 5 ms per epoch of 20 000 blocks
+// Asynchronously: what is occupied is looked at early, a thread of its own makes the tables from that, and they are
+// taken when the present epoch is used up. Meanwhile particles walk on, into blocks that were empty when they were
+// looked at. Those blocks are in both topologies, because nobody moves 4 cells meanwhile, and belong to one rank in
+// both, because a block keeps its owner as long as it is in the topology, or goes to whom the new topology says with
+// all that is in it then (a repartition). Devices that waited for their tables lost 5 ms per epoch of 20 000 blocks
 // (benchmarks/runout).
 
 #include <future>
@@ -34,12 +34,12 @@ class NextEpoch {
     EpochTables<Dim> make(std::vector<OccupiedBlock> occupied);
 
     /// Begins to make one in which blocks stay where they are. keys: occupied ones, rank by rank, ascending in each;
-    /// counts: of each rank. beside: by a thread of its own, else by take().
-    void start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool beside);
+    /// counts: of each rank. async: by a thread of its own, else by take().
+    void start(std::vector<Key> keys, std::vector<std::int64_t> counts, bool async);
 
     /// The same of a repartition. occupied(): in key order, with the owners to be; none: all stays, and take() has
     /// nothing. Called by the thread that makes the tables; count: about how many.
-    void start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied, bool beside);
+    void start_repartition(std::size_t count, std::function<std::vector<OccupiedBlock>()> occupied, bool async);
     bool under_way() const { return made_.valid(); }
     /// take() would not wait for another thread.
     bool is_ready() const;
@@ -60,7 +60,7 @@ class NextEpoch {
 
     /// blocks(): what is occupied, made by the same thread. stays: blocks keep their owners.
     template <class Blocks>
-    void launch(bool beside, bool stays, std::size_t count, Blocks blocks);
+    void launch(bool async, bool stays, std::size_t count, Blocks blocks);
     Made made_of(std::vector<OccupiedBlock> occupied, bool stays, std::int64_t serial) const;
 
     const DomainBlocks<Dim>& domain_;

@@ -65,8 +65,9 @@ void set_owners(Topology<Dim>& t, const Family& family, const DomainBlocks<Dim>&
         }
         owner = owner_at(Morton<Dim>::decode((family.parent << Dim) + child));
         // Places and offset codes ascend alike.
-        for (Places beside = there & place_tables<Dim>.around[child]; owner < 0 && beside != 0; beside &= beside - 1)
-            owner = owner_of(near[static_cast<std::size_t>(std::countr_zero(beside))]);
+        for (Places adjacent = there & place_tables<Dim>.around[child]; owner < 0 && adjacent != 0;
+             adjacent &= adjacent - 1)
+            owner = owner_of(near[static_cast<std::size_t>(std::countr_zero(adjacent))]);
     }
 }
 

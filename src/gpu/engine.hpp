@@ -3,7 +3,7 @@
 //
 // A step is queued on one stream:  binning, report, P2G | nodes, G2P, outgoing particles.  At the bar the host waits
 // once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
-// its G2P, who leaves it) goes on a stream beside it, ahead of the interior. Nothing
+// its G2P, who leaves it) goes on a concurrent stream, ahead of the interior. Nothing
 // is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
 // empty lists, and is queued again) or more particles may arrive than there is capacity for.
 

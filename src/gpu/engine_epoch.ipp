@@ -27,7 +27,7 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
 }
 
-/// Copies tables beside the steps under way.
+/// Copies tables during the steps under way.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::prepare(const EpochTables<Dim>& tables) {
     check(cudaSetDevice(device_), "Choosing the device");

@@ -57,7 +57,7 @@ double rounded_up(double x) {
 
 /// Of the host, for one rank [B].
 double bytes_of(const Scene& scene, const Prediction& p, const Machine& machine) {
-    if (machine.devices) return host_bytes_beside_device(scene, p, machine.ranks, machine.writes_particles);
+    if (machine.devices) return host_bytes_with_device(scene, p, machine.ranks, machine.writes_particles);
     return bytes_per_rank(scene, p, machine.ranks);
 }
 

@@ -147,7 +147,7 @@ double rows_on_host(const Scene& scene, const Prediction& p, int ranks) {
 
 }  // namespace
 
-double host_bytes_beside_device(const Scene& scene, const Prediction& p, int ranks, bool writes_particles) {
+double host_bytes_with_device(const Scene& scene, const Prediction& p, int ranks, bool writes_particles) {
     const int d = scene.dimensions;
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double replicated = 32 + 3 * 16 + 2 * 20 + 3 * 8;  // loads, occupied blocks, topologies and gathers of keys

@@ -51,7 +51,7 @@ double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 /// particles; where `writes_particles`, one column of them for particles.vtkhdf. Scenes that are not is_lattice() are
 /// seeded on the host: there all particles are in its memory at the start. Checkpoints need a column too, and are not
 /// counted.
-double host_bytes_beside_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
+double host_bytes_with_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
 
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.
 void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p);

@@ -17,8 +17,8 @@
 #include "balance/partitioner.hpp"
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
+#include "comm/async_allgather.hpp"
 #include "comm/block_move.hpp"
-#include "comm/gather_beside.hpp"
 #include "comm/host_engine.hpp"
 #include "comm/key_order.hpp"
 #include "comm/next_epoch.hpp"
@@ -67,7 +67,7 @@ inline constexpr double epoch_reach = 1;
 /// its guard layer at once, and beyond 4 it would not be theirs.
 inline constexpr double epoch_stale = 1.25;
 
-/// An imbalance check begins so many steps before it is due where plans and tables are made beside the steps: about
+/// An imbalance check begins so many steps before it is due where plans and tables are made asynchronously: about
 /// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval. A plan that is
 /// not there in time is taken when it is.
 inline constexpr std::int64_t most_steps_ahead = 16;
@@ -119,9 +119,9 @@ class Simulation {
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
-    /// Whether the next epoch is made beside the steps, from when the guard layer is reached. By itself it is where the
+    /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
-    void foresee_epochs(bool beside) { beside_ = beside; }
+    void make_epochs_async(bool async) { async_ = async; }
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
     void refresh_signal();
@@ -204,7 +204,7 @@ class Simulation {
     bool is_balanced(ImbalanceCheck& found) const;
     void take_times(TriggerInput& terms) const;
     void rest();
-    bool must_wait() const { return !(beside_ && engine_->leaves_host_free()); }
+    bool must_wait() const { return !(async_ && engine_->leaves_host_free()); }
     std::int64_t steps_ahead() const;
     bool epoch_ends_soon() const;
     void begin_check();
@@ -249,12 +249,12 @@ class Simulation {
     ImbalanceCheckResult planned_;  ///< by the thread that makes the next epoch, when an imbalance check is under way
     Acceleration body_force_;
     NextEpoch<Dim> next_epoch_;
-    GatherBeside<BlockLoad> loads_;  ///< of all ranks, for the imbalance check under way
-    GatherBeside<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
-    bool in_place_ = false;          ///< lattices are seeded by the engine
-    bool beside_ = false;            ///< epochs are made beside the steps
-    bool unbinned_ = true;           ///< nothing was binned yet by the tables of this epoch
-    bool in_guard_layer_ = false;    ///< somebody was in the guard layer one step ago
+    AsyncAllgather<BlockLoad> loads_;  ///< of all ranks, for the imbalance check under way
+    AsyncAllgather<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
+    bool in_place_ = false;            ///< lattices are seeded by the engine
+    bool async_ = false;               ///< epochs are made asynchronously
+    bool unbinned_ = true;             ///< nothing was binned yet by the tables of this epoch
+    bool in_guard_layer_ = false;      ///< somebody was in the guard layer one step ago
     double wandered_ = 0;         ///< since somebody is: sum of the largest displacements up to the step before [cells]
     double foreseen_ = 0;         ///< the same, since the next epoch or an imbalance check was begun
     double computed_ = 0;         ///< computing time up to the last step [s]

@@ -100,9 +100,9 @@ void Simulation<Real, Dim>::foresee_epoch() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_next_epoch() {
     if (!keys_.under_way()) return;
-    const bool now = !beside_ || wandered_ > epoch_reach;
+    const bool now = !async_ || wandered_ > epoch_reach;
     if (auto all = now ? keys_.finish() : keys_.advance())
-        next_epoch_.start(std::move(all->rows), std::move(all->counts), beside_);
+        next_epoch_.start(std::move(all->rows), std::move(all->counts), async_);
 }
 
 /// Takes the epoch that was foreseen.
@@ -134,11 +134,11 @@ void Simulation<Real, Dim>::balance() {
     if (check_under_way_) continue_check();
     if (check_under_way_) return;
     const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
-    if (must_wait() && (used_up || (beside_ && in_guard_layer_))) rest();
+    if (must_wait() && (used_up || (async_ && in_guard_layer_))) rest();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         start_next_epoch();
-        if ((used_up || (beside_ && in_guard_layer_)) && (!under_way || stale)) foresee_epoch();
+        if ((used_up || (async_ && in_guard_layer_)) && (!under_way || stale)) foresee_epoch();
         if (used_up) start_next_epoch(), renew_epoch();
     });
 }
@@ -177,7 +177,7 @@ void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
 /// Ranks that plan together do so when they meet.
 template <class Real, int Dim>
 std::int64_t Simulation<Real, Dim>::steps_ahead() const {
-    if (!beside_ || partitioner_->is_collective()) return 0;
+    if (!async_ || partitioner_->is_collective()) return 0;
     return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
 }
 
@@ -215,7 +215,7 @@ void Simulation<Real, Dim>::begin_check() {
     });
 }
 
-/// Plans, and makes the tables of what was planned, on a thread of its own where epochs are made beside the steps.
+/// Plans, and makes the tables of what was planned, on a thread of its own where epochs are made asynchronously.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts) {
     const auto owners = [this, blocks = std::move(blocks), counts = std::move(counts)] {

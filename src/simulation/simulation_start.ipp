@@ -38,7 +38,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
-    beside_ = in_place_ = engine_->leaves_host_free();
+    async_ = in_place_ = engine_->leaves_host_free();
 }
 
 template <class Real, int Dim>

@@ -36,7 +36,7 @@ struct Everybody {
 
     /// Blocks that are chosen of those that there are, by rank.
     template <class Chosen>
-    void start(const Chosen& chosen, bool beside) {
+    void start(const Chosen& chosen, bool async) {
         std::vector<Key> keys;
         std::vector<std::int64_t> counts;
         for (int r = 0; r < ranks; ++r) {
@@ -44,7 +44,7 @@ struct Everybody {
             for (const auto& [key, of] : owner)
                 if (of == r && chosen(key)) keys.push_back(key), ++counts.back();
         }
-        for (auto& one : next) one->start(keys, counts, beside);
+        for (auto& one : next) one->start(keys, counts, async);
     }
 };
 
@@ -52,14 +52,14 @@ struct Everybody {
 
 TEST_CASE("a block has one owner in an epoch and in the next, so that who walks in meanwhile is at home in both") {
     for (std::uint64_t seed = 0; seed < 40; ++seed)
-        for (bool beside : {true, false}) {
+        for (bool async : {true, false}) {
             CAPTURE(seed);
-            CAPTURE(beside);
+            CAPTURE(async);
             const World<2> world(seed, ranks);
             Everybody all(world);
             const std::map<Key, std::int32_t> before = all.owner;
             const auto chosen = [&](Key key) { return mix(seed ^ mix(key + 1)) % 2 == 0; };
-            all.start(chosen, beside);
+            all.start(chosen, async);
             all.owner.clear();
             bool any = false;
             for (int r = 0; r < ranks; ++r) {

@@ -79,13 +79,13 @@ TEST_CASE("beside devices the host's memory follows blocks where a lattice is ma
     const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
     Scene scene = read_scene(path, {"domain.cell=0.01", "numerics.precision=single"});
     Prediction p = predict(scene);
-    const double quarter = host_bytes_beside_device(scene, p, 4, false);
+    const double quarter = host_bytes_with_device(scene, p, 4, false);
     CHECK(quarter < 4e9);
-    CHECK(host_bytes_beside_device(scene, p, 4, true) > quarter + 10e9);
+    CHECK(host_bytes_with_device(scene, p, 4, true) > quarter + 10e9);
     p.particles *= 10;
-    CHECK(host_bytes_beside_device(scene, p, 4, false) == quarter);
+    CHECK(host_bytes_with_device(scene, p, 4, false) == quarter);
     scene.bodies[0].seeding = Seeding::jittered;
-    CHECK(host_bytes_beside_device(scene, p, 4, false) > 0.25 * 100 * static_cast<double>(p.particles));
+    CHECK(host_bytes_with_device(scene, p, 4, false) > 0.25 * 100 * static_cast<double>(p.particles));
 }
 
 TEST_CASE("the report names all that a run will need") {

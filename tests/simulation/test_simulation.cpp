@@ -88,9 +88,9 @@ struct Epochs {
     std::uint64_t hash;
     std::int64_t renewed, repartitions, migrated;
 };
-Epochs run_epochs(const Scene& scene, const Comm& comm, int steps, bool beside) {
+Epochs run_epochs(const Scene& scene, const Comm& comm, int steps, bool async) {
     Simulation<double, 2> sim(scene, comm);
-    sim.foresee_epochs(beside);
+    sim.make_epochs_async(async);
     sim.seed();
     for (int n = 0; n < steps; ++n) {
         sim.step();
@@ -109,7 +109,7 @@ std::vector<std::int64_t> checks_of(Scene scene, int steps) {
     scene.balance.threshold = 1;
     scene.balance.interval = 40;
     Simulation<double, 2> sim(scene, comm);
-    sim.foresee_epochs(true);
+    sim.make_epochs_async(true);
     sim.seed();
     std::vector<std::int64_t> lasted;
     for (int n = 0; n < steps; ++n) {
@@ -137,7 +137,7 @@ TEST_CASE("a slurry that leaves through an open wall is the same on any number o
     }
 }
 
-TEST_CASE("it is the same whether epochs are made when they are needed or beside the steps before") {
+TEST_CASE("it is the same whether epochs are made when they are needed or asynchronously before") {
     const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
     Scene scene = drifting();
     scene.balance.trigger = Trigger::every;
@@ -147,9 +147,9 @@ TEST_CASE("it is the same whether epochs are made when they are needed or beside
     for (const char* partitioner : {"morton", "shuffle", "slabs"}) {
         CAPTURE(partitioner);
         scene.balance.partitioner = partitioner;
-        for (bool beside : {true, false}) {
-            CAPTURE(beside);
-            const Epochs all = run_epochs(scene, comm, 250, beside);
+        for (bool async : {true, false}) {
+            CAPTURE(async);
+            const Epochs all = run_epochs(scene, comm, 250, async);
             CHECK(all.hash == alone.hash);
             CHECK(all.renewed >= 3);
         }
@@ -164,13 +164,13 @@ TEST_CASE("it is the same whether imbalance checks are made at once or begin ste
     const Epochs alone = run_epochs(scene, self, steps, false);
     for (const char* partitioner : {"morton", "shuffle"})
         for (const int interval : {1, 7, 40})  // 0, 3 and 16 steps before
-            for (bool beside : {true, false}) {
+            for (bool async : {true, false}) {
                 CAPTURE(partitioner);
                 CAPTURE(interval);
-                CAPTURE(beside);
+                CAPTURE(async);
                 scene.balance.partitioner = partitioner;
                 scene.balance.interval = interval;
-                const Epochs all = run_epochs(scene, comm, steps, beside);
+                const Epochs all = run_epochs(scene, comm, steps, async);
                 CHECK(all.hash == alone.hash);
                 CHECK(all.repartitions == steps / interval);
                 if (comm.size() > 1 && partitioner == std::string("shuffle")) CHECK(all.migrated > 0);
@@ -202,10 +202,10 @@ TEST_CASE("it is the same where shares are balanced by measured time") {
     scene.balance.interval = 10;
     scene.balance.threshold = 1;
     for (Trigger trigger : {Trigger::every, Trigger::threshold, Trigger::planned})
-        for (bool beside : {true, false}) {
-            CAPTURE(beside);
+        for (bool async : {true, false}) {
+            CAPTURE(async);
             scene.balance.trigger = trigger;
-            const Epochs all = run_epochs(scene, comm, 134, beside);
+            const Epochs all = run_epochs(scene, comm, 134, async);
             CHECK(all.hash == alone.hash);
             if (trigger == Trigger::every) CHECK(all.repartitions == 13);
             if (trigger == Trigger::threshold && comm.size() > 1) CHECK(all.repartitions > 0);

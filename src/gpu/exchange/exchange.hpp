@@ -25,7 +25,7 @@ struct Exchange {
     DeviceMigration<Dim> migration;
     BlockMoves moves;
 
-    Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, beside the step's
+    Stream stream{Stream::Rank::ahead};  ///< of the boundary, the halo and migration, concurrent with the step's
     Event binned, boundary_summed, halo_here, solved, boundary_moved, arrived;
 };
 

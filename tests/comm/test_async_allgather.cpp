@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "comm/gather_beside.hpp"
+#include "comm/async_allgather.hpp"
 
 using namespace moraine;
 
@@ -22,7 +22,7 @@ std::vector<Row> rows_of(int rank, int most) {
 
 TEST_CASE("a gather in parts brings what one at once brings, however the other messages go between") {
     const Comm comm(MPI_COMM_WORLD);
-    GatherBeside<Row> gather(comm);
+    AsyncAllgather<Row> gather(comm);
     for (int most : {0, 1, 2, 5000}) {
         CAPTURE(most);
         CHECK_FALSE(gather.under_way());
@@ -41,7 +41,7 @@ TEST_CASE("a gather in parts brings what one at once brings, however the other m
 
 TEST_CASE("a gather ends at once where it is wanted now, and nothing comes of none") {
     const Comm comm(MPI_COMM_WORLD);
-    GatherBeside<Row> gather(comm);
+    AsyncAllgather<Row> gather(comm);
     CHECK_FALSE(gather.finish().has_value());
     for (int parts : {0, 1}) {
         gather.start(rows_of(comm.rank(), 7));

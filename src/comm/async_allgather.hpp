@@ -13,7 +13,7 @@
 namespace moraine {
 
 template <class T>
-class GatherBeside {
+class AsyncAllgather {
     static_assert(std::is_trivially_copyable_v<T>);
 
   public:
@@ -23,13 +23,13 @@ class GatherBeside {
         std::vector<std::int64_t> counts;
     };
 
-    explicit GatherBeside(const Comm& comm) : comm_(comm) {
+    explicit AsyncAllgather(const Comm& comm) : comm_(comm) {
         MPI_Type_contiguous(sizeof(T), MPI_BYTE, &row_);
         MPI_Type_commit(&row_);
     }
-    GatherBeside(const GatherBeside&) = delete;
-    GatherBeside& operator=(const GatherBeside&) = delete;
-    ~GatherBeside() {
+    AsyncAllgather(const AsyncAllgather&) = delete;
+    AsyncAllgather& operator=(const AsyncAllgather&) = delete;
+    ~AsyncAllgather() {
         if (under_way() && std::uncaught_exceptions() == 0) finish();
         if (under_way()) (void)buffers_.release();  // others may never come, and MPI may still write
         MPI_Type_free(&row_);
