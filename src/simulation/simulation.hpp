@@ -198,7 +198,7 @@ class Simulation {
     void calibrate(const BlockCounts& mine);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const BinnedBlocks& binned);
-    void foresee_epoch();
+    void request_next_epoch();
     void start_next_epoch();
     void renew_epoch();
     bool is_balanced(ImbalanceCheck& found) const;
@@ -255,10 +255,11 @@ class Simulation {
     bool async_ = false;               ///< epochs are made asynchronously
     bool unbinned_ = true;             ///< nothing was binned yet by the tables of this epoch
     bool in_guard_layer_ = false;      ///< somebody was in the guard layer one step ago
-    double wandered_ = 0;         ///< since somebody is: sum of the largest displacements up to the step before [cells]
-    double foreseen_ = 0;         ///< the same, since the next epoch or an imbalance check was begun
-    double computed_ = 0;         ///< computing time up to the last step [s]
-    double checked_seconds_ = 0;  ///< the same up to the last imbalance check, and the steps of that moment
+    double displacement_in_guard_layer_ =
+        0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
+    double displacement_since_start_ = 0;  ///< the same, since the next epoch or an imbalance check was begun
+    double computed_ = 0;                  ///< computing time up to the last step [s]
+    double checked_seconds_ = 0;           ///< the same up to the last imbalance check, and the steps of that moment
     std::int64_t checked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition

@@ -76,7 +76,7 @@ template <class Real, int Dim>
 EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>& loads) {
     std::vector<OccupiedBlock> occupied;
     for (const BlockLoad& load : loads) occupied.push_back({load.key, load.owner});
-    wandered_ = 0;
+    displacement_in_guard_layer_ = 0;
     unbinned_ = true;
     return next_epoch_.make(std::move(occupied));
 }
@@ -90,29 +90,29 @@ void Simulation<Real, Dim>::begin_epoch(const BinnedBlocks& binned) {
 
 /// Begins to make the next epoch from what the last binning found occupied.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::foresee_epoch() {
+void Simulation<Real, Dim>::request_next_epoch() {
     keys_.finish();
     keys_.start(engine_->block_counts(false).key);
-    foreseen_ = 0;
+    displacement_since_start_ = 0;
 }
 
 /// The next epoch is made once all ranks' blocks are known: two steps later, or at once where it is wanted now.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_next_epoch() {
     if (!keys_.under_way()) return;
-    const bool now = !async_ || wandered_ > epoch_reach;
+    const bool now = !async_ || displacement_in_guard_layer_ > epoch_reach;
     if (auto all = now ? keys_.finish() : keys_.advance())
         next_epoch_.start(std::move(all->rows), std::move(all->counts), async_);
 }
 
-/// Takes the epoch that was foreseen.
+/// Takes the epoch that was made ahead.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::renew_epoch() {
     if (std::optional<EpochTables<Dim>> tables = next_epoch_.take()) {
         engine_->renew(std::move(*tables));
         ++counts_.epochs;
     }
-    wandered_ = std::max(0.0, foreseen_ - 1);  // where the guard layer begins
+    displacement_in_guard_layer_ = std::max(0.0, displacement_since_start_ - 1);  // where the guard layer begins
     unbinned_ = true;
     engine_->refresh_memory(false);
 }
@@ -133,12 +133,12 @@ void Simulation<Real, Dim>::balance() {
     if (check_wanted_ && !check_under_way_ && !epoch_ends_soon()) begin_check();
     if (check_under_way_) continue_check();
     if (check_under_way_) return;
-    const bool used_up = wandered_ > epoch_reach, stale = foreseen_ >= epoch_stale;
+    const bool used_up = displacement_in_guard_layer_ > epoch_reach, stale = displacement_since_start_ >= epoch_stale;
     if (must_wait() && (used_up || (async_ && in_guard_layer_))) rest();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         start_next_epoch();
-        if ((used_up || (async_ && in_guard_layer_)) && (!under_way || stale)) foresee_epoch();
+        if ((used_up || (async_ && in_guard_layer_)) && (!under_way || stale)) request_next_epoch();
         if (used_up) start_next_epoch(), renew_epoch();
     });
 }
@@ -188,7 +188,8 @@ template <class Real, int Dim>
 bool Simulation<Real, Dim>::epoch_ends_soon() const {
     if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
     if (clock_.step >= *check_wanted_ + scene_.balance.interval) return false;
-    return wandered_ > 0 && wandered_ + static_cast<double>(2 * steps_ahead()) * agreed_.moved > epoch_reach;
+    return displacement_in_guard_layer_ > 0 &&
+           displacement_in_guard_layer_ + static_cast<double>(2 * steps_ahead()) * agreed_.moved > epoch_reach;
 }
 
 /// The loads of now are on their way to all ranks, unless all is well without.
@@ -210,7 +211,7 @@ void Simulation<Real, Dim>::begin_check() {
         take_times(check_input_.times);
         keys_.finish();  // what would have been the next epoch
         loads_.start(loads_of(mine));
-        foreseen_ = 0;
+        displacement_since_start_ = 0;
         check_under_way_ = true;
     });
 }
@@ -239,7 +240,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::continue_check() {
     const bool all_have_planned = !loads_.under_way() && !agreed_.making;
     const bool ends = (clock_.step >= check_due_ && all_have_planned) || clock_.step >= check_latest_ ||
-                      wandered_ > epoch_reach || foreseen_ >= epoch_reach;
+                      displacement_in_guard_layer_ > epoch_reach || displacement_since_start_ >= epoch_reach;
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
         if (loads_.under_way())
@@ -262,7 +263,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
     const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
-    wandered_ = std::max(0.0, foreseen_ - 1);  // where the guard layer begins
+    displacement_in_guard_layer_ = std::max(0.0, displacement_since_start_ - 1);  // where the guard layer begins
     unbinned_ = true;
     in_guard_layer_ = false;
     counts_.migrated_particles += moved.particles;

@@ -50,8 +50,8 @@ void Simulation<Real, Dim>::agree_on_dt() {
     }
     clock_.signal = agreed_.signal;
     in_guard_layer_ = agreed_.in_guard_layer && !unbinned_;  // else by the tables before
-    wandered_ = in_guard_layer_ || unbinned_ ? wandered_ + agreed_.moved : 0;
-    foreseen_ += agreed_.moved;
+    displacement_in_guard_layer_ = in_guard_layer_ || unbinned_ ? displacement_in_guard_layer_ + agreed_.moved : 0;
+    displacement_since_start_ += agreed_.moved;
     unbinned_ = false;
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();
     const double imbalance = mean > 0 ? static_cast<double>(agreed_.count) / mean : 1;
