@@ -1,6 +1,6 @@
 // S16: where the energy of a run goes: motion, elastic energy, dissipation by the laws, and what the transfers took.
 //
-// The last is what is missing of the energy that the run had at its start, by the program's own ledger; there is no
+// The last is what is missing of the energy that the run had at its start, by the program's own budget; there is no
 // second account of it, so the sum of all closes by its making, and the share is what is looked at. Nothing else is in
 // it: these scenes have no friction on walls, no structures, no damping, and nothing leaves.
 

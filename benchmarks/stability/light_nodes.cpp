@@ -84,12 +84,12 @@ struct Outcome {
 };
 
 /// Stored and kinetic energy off the drift [J] and the error of momentum [kg m/s].
-struct Books {
+struct Budget {
     double energy = 0;
     std::array<double, 2> error{};
 };
 
-Books books(Run<double, 2>& run, const Comm& comm, double speed) {
+Budget budget(Run<double, 2>& run, const Comm& comm, double speed) {
     const HistoryRow<2> row = observe(run.sim, comm);
     const double kinetic = run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
         return 0.5 * p.mass[s] * (std::pow(p.velocity[s][0] - speed, 2) + std::pow(p.velocity[s][1] - speed, 2));
@@ -97,9 +97,9 @@ Books books(Run<double, 2>& run, const Comm& comm, double speed) {
     return {row.totals.strain + kinetic, row.momentum_error};
 }
 
-void look(Run<double, 2>& run, const Comm& comm, double speed, const Books& start, Outcome& most) {
+void look(Run<double, 2>& run, const Comm& comm, double speed, const Budget& start, Outcome& most) {
     const double mass = run.sum([](const auto& p, std::uint32_t s, const auto&, const auto&) { return p.mass[s]; });
-    const Books now = books(run, comm, speed);
+    const Budget now = budget(run, comm, speed);
     for (std::size_t a = 0; a < 2; ++a)
         most.momentum = std::max(most.momentum, std::fabs(now.error[a] - start.error[a]) / mass);
     most.energy = std::max(most.energy, now.energy / start.energy);
@@ -118,7 +118,7 @@ Outcome follow(const Scene& scene, double speed, int steps, int every) {
         for (int a = 0; a < 2; ++a) p.velocity[s][a] = speed;
         for (int a = 0; a < 3; ++a) p.stress[s][a] = -pressure;
     });
-    const Books start = books(run, comm, speed);
+    const Budget start = budget(run, comm, speed);
     Outcome most;
     for (int done = 0; done < steps; done += every) {
         run.steps(every);

@@ -2,7 +2,7 @@
 // How one rank's share is stepped: on the threads of the host (comm/host_engine.hpp) or on a device (gpu/).
 //
 // The simulation knows the order of a step and speaks with the other ranks about dt and ownership; an engine does the
-// work of each part and holds the share. What a step tells (signal speed, faults, sums for the books) is taken once
+// work of each part and holds the share. What a step tells (signal speed, faults, sums for the budget) is taken once
 // per step, by take_report(): on a device that is the only moment at which the host waits for it.
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace moraine {
 
-/// What the particles of the last step tell the step control and the books.
+/// What the particles of the last step tell the step control and the budget.
 template <int Dim>
 struct StepReport {
     double signal = 0;  ///< largest c + |v| [m/s]
@@ -28,7 +28,7 @@ struct StepReport {
     std::uint32_t faults = 0;
     bool in_guard_layer = false;           ///< when they were binned, by the tables of then (comm/guard_layer.hpp)
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
-    Ledger<Dim> ledger;                    ///< to be added
+    Budget<Dim> budget;                    ///< to be added
     std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
     std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };

@@ -47,7 +47,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void solve_nodes(const Round& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks);
-    void book(const Quantum& quantum, bool moved);
+    void record_step(const Quantum& quantum, bool moved);
     void note_offence(std::int32_t block, const BlockOutcome& out, bool moved);
     void lose(std::uint32_t slot, const StepScales<Dim>& step);
 

@@ -127,12 +127,12 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
                                        method_.averaged()};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) offences_.clear();
-    book(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
+    record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
 }
 
-/// Books what the round did; `moved`: particles have been moved by it.
+/// Adds up what the round did; `moved`: particles have been moved by it.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::book(const Quantum& quantum, bool moved) {
+void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
     for (std::int32_t b : patch_.blocks()) {
         const BlockOutcome& out = patch_.outcome(b);
         report_.signal = std::max(report_.signal, out.signal);
@@ -140,9 +140,9 @@ void HostEngine<Real, Dim>::book(const Quantum& quantum, bool moved) {
         report_.faults |= out.faults;
         if (out.faults) note_offence(b, out, moved);
         report_.clamped += out.clamped;
-        report_.ledger.work.add(quantum.of(out.work));
+        report_.budget.work.add(quantum.of(out.work));
     }
-    for (std::size_t k = 0; k < impulse_.size(); ++k) report_.ledger.impulse[k % Dim].add(impulse_[k]);
+    for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
 }
 
 /// Notes who went wrong in a block, before binning moves it on.
@@ -173,14 +173,14 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::lose(std::uint32_t slot, const StepScales<Dim>& step) {
     const ParticleView<Real, Dim> p = patch_.particles.view();
     const double m = static_cast<double>(p.mass[slot]);
-    Ledger<Dim>& ledger = report_.ledger;
-    ledger.lost_mass.add(step.quantum.of(m));
+    Budget<Dim>& budget = report_.budget;
+    budget.lost_mass.add(step.quantum.of(m));
     for (int a = 0; a < Dim; ++a) {
         const auto i = static_cast<std::size_t>(a);
-        ledger.lost_momentum[i].add(step.quantum.of(m * static_cast<double>(p.velocity[slot][a])));
-        ledger.lost_pull[i].add(step.quantum.of(m * step.pull[i]));
+        budget.lost_momentum[i].add(step.quantum.of(m * static_cast<double>(p.velocity[slot][a])));
+        budget.lost_pull[i].add(step.quantum.of(m * step.pull[i]));
     }
-    ++ledger.lost_count;
+    ++budget.lost_count;
 }
 
 template <class Real, int Dim>

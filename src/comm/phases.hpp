@@ -16,7 +16,7 @@ class Phases {
     static constexpr std::array<const char*, count> names = {"p2g",   "nodes",   "g2p",     "halo",
                                                              "agree", "migrate", "balance", "output"};
 
-    /// Runs f and books its wall time.
+    /// Runs f and adds up its wall time.
     template <class F>
     void time(Phase phase, const F& f) {
         const auto start = std::chrono::steady_clock::now();
@@ -25,7 +25,7 @@ class Phases {
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
-    /// Books time that somebody else measured [s].
+    /// Adds up time that somebody else measured [s].
     void add(Phase phase, double seconds) { seconds_[static_cast<std::size_t>(phase)] += seconds; }
 
     double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }

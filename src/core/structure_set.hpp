@@ -48,7 +48,7 @@ class StructureSet {
     void begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum);
     /// Places at the end of the step.
     void end_step(double time, double dt);
-    /// Books what this rank's nodes gave in a step.
+    /// Adds up what this rank's nodes gave in a step.
     void take(std::span<const StructureSums<Dim>> mine);
     void forget_pending();
 

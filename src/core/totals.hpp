@@ -74,7 +74,7 @@ void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_
 
 /// Accounts that grow step by step, on each rank for what it did; their sum over ranks is exact.
 template <int Dim>
-struct Ledger {
+struct Budget {
     ExactSum work;                      ///< of the stresses [J]
     std::array<ExactSum, Dim> impulse;  ///< of walls and damping [kg m/s]
     ExactSum lost_mass;                 ///< through open walls [kg]
@@ -82,7 +82,7 @@ struct Ledger {
     std::array<ExactSum, Dim> lost_pull;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
 
-    void add(const Ledger& o) {
+    void add(const Budget& o) {
         work.add(o.work);
         lost_mass.add(o.lost_mass);
         for (std::size_t a = 0; a < Dim; ++a) {

@@ -5,8 +5,8 @@ namespace moraine::gpu {
 constexpr int refresh_interval = 12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/gpu_lab)
 
 template <int Dim>
-Ledger<Dim> ledger_of(const Account<Dim>& a) {
-    Ledger<Dim> l;
+Budget<Dim> budget_of(const Account<Dim>& a) {
+    Budget<Dim> l;
     l.work = a.work;
     l.lost_mass = a.lost_mass;
     for (std::size_t i = 0; i < Dim; ++i) {
@@ -215,7 +215,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.faults = account.faults;
     report.in_guard_layer = report_->in_guard_layer != 0;
     report.clamped = account.clamped;
-    report.ledger = ledger_of(account);
+    report.budget = budget_of(account);
     report.felt = structures_.take();
     report.seconds = watch_.take();
     if (static_cast<std::size_t>(census_.blocks) > tile_capacity_) grow_tiles();

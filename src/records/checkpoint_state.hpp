@@ -46,16 +46,16 @@ std::vector<BlockRow> block_rows(Simulation<Real, Dim>& sim) {
     return rows;
 }
 
-/// Names of the parts of a ledger, and the parts.
+/// Names of the parts of a budget, and the parts.
 template <int Dim, class F>
-void each_ledger_entry(Ledger<Dim>& ledger, const F& f) {
-    f("work", ledger.work);
-    f("lost_mass", ledger.lost_mass);
+void each_budget_entry(Budget<Dim>& budget, const F& f) {
+    f("work", budget.work);
+    f("lost_mass", budget.lost_mass);
     for (std::size_t a = 0; a < Dim; ++a) {
         const std::string axis(1, "xyz"[a]);
-        f("impulse_" + axis, ledger.impulse[a]);
-        f("lost_momentum_" + axis, ledger.lost_momentum[a]);
-        f("lost_pull_" + axis, ledger.lost_pull[a]);
+        f("impulse_" + axis, budget.impulse[a]);
+        f("lost_momentum_" + axis, budget.lost_momentum[a]);
+        f("lost_pull_" + axis, budget.lost_pull[a]);
     }
 }
 
@@ -158,10 +158,10 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path)
     header["state_hash"] = std::bit_cast<std::int64_t>(sim.state_hash());
     header["partitioner"] = std::string(sim.partitioner().name());
     header["partitioner_state"] = sim.partitioner().state();
-    Ledger<Dim> ledger = sim.ledger();
-    header["lost_count"] = comm.sum(ledger.lost_count);
-    each_ledger_entry(
-        ledger, [&](const std::string& name, ExactSum& mine) { header["ledger_" + name] = stored_sum(comm, mine); });
+    Budget<Dim> budget = sim.budget();
+    header["lost_count"] = comm.sum(budget.lost_count);
+    each_budget_entry(
+        budget, [&](const std::string& name, ExactSum& mine) { header["ledger_" + name] = stored_sum(comm, mine); });
 
     save_structures(sim, comm, header);
 
@@ -180,9 +180,9 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     std::vector<Key> keys;
     std::vector<std::int64_t> counts;
     for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);
-    Ledger<Dim> ledger;
-    ledger.lost_count = file.get<std::int64_t>("lost_count");
-    each_ledger_entry(ledger, [&](const std::string& name, ExactSum& entry) {
+    Budget<Dim> budget;
+    budget.lost_count = file.get<std::int64_t>("lost_count");
+    each_budget_entry(budget, [&](const std::string& name, ExactSum& entry) {
         entry = sum_of_stored(file.get<std::vector<std::int64_t>>("ledger_" + name));
     });
     std::vector<std::int64_t> state;
@@ -198,7 +198,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
             scatter_rows({c}, slots, rows.data());
         }
     };
-    sim.restore(keys, counts, clock_of<Dim>(file), ledger, state, read);
+    sim.restore(keys, counts, clock_of<Dim>(file), budget, state, read);
     load_structures(sim, comm, file);
     if (std::bit_cast<std::int64_t>(sim.state_hash()) != file.get<std::int64_t>("state_hash"))
         throw InputError(

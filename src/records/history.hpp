@@ -72,26 +72,26 @@ template <class Real, int Dim>
 HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
-    const Ledger<Dim>& ledger = sim.ledger();
+    const Budget<Dim>& budget = sim.budget();
     HistoryRow<Dim> row;
     row.step = clock.step;
     row.time = clock.time;
     row.dt = clock.dt;
     row.totals = sim.totals();
     row.particles = comm.sum(sim.engine().census().particles);
-    row.lost_particles = comm.sum(ledger.lost_count);
-    row.lost_mass = sim.sum_of(ledger.lost_mass);
+    row.lost_particles = comm.sum(budget.lost_count);
+    row.lost_mass = sim.sum_of(budget.lost_mass);
     row.front = front_of(sim.column_volumes(), scene);
     row.potential = sim.potential_energy(row.totals);
-    row.dissipated = sim.sum_of(ledger.work) - (row.totals.strain - clock.start_strain);
+    row.dissipated = sim.sum_of(budget.work) - (row.totals.strain - clock.start_strain);
     std::vector<StructureSums<Dim>> felt;
     for (const StructureState<Dim>& state : sim.structures().states()) felt.push_back(state.felt);
     felt = sim.sum_of(felt);
     for (std::size_t a = 0; a < Dim; ++a) {
-        row.wall_impulse[a] = sim.sum_of(ledger.impulse[a]);
-        const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(ledger.lost_pull[a]);
+        row.wall_impulse[a] = sim.sum_of(budget.impulse[a]);
+        const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(budget.lost_pull[a]);
         row.gravity_impulse[a] = clock.start_mass * clock.pull[a] - unfelt;
-        row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(ledger.lost_momentum[a]) - clock.start_momentum[a] -
+        row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(budget.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
     }

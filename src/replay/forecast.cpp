@@ -49,7 +49,7 @@ void Forecast::take_mark(const Loads& loads) {
 }
 
 /// `loads` are those that the owners of the interval have come to.
-void Forecast::book_end_of_interval(const Loads& loads, std::int64_t steps) {
+void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps) {
     const double imbalance = imbalance_, imbalance_time = imbalance_time_, slowest = slowest_, waiting = waiting_,
                  mean = mean_;
     const auto n = static_cast<double>(steps);
@@ -122,13 +122,13 @@ void Forecast::check(Interval& now, const Carry& carry) {
         owners_ = carry.owners(owners_, now, layout_, *partitioner_);
         for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners_[b];
         const Loads loads = loads_of(blocks);
-        book_end_of_interval(loads, now.step - step_);
+        add_end_of_interval(loads, now.step - step_);
         decide(blocks, loads, now.step);
     }
     step_ = now.step;
 }
 
-void Forecast::book_halo(const HaloSurroundings& around, int real_bytes) {
+void Forecast::add_halo(const HaloSurroundings& around, int real_bytes) {
     halo_ = around.halo(owners_, *partitioner_, ranks_, real_bytes);
 }
 

@@ -3,7 +3,7 @@
 //
 // At each imbalance check owners come over from the imbalance check before (interval.hpp), the trigger decides by the
 // same code as in a run (trigger.hpp, planner.hpp) and with time by the model, and what the interval to come costs is
-// booked: its imbalance is the mean of those at its two ends, the halo is that at its begin.
+// added up: its imbalance is the mean of those at its two ends, the halo is that at its begin.
 
 #include <memory>
 #include <string>
@@ -48,7 +48,7 @@ class Forecast {
     void check(Interval& now, const Carry& carry);
 
     /// The halo until the next imbalance check, of the owners that check() found. Not collective.
-    void book_halo(const HaloSurroundings& around, int real_bytes);
+    void add_halo(const HaloSurroundings& around, int real_bytes);
 
     const Partitioner& partitioner() const { return *partitioner_; }
     const std::vector<std::int32_t>& owners() const { return owners_; }
@@ -60,7 +60,7 @@ class Forecast {
         LoadSummary weight;
     };
     Loads loads_of(const std::vector<BlockLoad>& blocks) const;
-    void book_end_of_interval(const Loads& loads, std::int64_t steps);
+    void add_end_of_interval(const Loads& loads, std::int64_t steps);
     void decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step);
     void take_mark(const Loads& loads);
 

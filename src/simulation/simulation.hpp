@@ -99,7 +99,7 @@ class Simulation {
     using ReadRows = std::function<void(const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
                                         std::span<const std::uint32_t> slots)>;
     void restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts, const RunClock<Dim>& clock,
-                 const Ledger<Dim>& ledger, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
+                 const Budget<Dim>& budget, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
@@ -107,7 +107,7 @@ class Simulation {
     /// Brings the share into the binned state. Collective.
     void bin();
 
-    /// Bins, books, and throws PhysicsError if the last step went wrong. Collective.
+    /// Bins, adds up, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
 
     /// A imbalance check if one is due now, and a new epoch if the old one is used up. Collective.
@@ -132,7 +132,7 @@ class Simulation {
     const RunCounts& counts() const { return counts_; }
     /// With those of the epoch under way.
     RunCounts counts_so_far() const;
-    const Ledger<Dim>& ledger() const { return ledger_; }
+    const Budget<Dim>& budget() const { return budget_; }
     /// The imbalance check that ended since this was asked before, or the one of them that repartitioned; no reason:
     /// none did.
     ImbalanceCheck take_imbalance_check() { return std::exchange(last_check_, {}); }
@@ -173,7 +173,7 @@ class Simulation {
     std::uint64_t state_hash(bool with_lists = false) const;
     /// -sum m g . (x - domain.min) [J]
     double potential_energy(const Totals<Dim>& totals) const;
-    /// Exact sum over ranks of a ledger entry. Collective.
+    /// Exact sum over ranks of a budget entry. Collective.
     double sum_of(const ExactSum& mine) const;
     /// Over ranks of all sums of a structure, one after the other. Collective.
     std::vector<StructureSums<Dim>> sum_of(const std::vector<StructureSums<Dim>>& mine) const;
@@ -183,7 +183,7 @@ class Simulation {
   private:
     void start_agreement();
     void agree_on_dt();
-    void book();
+    void record_step();
     void check_step();
     void report_faults() const;
     void apply_body_force();
@@ -235,7 +235,7 @@ class Simulation {
 
     RunClock<Dim> clock_;
     RunCounts counts_;
-    Ledger<Dim> ledger_;
+    Budget<Dim> budget_;
     StructureSet<Dim> structures_;
     std::vector<StructureSums<Dim>> forces_;  ///< of the last step on free structures, over all ranks
     Agreement agreed_, own_;
@@ -265,7 +265,7 @@ class Simulation {
     double move_seconds_ = 0;  ///< of the last repartition
     std::int64_t last_repartition_ = 0;
     std::uint32_t asked_ = 0;
-    bool unbooked_ = false;  ///< a step's report is still with the engine
+    bool report_pending_ = false;  ///< a step's report is still with the engine
 };
 
 // The step. Every message between ranks is visible here. A device queues the work and is waited for once, where the
@@ -289,7 +289,7 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
     }
     phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
-    unbooked_ = true;
+    report_pending_ = true;
     clock_.time += clock_.dt;
     structures_.end_step(clock_.time, clock_.dt);
     ++clock_.step;

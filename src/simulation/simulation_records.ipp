@@ -145,7 +145,7 @@ void Simulation<Real, Dim>::refresh_signal() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::conclude() {
     bin();
-    book();
+    record_step();
     reduction_.start(own_);
     const Agreement all = reduction_.finish();
     if (all.faults) report_faults();

@@ -189,7 +189,7 @@ void Simulation<Real, Dim>::set_scales() {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts,
-                                    const RunClock<Dim>& clock, const Ledger<Dim>& ledger,
+                                    const RunClock<Dim>& clock, const Budget<Dim>& budget,
                                     const std::vector<std::int64_t>& partitioner_state, const ReadRows& read) {
     std::vector<BlockLoad> loads;
     for (std::size_t b = 0; b < keys.size(); ++b) {
@@ -213,7 +213,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     binned.slot = patch().take_slots(rows);
     read(ranges, binned.slot);
     begin_epoch(binned);
-    if (comm_.is_root()) ledger_ = ledger;
+    if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
     last_repartition_ = clock_.step;
 }

@@ -7,10 +7,10 @@ void Simulation<Real, Dim>::bin() {
     phases_.time(Phase::migrate, [&] { engine_->bin(); });
 }
 
-/// Takes what the last step tells into the books and into what the next agreement must know.
+/// Takes what the last step tells into the budget and into what the next agreement must know.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::book() {
-    if (!unbooked_) return;
+void Simulation<Real, Dim>::record_step() {
+    if (!report_pending_) return;
     const StepReport<Dim> report = engine_->take_report();
     phases_.add(Phase::p2g, report.seconds[0]);
     phases_.add(Phase::nodes, report.seconds[1]);
@@ -23,14 +23,14 @@ void Simulation<Real, Dim>::book() {
     own_.seconds = phases_.computing() - computed_;
     computed_ = phases_.computing();
     counts_.clamped_boxes += report.clamped;
-    ledger_.add(report.ledger);
+    budget_.add(report.budget);
     structures_.take(report.felt);
-    unbooked_ = false;
+    report_pending_ = false;
 }
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_agreement() {
-    phases_.time(Phase::agree, [&] { book(); });
+    phases_.time(Phase::agree, [&] { record_step(); });
     const Census census = engine_->census();
     own_.count = census.particles;
     own_.blocks = census.blocks;

@@ -51,7 +51,7 @@ struct Outcome {
     std::vector<Values> values;
     std::uint64_t hash;
     double time;
-    std::vector<double> books;
+    std::vector<double> budget;
 };
 
 template <class Real, int Dim>
@@ -62,11 +62,11 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
     sim.seed();
     for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
     Outcome out{values_of(sim), sim.state_hash(true), sim.clock().time, {}};
-    const Ledger<Dim>& ledger = sim.ledger();
-    for (const ExactSum& s : {ledger.work, ledger.impulse[0], ledger.impulse[1], ledger.lost_mass,
-                              ledger.lost_momentum[0], ledger.lost_pull[1]})
-        out.books.push_back(sim.quantum().value(s));
-    out.books.push_back(static_cast<double>(ledger.lost_count));
+    const Budget<Dim>& budget = sim.budget();
+    for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
+                              budget.lost_momentum[0], budget.lost_pull[1]})
+        out.budget.push_back(sim.quantum().value(s));
+    out.budget.push_back(static_cast<double>(budget.lost_count));
     return out;
 }
 
@@ -96,10 +96,10 @@ void compare(const Scene& scene, int steps, double tolerance) {
         MESSAGE(scene.name << " " << host.values[k].name << ": " << d);
         CHECK(d <= tolerance);
     }
-    for (std::size_t k = 0; k < host.books.size(); ++k) {
+    for (std::size_t k = 0; k < host.budget.size(); ++k) {
         CAPTURE(k);
-        CHECK(device.books[k] ==
-              doctest::Approx(host.books[k]).epsilon(1e3 * tolerance).scale(std::fabs(host.books[0])));
+        CHECK(device.budget[k] ==
+              doctest::Approx(host.budget[k]).epsilon(1e3 * tolerance).scale(std::fabs(host.budget[0])));
     }
 }
 
@@ -153,7 +153,7 @@ TEST_CASE("the series of FMPM gives the host's answer, of any order") {
     }
 }
 
-TEST_CASE("an open wall, a periodic axis, friction, damping and two materials give the host's answer and books") {
+TEST_CASE("an open wall, a periodic axis, friction, damping and two materials give the host's answer and budget") {
     for (Transfer transfer : {Transfer::flip, Transfer::apic})
         for (StressUpdate scheme : {StressUpdate::usl, StressUpdate::musl})
             for (Scene scene : {test::slurry(), test::column()}) {

@@ -14,7 +14,7 @@ namespace {
 
 struct Outcome {
     std::uint64_t hash;
-    std::array<double, 6> books;
+    std::array<double, 6> budget;
     RunCounts counts;
 };
 
@@ -24,7 +24,7 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
     sim.seed();
     for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
     sim.conclude();
-    const Ledger<Dim>& l = sim.ledger();
+    const Budget<Dim>& l = sim.budget();
     const double lost = comm.sum(static_cast<double>(l.lost_count));
     RunCounts counts = sim.counts_so_far();
     counts.crossed_particles = comm.sum(counts.crossed_particles);
@@ -58,9 +58,9 @@ void compare(Scene scene, int steps) {
             scene.balance.interval = 10;
             const Outcome found = run<Real, Dim>(scene, all, device, steps);
             CHECK(found.hash == expected.hash);
-            for (std::size_t k = 0; k < expected.books.size(); ++k) {
+            for (std::size_t k = 0; k < expected.budget.size(); ++k) {
                 CAPTURE(k);
-                CHECK(found.books[k] == expected.books[k]);
+                CHECK(found.budget[k] == expected.budget[k]);
             }
             CHECK(found.counts.halo_bytes > 0);
             if (std::string(partitioner) != "shuffle") continue;

@@ -165,7 +165,7 @@ TEST_CASE("when the last particle has left, time goes on by the step that it had
     for (int n = 0; n < 400; ++n) sim.step(), sim.balance();
     sim.conclude();
     CHECK(comm.sum(sim.patch().count()) == 0);
-    CHECK(comm.sum(sim.ledger().lost_count) == 64);
+    CHECK(comm.sum(sim.budget().lost_count) == 64);
     CHECK(std::isfinite(sim.clock().time));
     CHECK(sim.clock().time < 10);
 }

@@ -27,9 +27,9 @@ double unexplained_momentum(Simulation<Real, Dim>& sim) {
     const RunClock<Dim>& clock = sim.clock();
     double worst = 0;
     for (std::size_t a = 0; a < Dim; ++a) {
-        const double gained = now.momentum[a] + sim.sum_of(sim.ledger().lost_momentum[a]) - clock.start_momentum[a];
-        const double pulled = now.mass * clock.pull[a] + sim.sum_of(sim.ledger().lost_pull[a]);
-        const double left = std::fabs(gained - pulled - sim.sum_of(sim.ledger().impulse[a]));
+        const double gained = now.momentum[a] + sim.sum_of(sim.budget().lost_momentum[a]) - clock.start_momentum[a];
+        const double pulled = now.mass * clock.pull[a] + sim.sum_of(sim.budget().lost_pull[a]);
+        const double left = std::fabs(gained - pulled - sim.sum_of(sim.budget().impulse[a]));
         if (!(left <= worst)) worst = std::isnan(left) ? HUGE_VAL : left;
     }
     return worst / (clock.start_mass * clock.signal);
@@ -45,10 +45,10 @@ Result run(const Scene& scene, const Comm& comm, int steps) {
         sim.balance();
     }
     sim.conclude();
-    CHECK(sim.totals().mass + sim.sum_of(sim.ledger().lost_mass) == doctest::Approx(mass).epsilon(1e-14));
+    CHECK(sim.totals().mass + sim.sum_of(sim.budget().lost_mass) == doctest::Approx(mass).epsilon(1e-14));
     CHECK(unexplained_momentum(sim) <= (sizeof(Real) == 8 ? 1e-12 : 2e-6));
     return {
-        sim.state_hash(true),     sim.state_hash(), sim.clock().time, sim.clock().dt, comm.sum(sim.ledger().lost_count),
+        sim.state_hash(true),     sim.state_hash(), sim.clock().time, sim.clock().dt, comm.sum(sim.budget().lost_count),
         sim.counts().repartitions};
 }
 

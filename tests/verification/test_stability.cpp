@@ -1,4 +1,4 @@
-// S1 and S22 in small: the default method is stable while it drifts, and random scenes keep their books.
+// S1 and S22 in small: the default method is stable while it drifts, and random scenes keep their budget.
 #include "verification/drive.hpp"
 #include "verification/problem_cloud.hpp"
 #include "verification/random_run.hpp"

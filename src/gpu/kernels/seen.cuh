@@ -1,6 +1,6 @@
 #pragma once
-// What particles tell the step control and the books, folded into an Account (gpu/kernels/view.hpp) by integer atomics:
-// no order matters. A double that is not negative orders as its bits do.
+// What particles tell the step control and the budget, folded into an Account (gpu/kernels/view.hpp) by integer
+// atomics: no order matters. A double that is not negative orders as its bits do.
 
 #include "gpu/kernels/account.cuh"
 

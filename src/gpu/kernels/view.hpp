@@ -21,7 +21,7 @@ struct Chosen {
     const std::uint32_t* count;
 };
 
-/// What the particles of the step tell the step control and the books. Folded into by integer atomics, so that no
+/// What the particles of the step tell the step control and the budget. Folded into by integer atomics, so that no
 /// order matters; a launch spreads over `account_parts` of them.
 template <int Dim>
 struct Account {
