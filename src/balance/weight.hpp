@@ -5,8 +5,8 @@
 //   cost        a * particles + c * occupied cells + d, rounded to whole nanoseconds, at least 1
 //   time        a * (particles + b), in picoseconds, at least 1
 //
-// a of `time` is measured by the rank that holds the block (pace.hpp); b are as many particles as take the time that a
-// full block takes besides its own, by the constants of `cost`.
+// a of `time` is measured by the rank that holds the block (measured_cost.hpp); b are as many particles as take the
+// time that a full block takes besides its own, by the constants of `cost`.
 //
 // The constants are whole picoseconds: a device needs about 100 ps per particle, and integers give
 // the same weight on every rank. Those of `cost` are refined by measured steps (calibration.hpp), the same on all

@@ -13,7 +13,7 @@
 
 #include "balance/calibration.hpp"
 #include "balance/imbalance_check.hpp"
-#include "balance/pace.hpp"
+#include "balance/measured_cost.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/weight.hpp"
 #include "comm/agreement.hpp"
@@ -228,7 +228,7 @@ class Simulation {
     RepartitionTrigger trigger_;
     BlockWeight weight_;
     Calibration calibration_;
-    Pace pace_;
+    MeasuredCost measured_cost_;
 
     std::unique_ptr<Engine<Real, Dim>> engine_;
     AgreementReduction reduction_;

@@ -155,8 +155,8 @@ void Simulation<Real, Dim>::rest() {
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::is_balanced(ImbalanceCheck& found) const {
     if (weighs_cells()) return false;
-    found.terms.now =
-        weight_.is_time() ? pace_.load(comm_.size()) : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
+    found.terms.now = weight_.is_time() ? measured_cost_.load(comm_.size())
+                                        : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
     found.reason = "balanced";
     if (!trigger_.needs_plan(found.terms.now)) return true;
     take_times(found.terms);
@@ -206,7 +206,7 @@ void Simulation<Real, Dim>::begin_check() {
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());
         if (weighs_cells()) calibrate(mine);
-        if (weight_.is_time()) weight_.set_model({pace_.picoseconds(weight_.model().a), 0, 0});
+        if (weight_.is_time()) weight_.set_model({measured_cost_.picoseconds(weight_.model().a), 0, 0});
         check_input_ = {{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
         take_times(check_input_.times);
         keys_.finish();  // what would have been the next epoch
@@ -272,7 +272,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     ++clock_.round;
     last_repartition_ = clock_.step;
     time_lost_ = 0;
-    pace_.forget();
+    measured_cost_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     trigger_.learn(planned_.found.terms.migration, move_seconds_);
 }

@@ -62,8 +62,9 @@ void Simulation<Real, Dim>::agree_on_dt() {
     time_lost_ += agreed_.seconds - mean_seconds;
     counts_.seconds_lost += agreed_.seconds - mean_seconds;
     if (weight_.is_time())
-        pace_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum, weight_.with_blocks(own_.count, own_.blocks),
-                   weight_.with_blocks(agreed_.count_sum, agreed_.blocks)});
+        measured_cost_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum,
+                            weight_.with_blocks(own_.count, own_.blocks),
+                            weight_.with_blocks(agreed_.count_sum, agreed_.blocks)});
     ++counts_.steps;
     counts_.particle_steps += static_cast<double>(agreed_.count_sum);
     if (scene_.dt > 0)

@@ -21,19 +21,20 @@ struct StepTimes {
     std::int64_t particles = 0;     ///< of all ranks
 };
 
-class Pace {
+class MeasuredCost {
   public:
     /// Not collective.
     void add(const StepTimes& step);
 
     /// After a repartition nothing is known; the next step is one of before with particles of now. Not collective.
     void forget() {
-        *this = Pace{};
+        *this = MeasuredCost{};
         skips_ = true;
     }
 
     /// Time per particle and step [ps], between half and twice that of all ranks: a rank with a handful of particles
-    /// has no pace, and would never get more. `start` before anything was measured. At least 1. Not collective.
+    /// has no measured cost, and would never get more. `start` before anything was measured. At least 1. Not
+    /// collective.
     std::int64_t picoseconds(std::int64_t start) const;
 
     /// Time of the slowest rank in each step, and of all ranks, added up over the last steps [ps]; the same on all
