@@ -17,7 +17,7 @@ matplotlib.rcParams.update({
 CAUSES = {  # of lost time: what it is called, and its colour
     "granularity": ("granularity: even the best cut is uneven", "#b2182b"),
     "partition": ("partition: not the best cut for the loads of then", "#ef8a62"),
-    "unrest": ("unrest: equal loads that did not take equal time", "#fddbc7"),
+    "timing noise": ("timing noise: equal loads that did not take equal time", "#fddbc7"),
     "imbalance": ("imbalance (no block loads recorded: causes unknown)", "#ef8a62"),
     "exchange": ("exchange: halo, binning, migration, agreement", "#67a9cf"),
     "balancing": ("balancing: checks, plans, moves", "#2166ac"),

@@ -142,7 +142,7 @@ class Run:
         return self.summary["particle_steps_per_s"]
 
     def lost(self):
-        """Seconds lost to imbalance by cause: granularity, partition, unrest; none but their sum without block loads."""
+        """Seconds lost to imbalance by cause: granularity, partition, timing noise; none but their sum without block loads."""
         total = self.times["lost_to_imbalance"]
         if not self.loads or len(self.loads.checks) < 2:
             return {"imbalance": total}
@@ -151,7 +151,7 @@ class Run:
         mean = self.times["computing"]
         granularity = min(total, mean * (best - 1))
         partition = min(total - granularity, mean * max(0, self.summary["imbalance_mean"] - best))
-        return {"granularity": granularity, "partition": partition, "unrest": total - granularity - partition}
+        return {"granularity": granularity, "partition": partition, "timing noise": total - granularity - partition}
 
 
 def unique_names(runs):

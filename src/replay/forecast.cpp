@@ -60,7 +60,7 @@ void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps) {
     result_.imbalance_time_sum += n * (imbalance_time + imbalance_time_) / 2;
     result_.imbalance_max = std::max({result_.imbalance_max, imbalance, imbalance_});
     result_.computing += n * (slowest + slowest_) / 2;
-    result_.unrest += n * (waiting + waiting_) / 2;
+    result_.timing_noise += n * (waiting + waiting_) / 2;
     result_.ideal += n * (mean + mean_) / 2;
     result_.sending += n * (model_.constant + model_.sending(halo_, ranks_));
     result_.tiles += static_cast<double>(halo_.tiles);

@@ -28,12 +28,12 @@ struct ForecastResult {
     std::int64_t repartitions = 0, migrated_particles = 0, migrated_blocks = 0;
     double plan_seconds = 0, plan_seconds_max = 0;  ///< measured here: of a plan, on one core
     std::int64_t plans = 0;
-    /// [s]; computing: of the slowest rank by its load; unrest: beyond that; ideal: perfectly balanced; checking: with
-    /// plans, as measured here.
-    double computing = 0, unrest = 0, ideal = 0, sending = 0, migration = 0, checking = 0;
+    /// [s]; computing: of the slowest rank by its load; timing noise: beyond that; ideal: perfectly balanced; checking:
+    /// with plans, as measured here.
+    double computing = 0, timing_noise = 0, ideal = 0, sending = 0, migration = 0, checking = 0;
 
     double imbalance_mean() const { return steps > 0 ? imbalance_sum / static_cast<double>(steps) : 1; }
-    double seconds() const { return computing + unrest + sending + migration + checking; }
+    double seconds() const { return computing + timing_noise + sending + migration + checking; }
     double efficiency() const { return seconds() > 0 ? ideal / seconds() : 1; }
 };
 

@@ -30,13 +30,14 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
         "{}: {} checks up to step {}, {} to {} blocks; run on {} rank{} with {}.\n"
         "All lines but `measured` are predictions by a model: {:.0f} ns a particle, {:.0f} ns a block, {:.0f} ns a "
         "particle in exchanges, "
-        "{:.2g} ms an imbalance check,\n  {:.2g} ms a step, a migration {:.2g} times what the planner reckons, unrest "
+        "{:.2g} ms an imbalance check,\n  {:.2g} ms a step, a migration {:.2g} times what the planner reckons, timing "
+        "noise "
         "{:.1f} %;\n  "
         "transport {:.2g} us and {:.2g} GB/s (--latency, "
         "--bandwidth).\n",
         options.directory, record.checks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.check,
-        1e3 * m.constant, m.moves_slower, 100 * m.unrest, 1e6 * m.transport.latency, m.transport.bandwidth / 1e9);
+        1e3 * m.constant, m.moves_slower, 100 * m.timing_noise, 1e6 * m.transport.latency, m.transport.bandwidth / 1e9);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "
@@ -82,7 +83,7 @@ std::string csv_text(const ReplayRecord& record, const std::vector<ForecastResul
         "cut,"
         "neighbours_mean,neighbours_max,repartitions,migrated_particles,migrated_blocks,plan_mean_s,plan_max_s,"
         "computing_s,"
-        "unrest_s,ideal_s,sending_s,migration_s,checks_s,time_s,efficiency,regret_percent\n";
+        "timing_noise_s,ideal_s,sending_s,migration_s,checks_s,time_s,efficiency,regret_percent\n";
     const ForecastResult& run = record.measured();
     text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,\n", run.ranks, run.partitioner,
                         run.imbalance_mean(), run.imbalance_max, run.bytes, record.measured_seconds());
@@ -92,8 +93,8 @@ std::string csv_text(const ReplayRecord& record, const std::vector<ForecastResul
                             per(r.imbalance_time_sum, r.steps), per(r.tiles, r.intervals), r.bytes,
                             per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals), r.neighbours_max,
                             r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
-                            r.plan_seconds_max, r.computing, r.unrest, r.ideal, r.sending, r.migration, r.checking,
-                            r.seconds(), r.efficiency());
+                            r.plan_seconds_max, r.computing, r.timing_noise, r.ideal, r.sending, r.migration,
+                            r.checking, r.seconds(), r.efficiency());
     for (const RegretRow& r : rows)
         text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{}\n", r.ranks, r.partitioner, r.trigger,
                             r.repartitions, r.seconds, r.percent());

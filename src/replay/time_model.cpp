@@ -7,7 +7,7 @@
 namespace moraine {
 namespace {
 
-constexpr double most_unrest = 1;
+constexpr double most_timing_noise = 1;
 
 double normal_below(double x) {
     return 0.5 * std::erfc(-x * M_SQRT1_2);
@@ -67,7 +67,7 @@ double TimeModel::waiting(std::span<const std::int64_t> particles, std::span<con
     std::vector<double> times;
     for (std::size_t r = 0; r < particles.size(); ++r)
         times.push_back(busy(static_cast<double>(particles[r]), static_cast<double>(blocks[r])));
-    return times.size() < 2 ? 0 : std::max(0.0, expected_maximum(times, unrest) - slowest(particles, blocks));
+    return times.size() < 2 ? 0 : std::max(0.0, expected_maximum(times, timing_noise) - slowest(particles, blocks));
 }
 
 double TimeModel::sending(const HaloForecast& halo, int ranks) const {
@@ -122,14 +122,14 @@ double ModelFit::least_exchange() const {
 }
 
 /// With which the expected slowest ranks take as long as those of the run: least squares over intervals, with the slope
-/// at a small unrest. Where one rank has far the most to do unrest does nothing, and the pull towards none keeps an
-/// error of the costs from being taken for unrest.
-double ModelFit::unrest_of(const TimeModel& m) const {
+/// at a small timing noise. Where one rank has far the most to do timing noise does nothing, and the pull towards none
+/// keeps an error of the costs from being taken for timing noise.
+double ModelFit::timing_noise_of(const TimeModel& m) const {
     struct Measured {
         std::vector<double> times;
         double slowest, weight;
     };
-    constexpr double small = 0.1, pull = 0.003;  // 1 % of the square of what unrest does to two equal ranks
+    constexpr double small = 0.1, pull = 0.003;  // 1 % of the square of what timing noise does to two equal ranks
     std::vector<Measured> all;
     double steps = 0;
     for (const Interval& interval : intervals_) {
@@ -145,7 +145,7 @@ double ModelFit::unrest_of(const TimeModel& m) const {
         for (const Measured& k : all) sum += k.weight * (expected_maximum(k.times, spread) - k.slowest);
         return sum;
     };
-    double low = 0, high = most_unrest;
+    double low = 0, high = most_timing_noise;
     if (surplus(low) >= 0) return 0;
     for (int k = 0; k < 30; ++k) {
         const double middle = (low + high) / 2;
@@ -159,7 +159,7 @@ double ModelFit::remainder(const TimeModel& m) const {
     for (const Interval& interval : intervals_) {
         double step = 0;
         for (const Sample& s : interval.ranks) step = std::max(step, s.computing + s.exchange);
-        const double spread = interval.ranks.size() > 1 ? m.unrest : 0;
+        const double spread = interval.ranks.size() > 1 ? m.timing_noise : 0;
         seconds += interval.steps * (step - interval.sending - expected_maximum(busy_times(m, interval, true), spread));
         steps += interval.steps;
     }
@@ -188,7 +188,7 @@ TimeModel ModelFit::model(const CostModel& prior) const {
     TimeModel m;
     fit_costs(prior, m);
     m.exchange = least_exchange();
-    m.unrest = unrest_of(m);
+    m.timing_noise = timing_noise_of(m);
     m.constant = remainder(m);
     m.check = usual_check();
     m.moves_slower = moves_slower(m);

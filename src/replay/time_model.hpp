@@ -30,12 +30,12 @@ struct Transport {
 double expected_maximum(std::span<const double> means, double spread);
 
 struct TimeModel {
-    double particle = 0;  ///< a [s]
-    double block = 0;     ///< d [s]
-    double exchange = 0;  ///< e [s]
-    double unrest = 0;    ///< s
-    double constant = 0;  ///< c [s]
-    double check = 0;     ///< [s]
+    double particle = 0;      ///< a [s]
+    double block = 0;         ///< d [s]
+    double exchange = 0;      ///< e [s]
+    double timing_noise = 0;  ///< s
+    double constant = 0;      ///< c [s]
+    double check = 0;         ///< [s]
     int rounds = 1;
     Transport transport;
     MoveModel moves = host_moves;  ///< what planners reckon with
@@ -47,7 +47,7 @@ struct TimeModel {
     double busy(double particles, double blocks) const { return computing(particles, blocks) + exchange * particles; }
     /// Of the rank that has most to do [s per step].
     double slowest(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
-    /// What unrest adds to that [s per step].
+    /// What timing noise adds to that [s per step].
     double waiting(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
     /// [s per step]
     double sending(const HaloForecast& halo, int ranks) const;
@@ -81,7 +81,7 @@ class ModelFit {
   private:
     void fit_costs(const CostModel& prior, TimeModel& m) const;
     double least_exchange() const;
-    double unrest_of(const TimeModel& m) const;
+    double timing_noise_of(const TimeModel& m) const;
     double remainder(const TimeModel& m) const;
     double usual_check() const;
     double moves_slower(const TimeModel& m) const;

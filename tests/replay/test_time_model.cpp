@@ -49,7 +49,7 @@ TEST_CASE("costs of particles and blocks are found again where they vary") {
     CHECK(ratio(m.particle, 2e-7) == doctest::Approx(1).epsilon(0.03));
     CHECK(ratio(m.block, 3e-6) == doctest::Approx(1).epsilon(0.1));
     CHECK(ratio(m.exchange, 5e-8) == doctest::Approx(1).epsilon(0.1));
-    CHECK(m.unrest < 0.02);
+    CHECK(m.timing_noise < 0.02);
 }
 
 TEST_CASE("an imbalance check costs the median of all") {
@@ -69,7 +69,7 @@ TEST_CASE("where particles and blocks cannot be told apart their ratio is the co
     CHECK(m.block / m.particle == doctest::Approx(8000000.0 / 130000));
     CHECK(ratio(m.computing(1000, 20), 2e-4) == doctest::Approx(1));
     CHECK(ratio(m.exchange, 1e-7) == doctest::Approx(1));
-    CHECK(m.unrest == 0);
+    CHECK(m.timing_noise == 0);
 }
 
 TEST_CASE("waiting for others is no exchange: an idle rank does not make the busy one slower") {
@@ -79,7 +79,7 @@ TEST_CASE("waiting for others is no exchange: an idle rank does not make the bus
     const TimeModel m = fit.model(prior);
     const std::vector<std::int64_t> alone{2000, 0}, its_blocks{40, 0}, both{1000, 1000}, blocks{20, 20};
     CHECK(ratio(m.exchange, 1e-8) == doctest::Approx(1));
-    CHECK(m.unrest ==
+    CHECK(m.timing_noise ==
           doctest::Approx(0.2 * 1.7725).epsilon(0.015));  // of two, the slower is s / sqrt(pi) above the mean
     CHECK(ratio(m.slowest(both, blocks) + m.waiting(both, blocks), 2.5e-4) == doctest::Approx(1).epsilon(0.01));
     CHECK(ratio(m.slowest(alone, its_blocks) + m.waiting(alone, its_blocks), 4.2e-4) ==
