@@ -36,7 +36,7 @@ enum class Problem { bar, column, manufactured, vortex, slurry, current };
 
 struct AccuracyCase {
     std::string name;
-    std::string words;  ///< what it is, and what the error is
+    std::string message;  ///< what it is, and what the error is
     Problem problem;
     std::vector<int> cells;
     bool drifts = false;     ///< bar

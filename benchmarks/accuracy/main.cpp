@@ -105,9 +105,9 @@ void report(const AccuracyCase& problem, const Configuration& c, int cells, Prec
             m.particles, m.steps, m.particle_steps, t.runs, t.wall.median, t.wall.deviation, t.processor.median,
             t.processor.deviation, norms, number(m.norms.front().second));
     } catch (const PhysicsError& e) {
-        std::string words = e.what();
-        std::replace(words.begin(), words.end(), '"', '\'');
-        result = fmt::format(R"("failed": "{}")", words);
+        std::string message = e.what();
+        std::replace(message.begin(), message.end(), '"', '\'');
+        result = fmt::format(R"("failed": "{}")", message);
     }
     fmt::print("{{{}, {}, {}}}\n", what, result, machine_json(this_machine()));
     std::fflush(stdout);
@@ -115,7 +115,7 @@ void report(const AccuracyCase& problem, const Configuration& c, int cells, Prec
 
 void benchmark(const Options& o) {
     if (o.list) {
-        for (const AccuracyCase& problem : accuracy_cases()) fmt::print("{}: {}\n", problem.name, problem.words);
+        for (const AccuracyCase& problem : accuracy_cases()) fmt::print("{}: {}\n", problem.name, problem.message);
         for (const Configuration& c : configurations()) fmt::print("  {}\n", c.name);
         return;
     }

@@ -65,7 +65,7 @@ void tell(const Wanted& wanted, const Report& report, const Stories& stories, st
 
 struct StabilityCase {
     const char* name;
-    const char* words;
+    const char* message;
     void (*run)(const Wanted&, const Report&);
 };
 

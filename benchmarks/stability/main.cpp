@@ -114,10 +114,10 @@ Options parse(int argc, char** argv) {
     return o;
 }
 
-std::string escaped(std::string words) {
-    std::replace(words.begin(), words.end(), '"', '\'');
-    std::replace(words.begin(), words.end(), '\n', ' ');
-    return words;
+std::string escaped(std::string message) {
+    std::replace(message.begin(), message.end(), '"', '\'');
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    return message;
 }
 
 void print(const StabilityCase& of, const Finding& finding, double seconds) {
@@ -135,7 +135,7 @@ void print(const StabilityCase& of, const Finding& finding, double seconds) {
 
 void benchmark(const Options& o) {
     if (o.list)
-        for (const StabilityCase& c : cases) fmt::print("{}: {}\n", c.name, c.words);
+        for (const StabilityCase& c : cases) fmt::print("{}: {}\n", c.name, c.message);
     for (const std::string& name : o.names) {
         const auto* found =
             std::find_if(std::begin(cases), std::end(cases), [&](const auto& c) { return c.name == name; });

@@ -16,7 +16,7 @@ class TransportFactory;
 
 struct DeviceChoice {
     bool cuda = false;
-    std::string words;                                        ///< for the user: what was chosen, and why
+    std::string message;                                      ///< for the user: what was chosen, and why
     std::shared_ptr<const gpu::TransportFactory> transports;  ///< between devices; none: one rank, or the host
     std::string transport = "host";
 };

@@ -56,7 +56,7 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
         choice.transport = choice.transports->name();
     }
     keep_freed_memory();
-    choice.words =
+    choice.message =
         fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name, comm.size(),
                     comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", how.empty() ? "" : ", ", how);
     return choice;

@@ -46,7 +46,7 @@ class Driver {
     const Scene& scene_;
     const Options& options_;
     const Comm& comm_;
-    std::string directory_, device_words_;
+    std::string directory_, device_message_;
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it

@@ -34,7 +34,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
-      device_words_(device.words),
+      device_message_(device.message),
       sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {}
 
 template <class Real, int Dim>
@@ -62,7 +62,7 @@ void Driver<Real, Dim>::begin() {
     if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
     claim_run_directory(comm_, directory_, claim);
-    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_words_);
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
     const RunClock<Dim>& clock = sim_.clock();
     open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
     next_output_ = next_multiple(scene_.output.interval, clock.time);

@@ -33,9 +33,9 @@ namespace {
 
 enum Exit { done = 0, internal_error = 1, input_wrong = 2, physics_wrong = 3, machine_failed = 4, stopped = 5 };
 
-/// What one error must do: an exit code, and its words, once.
-int tell(const Comm& comm, int code, const std::string& words) {
-    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", words);
+/// What one error must do: an exit code, and its message, once.
+int tell(const Comm& comm, int code, const std::string& message) {
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", message);
     return code;
 }
 

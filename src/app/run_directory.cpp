@@ -101,13 +101,13 @@ std::string default_run_directory(const std::string& scene_name) {
 }
 
 void check_run_directory(const Comm& comm, const std::string& path, RunClaim claim) {
-    comm.agree_no_error<InputError>(words_of([&] {
+    comm.agree_no_error<InputError>(message_of([&] {
         if (comm.is_root()) check(path, claim);
     }));
 }
 
 void claim_run_directory(const Comm& comm, const std::string& path, RunClaim claim) {
-    comm.agree_no_error<InputError>(words_of([&] {
+    comm.agree_no_error<InputError>(message_of([&] {
         if (!comm.is_root()) return;
         check(path, claim);
         claim_it(path, claim);

@@ -63,8 +63,8 @@ class Comm {
     /// If any rank says something, every rank throws it: the words of the lowest such rank. Collective.
     template <class Error>
     void agree_no_error(const std::string& mine) const {
-        const std::string words = first_words(mine);
-        if (!words.empty()) throw Error(words);
+        const std::string message = first_words(mine);
+        if (!message.empty()) throw Error(message);
     }
 
   private:

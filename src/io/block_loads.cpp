@@ -61,10 +61,10 @@ BlockLoadWriter::BlockLoadWriter(const Comm& comm, std::string path, const LoadH
     : comm_(comm), path_(std::move(path)) {
     const bool resumes = comm.is_root() && resume_step && std::filesystem::exists(path_);
     end_ = sizeof header;
-    comm.agree_no_error<InputError>(words_of([&] {
+    comm.agree_no_error<InputError>(message_of([&] {
         if (resumes) take_over(header, *resume_step);
     }));
-    comm.agree_no_error<MachineError>(words_of([&] {
+    comm.agree_no_error<MachineError>(message_of([&] {
         if (!comm.is_root()) return;
         std::error_code failed;
         if (resumes) std::filesystem::resize_file(path_, static_cast<std::uintmax_t>(end_), failed);
@@ -88,7 +88,7 @@ void BlockLoadWriter::take_over(const LoadHeader& header, std::int64_t resume_st
 }
 
 void BlockLoadWriter::write(const LoadFrame& frame) {
-    comm_.agree_no_error<MachineError>(words_of([&] {
+    comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root() || frame.step <= last_step_) return;
         const std::vector<std::byte> bytes = bytes_of(frame);
         file_->write(bytes, end_);

@@ -139,13 +139,13 @@ std::string damaged(const std::string& path, const std::string& why) {
 
 CheckpointReader::CheckpointReader(const Comm& comm, const std::string& path) : comm_(comm), path_(path) {
     const H5Quiet quiet;
-    const auto refuse = [&](const std::string& words) {
-        comm.agree_no_error<InputError>(words.empty() ? words : damaged(path, words));
+    const auto refuse = [&](const std::string& message) {
+        comm.agree_no_error<InputError>(message.empty() ? message : damaged(path, message));
     };
-    refuse(words_of([&] {
+    refuse(message_of([&] {
         if (comm.is_root()) checkpoint::check_seal(path);
     }));
-    refuse(words_of([&] { read_tables(); }));
+    refuse(message_of([&] { read_tables(); }));
 }
 
 /// Everything but the rows.
@@ -181,7 +181,7 @@ void CheckpointReader::read_rows(const Column& shape, std::span<const RowRange> 
     const RowRange slice = exchange.slice();
     std::vector<std::byte> bytes(static_cast<std::size_t>(slice.count) * static_cast<std::size_t>(shape.row_bytes()));
     const H5Quiet quiet;
-    const std::string words = words_of([&] {
+    const std::string message = message_of([&] {
         if (slice.count == 0) return;
         const H5Id file = open_file(path_);
         const H5Id set = open_dataset(open_group(file, "particles"), shape.name);
@@ -193,7 +193,7 @@ void CheckpointReader::read_rows(const Column& shape, std::span<const RowRange> 
         h5_check(H5Dread(set, checkpoint::file_type(shape.type), memory, space, H5P_DEFAULT, bytes.data()),
                  fmt::format("column {} is truncated or damaged", shape.name));
     });
-    comm_.agree_no_error<InputError>(words.empty() ? words : damaged(path_, words));
+    comm_.agree_no_error<InputError>(message.empty() ? message : damaged(path_, message));
     exchange.from_file(bytes.data(), shape.row_bytes(), rows);
 }
 

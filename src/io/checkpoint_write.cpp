@@ -81,22 +81,22 @@ void write_checkpoint(const Comm& comm, const std::string& path, const Checkpoin
     const RowOrder exchange(comm, order.mine, order.rows);
     try {
         const std::vector<Address> places = places_of(columns, order.rows);
-        comm.agree_no_error<MachineError>(words_of([&] {
+        comm.agree_no_error<MachineError>(message_of([&] {
             if (comm.is_root()) lay_out(partial, header, order, columns, places);
         }));
         std::unique_ptr<DiskFile> file;
-        std::string trouble = words_of([&] { file = std::make_unique<DiskFile>(partial, DiskFile::Mode::append); });
+        std::string trouble = message_of([&] { file = std::make_unique<DiskFile>(partial, DiskFile::Mode::append); });
         for (std::size_t c = 0; c < columns.size(); ++c) {
             const auto rows = exchange.to_file(columns[c]);
             if (trouble.empty())
-                trouble = words_of([&] {
+                trouble = message_of([&] {
                     file->write(rows,
                                 static_cast<std::int64_t>(places[c]) + exchange.slice().start * columns[c].row_bytes());
                 });
         }
-        if (trouble.empty()) trouble = words_of([&] { file->sync(); });
+        if (trouble.empty()) trouble = message_of([&] { file->sync(); });
         comm.agree_no_error<MachineError>(trouble);
-        comm.agree_no_error<MachineError>(words_of([&] {
+        comm.agree_no_error<MachineError>(message_of([&] {
             if (comm.is_root()) move_file(partial, path);
         }));
     } catch (const MachineError&) {

@@ -33,10 +33,10 @@ CsvLog::CsvLog(const Comm& comm, std::string path, std::vector<std::string> colu
                const std::optional<ResumeAfter>& resume)
     : comm_(comm), path_(std::move(path)), columns_(std::move(columns)) {
     std::string content = fmt::format("{}\n", fmt::join(columns_, ","));
-    comm.agree_no_error<InputError>(words_of([&] {
+    comm.agree_no_error<InputError>(message_of([&] {
         if (comm.is_root() && resume && std::filesystem::exists(path_)) content += kept_rows(*resume);
     }));
-    comm.agree_no_error<MachineError>(words_of([&] {
+    comm.agree_no_error<MachineError>(message_of([&] {
         if (!comm.is_root()) return;
         replace_file(path_, content);
         file_ = std::make_unique<DiskFile>(path_, DiskFile::Mode::append);
@@ -65,7 +65,7 @@ void CsvLog::row(std::span<const double> values) {
 }
 
 void CsvLog::row(std::span<const CsvCell> values) {
-    comm_.agree_no_error<MachineError>(words_of([&] {
+    comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root()) return;
         if (values.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
         std::vector<std::string> words;

@@ -1,9 +1,9 @@
 #pragma once
 // A file that several ranks write at their own places, and what makes it last.
 //
-// Plain POSIX writes: an error of the disk comes back as words at once, from the rank that saw it. (A
+// Plain POSIX writes: an error of the disk comes back as a message at once, from the rank that saw it. (A
 // collective write through MPI-IO that fails on one rank may hang or end the job in the library.)
-// Nothing here communicates: callers agree on the words of the first rank that failed.
+// Nothing here communicates: callers agree on the message of the first rank that failed.
 
 #include <cstddef>
 #include <cstdint>
@@ -40,9 +40,9 @@ void move_file(const std::string& from, const std::string& to);
 /// `text` becomes the content of `path` in one moment. Throws MachineError.
 void replace_file(const std::string& path, std::string_view text);
 
-/// What `action` throws, as words; empty if it does not. For Comm::agree_no_error.
+/// What `action` throws, as a message; empty if it does not. For Comm::agree_no_error.
 template <class Action>
-std::string words_of(Action&& action) {
+std::string message_of(Action&& action) {
     try {
         action();
     } catch (const std::exception& error) {

@@ -58,7 +58,7 @@ std::string Json::text(int indent) const {
 }
 
 void write_summary(const Comm& comm, const std::string& path, const Json& summary) {
-    comm.agree_no_error<MachineError>(words_of([&] {
+    comm.agree_no_error<MachineError>(message_of([&] {
         if (comm.is_root()) replace_file(path, summary.text() + "\n");
     }));
 }

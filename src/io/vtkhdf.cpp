@@ -62,7 +62,7 @@ std::string partial_name(const std::string& path) {
 }  // namespace
 
 ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm), path_(std::move(path)) {
-    comm.agree_no_error<InputError>(words_of([&] {
+    comm.agree_no_error<InputError>(message_of([&] {
         if (!comm.is_root() || !std::filesystem::exists(path_)) return;
         try {
             state_ = vtkhdf::read_state(path_);
@@ -79,7 +79,7 @@ std::vector<double> ParticleSeries::times() const {
 }
 
 void ParticleSeries::truncate_to(double time) {
-    comm_.agree_no_error<MachineError>(words_of([&] {
+    comm_.agree_no_error<MachineError>(message_of([&] {
         vtkhdf::SeriesState next = state_;
         while (!next.steps.empty() && next.steps.back().time > time) next.steps.pop_back();
         if (next.steps.size() == state_.steps.size()) return;
@@ -113,7 +113,7 @@ ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
 void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns,
                                 std::int64_t rows) const {
     std::unique_ptr<DiskFile> file;
-    std::string trouble = words_of(
+    std::string trouble = message_of(
         [&] { file = std::make_unique<DiskFile>(plan.first ? partial_name(path_) : path_, DiskFile::Mode::append); });
     Address at = plan.at;
     for (const Column& column : columns) {
@@ -122,18 +122,18 @@ void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::sp
         if (column.components == 2) slice = with_zero(slice, number_bytes);
         const auto row_bytes = components_in_file(column) * static_cast<std::int64_t>(number_bytes);
         if (trouble.empty())
-            trouble =
-                words_of([&] { file->write(slice, static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
+            trouble = message_of(
+                [&] { file->write(slice, static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
         at += bytes_of(column, rows, plan.chunk_rows);
     }
     if (plan.vertices > 0 && trouble.empty())
-        trouble = words_of([&] {
+        trouble = message_of([&] {
             const bool last = comm_.rank() + 1 == comm_.size();
             std::vector<std::int64_t> numbers(static_cast<std::size_t>(order.slice().count + (last ? 1 : 0)));
             std::iota(numbers.begin(), numbers.end(), order.slice().start);
             file->write(std::as_bytes(std::span(numbers)), static_cast<std::int64_t>(at) + order.slice().start * 8);
         });
-    if (trouble.empty()) trouble = words_of([&] { file->sync(); });
+    if (trouble.empty()) trouble = message_of([&] { file->sync(); });
     comm_.agree_no_error<MachineError>(trouble);
 }
 
@@ -195,11 +195,11 @@ void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, co
     columns.insert(columns.end(), fields.begin(), fields.end());
 
     const Plan where = plan(order.rows);
-    comm_.agree_no_error<MachineError>(words_of([&] {
+    comm_.agree_no_error<MachineError>(message_of([&] {
         if (where.first && comm_.is_root()) DiskFile(partial_name(path_), DiskFile::Mode::create);
     }));
     write_rows(where, RowOrder(comm_, order.mine, order.rows), columns, order.rows);
-    comm_.agree_no_error<MachineError>(words_of([&] {
+    comm_.agree_no_error<MachineError>(message_of([&] {
         if (comm_.is_root()) record(where, time, order.rows, columns);
     }));
 }

@@ -21,14 +21,14 @@ std::string of_processor(const std::string& key) {
 
 }  // namespace
 
-std::string host_words() {
-    std::string words = of_processor("model name");
-    if (words.empty()) words = "unknown processor";
+std::string processor_name() {
+    std::string name = of_processor("model name");
+    if (name.empty()) name = "unknown processor";
     const std::string family = of_processor("cpu family");
-    if (!family.empty()) words += fmt::format(" (family {}, model {})", family, of_processor("model\t"));
+    if (!family.empty()) name += fmt::format(" (family {}, model {})", family, of_processor("model\t"));
     cpu_set_t set;
     const int cores = sched_getaffinity(0, sizeof(set), &set) == 0 ? CPU_COUNT(&set) : 1;
-    return fmt::format("{}, {} core{}", words, cores, cores == 1 ? "" : "s");
+    return fmt::format("{}, {} core{}", name, cores, cores == 1 ? "" : "s");
 }
 
 }  // namespace moraine

@@ -6,6 +6,6 @@
 namespace moraine {
 
 /// "Intel(R) Xeon(R) ... (family 6, model 207), 16 cores". Not collective.
-std::string host_words();
+std::string processor_name();
 
 }  // namespace moraine

@@ -137,7 +137,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"commit", commit_text},
         {"scene", scene.name},
         {"title", scene.title},
-        {"machine", host_words()},
+        {"machine", processor_name()},
         {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},

@@ -1,5 +1,6 @@
 #pragma once
-// Where the time of a run went, for its last words and for summary.json: what was lost to imbalance and to balancing.
+// Where the time of a run went, for its closing lines and for summary.json: what was lost to imbalance and to
+// balancing.
 //
 //   wall = computing + lost to imbalance + exchange + balancing + output + the rest
 //

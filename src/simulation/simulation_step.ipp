@@ -102,7 +102,7 @@ void Simulation<Real, Dim>::check_step() {
 }
 
 /// What happened, and what may help: of the worst of several faults.
-inline std::pair<const char*, const char*> words_of(std::uint32_t faults) {
+inline std::pair<const char*, const char*> message_of(std::uint32_t faults) {
     if (faults & fault_nan) return {"is not a number", "Try a smaller time.cfl?"};
     if (faults & fault_inverted) return {"was turned inside out (det(I + dL) <= 0)", "Try a smaller time.cfl?"};
     if (faults & fault_left) return {"left the closed domain", "Give that face a wall, or open it?"};
@@ -114,7 +114,7 @@ void Simulation<Real, Dim>::report_faults() const {
     const std::vector<Offence<Dim>> all = comm_.all_gather(engine_->offences());
     const Offence<Dim>& first =
         *std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-    const auto [what, advice] = words_of(first.faults);
+    const auto [what, advice] = message_of(first.faults);
     std::string place;
     for (double x : first.x) place += fmt::format("{}{:.6g}", place.empty() ? "" : ", ", x);
     throw PhysicsError(fmt::format("step {}: particle {} at ({}) m {} ({} block{} with faults). {}", clock_.step,

@@ -8,14 +8,14 @@ using namespace moraine;
 
 namespace {
 
-Options parse(std::vector<const char*> words) {
-    words.insert(words.begin(), "moraine");
-    return parse_options(static_cast<int>(words.size()), words.data());
+Options parse(std::vector<const char*> message) {
+    message.insert(message.begin(), "moraine");
+    return parse_options(static_cast<int>(message.size()), message.data());
 }
 
-std::string said_of(const std::vector<const char*>& words) {
+std::string said_of(const std::vector<const char*>& message) {
     try {
-        parse(words);
+        parse(message);
     } catch (const InputError& e) {
         return e.what();
     }

@@ -11,15 +11,15 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string refusal(const Comm& comm, const std::string& path, RunClaim claim) {
-    std::string words;
+    std::string message;
     try {
         claim_run_directory(comm, path, claim);
     } catch (const InputError& error) {
-        words = error.what();
+        message = error.what();
     }
-    CHECK(words == comm.broadcast(words));
+    CHECK(message == comm.broadcast(message));
     comm.barrier();
-    return words;
+    return message;
 }
 
 void put(const Comm& comm, const std::string& path) {

@@ -43,7 +43,7 @@ double imbalance_of(const std::vector<BlockLoad>& blocks, const Owners& owners, 
     return summary_of(loads_of_ranks(blocks, owners, ranks)).imbalance();
 }
 
-std::string words_of(const BalanceSpec& spec, const Layout& layout) {
+std::string message_of(const BalanceSpec& spec, const Layout& layout) {
     try {
         make_partitioner(spec, layout, 2);
     } catch (const InputError& e) {
@@ -55,33 +55,33 @@ std::string words_of(const BalanceSpec& spec, const Layout& layout) {
 }  // namespace
 
 TEST_CASE("an unknown partitioner is refused with the names there are") {
-    const std::string words = words_of(spec_of("mortn"), plain);
-    CHECK(words.starts_with(
+    const std::string message = message_of(spec_of("mortn"), plain);
+    CHECK(message.starts_with(
         "balance.partitioner = \"mortn\" (no such partitioner). Use one of morton, hilbert, slabs, "));
-    CHECK(words.ends_with(", shuffle?"));
+    CHECK(message.ends_with(", shuffle?"));
     for (const std::string& name : partitioner_names())
-        CHECK((words.find(name) != std::string::npos) == is_built(name));
+        CHECK((message.find(name) != std::string::npos) == is_built(name));
 }
 
 TEST_CASE("a partitioner that the program was built without is refused with the option that adds it") {
     for (const char* name : {"rcb", "hsfc", "phg"})
         if (!is_built(name))
-            CHECK(words_of(spec_of(name), plain)
+            CHECK(message_of(spec_of(name), plain)
                       .starts_with("balance.partitioner = \"" + std::string(name) +
                                    "\" (this program was built without Zoltan, option MORAINE_ZOLTAN). Use one of "));
     if (!is_built("metis"))
-        CHECK(words_of(spec_of("metis"), plain).find("built without METIS, option MORAINE_METIS)") !=
+        CHECK(message_of(spec_of("metis"), plain).find("built without METIS, option MORAINE_METIS)") !=
               std::string::npos);
     for (const char* name : {"morton", "hilbert", "slabs", "cartesian"}) CHECK(is_built(name));
     CHECK_FALSE(is_built("mortn"));
 }
 
 TEST_CASE("slabs along an axis that the scene has not are refused") {
-    CHECK(words_of(spec_of("slabs", 2), plain) ==
+    CHECK(message_of(spec_of("slabs", 2), plain) ==
           "balance.axis = 2 (a scene of 2 dimensions has the axes 0 to 1). Use 0?");
-    CHECK(words_of(spec_of("slabs-initial", -1), solid).starts_with("balance.axis = -1"));
-    CHECK(words_of(spec_of("slabs", 2), solid).empty());
-    CHECK(words_of(spec_of("morton", 2), plain).empty());
+    CHECK(message_of(spec_of("slabs-initial", -1), solid).starts_with("balance.axis = -1"));
+    CHECK(message_of(spec_of("slabs", 2), solid).empty());
+    CHECK(message_of(spec_of("morton", 2), plain).empty());
 }
 
 TEST_CASE("morton owners are contiguous along the curve and as balanced as the blocks allow") {

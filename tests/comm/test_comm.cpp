@@ -45,8 +45,8 @@ TEST_CASE("reductions are over all ranks") {
 TEST_CASE("words of any rank reach all ranks") {
     const Comm comm(MPI_COMM_WORLD);
     for (int root = 0; root < comm.size(); ++root) {
-        const std::string words = "from " + std::to_string(root);
-        CHECK(comm.broadcast(comm.rank() == root ? words : "nothing", root) == words);
+        const std::string message = "from " + std::to_string(root);
+        CHECK(comm.broadcast(comm.rank() == root ? message : "nothing", root) == message);
         CHECK(comm.broadcast(comm.rank() == root ? "" : "something", root).empty());
     }
 }

@@ -77,11 +77,11 @@ TEST_CASE("a file that is cut anywhere but between frames is refused, and the la
         comm.barrier();
         if (comm.is_root()) std::filesystem::resize_file(path, size);
         comm.barrier();
-        const auto [steps, words] = read_steps(path);
+        const auto [steps, message] = read_steps(path);
         const bool between = size == 160 || size == 328;
-        CHECK((words.find("is truncated or damaged") != std::string::npos) == !between);
+        CHECK((message.find("is truncated or damaged") != std::string::npos) == !between);
         CHECK(steps == (size >= 328 ? Steps{0} : Steps{}));
-        if (size > 328) CHECK(words.find("--last-step 0?") != std::string::npos);
+        if (size > 328) CHECK(message.find("--last-step 0?") != std::string::npos);
         if (size < 13) break;
     }
 }

@@ -121,9 +121,9 @@ TEST_CASE("what is not a whole checkpoint is refused with the same words on all 
         if (comm.is_root())
             set_content(folder / "cut.h5", good.substr(0, static_cast<std::size_t>(part * double(good.size()))));
         comm.barrier();
-        const std::string words = words_for(comm, folder / "cut.h5");
-        CHECK(words.find("cannot restart from") == 0);
-        CHECK(words == comm.broadcast(words));
+        const std::string message = words_for(comm, folder / "cut.h5");
+        CHECK(message.find("cannot restart from") == 0);
+        CHECK(message == comm.broadcast(message));
         comm.barrier();
     }
     const CheckpointReader reader(comm, folder / "good.h5");

@@ -17,8 +17,8 @@ std::string said(const std::string& cell, const Machine& machine) {
     try {
         read_scene(slurry, {"domain.cell=" + cell}, [&](const Scene& s) { check_capacity(s, machine); });
     } catch (const InputError& e) {
-        const std::string words = e.what();
-        return words.substr(words.find("slurry_runout_3d.toml"));
+        const std::string message = e.what();
+        return message.substr(message.find("slurry_runout_3d.toml"));
     }
     return "";
 }

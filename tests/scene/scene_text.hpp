@@ -88,9 +88,9 @@ inline std::string said_about(const std::string& text, const std::vector<std::st
     try {
         read_text(text, sets);
     } catch (const InputError& e) {
-        const std::string words = e.what();
-        const std::size_t at = words.find("scene.toml");
-        return at == std::string::npos ? words : words.substr(at);
+        const std::string message = e.what();
+        const std::size_t at = message.find("scene.toml");
+        return at == std::string::npos ? message : message.substr(at);
     }
     return "";
 }

@@ -81,12 +81,12 @@ TEST_CASE("names become the right choice") {
 
 TEST_CASE("--set changes a key, a table of a list, and what was not there") {
     const Scene s =
-        read_text(good_scene, {"domain.cell=0.05", "title=two words", "gravity=[0, -1]", "material.clay.su=3e3",
+        read_text(good_scene, {"domain.cell=0.05", "title=two message", "gravity=[0, -1]", "material.clay.su=3e3",
                                "body.disk.velocity=[1.0, 2.0]", "wall.y-min.kind=no-slip", "wall.x-max.kind=open",
                                "body.block.geostatic.surface=1.0", "seed=7", "wall.y-min.friction=0.1",
                                "wall.y-min.kind=friction"});
     CHECK(s.cell == 0.05);
-    CHECK(s.title == "two words");
+    CHECK(s.title == "two message");
     CHECK(s.gravity[1] == -1);
     CHECK(s.materials[0].parameters[2] == 3000);
     CHECK(s.bodies[1].velocity == Triple{1, 2, 0});

@@ -7,10 +7,10 @@ using namespace moraine;
 
 namespace {
 
-bool says(const std::string& words, const std::string& part) {
-    INFO(words);
-    CHECK(words.find(part) != std::string::npos);
-    return words.find(part) != std::string::npos;
+bool says(const std::string& message, const std::string& part) {
+    INFO(message);
+    CHECK(message.find(part) != std::string::npos);
+    return message.find(part) != std::string::npos;
 }
 
 }  // namespace
@@ -143,9 +143,9 @@ TEST_CASE("a fixed step whose end is out of reach, or that waves cross in no tim
 }
 
 TEST_CASE("waves or speeds that leave the end out of reach are refused") {
-    const std::string words = said_of("young = 5.0e5", "young = 1.0e300");
-    says(words, "scene.toml:13: body.block with waves of 4.9e+148 m/s needs 1.2e+150 steps to time.end");
-    says(words, "Are young [Pa]");
+    const std::string message = said_of("young = 5.0e5", "young = 1.0e300");
+    says(message, "scene.toml:13: body.block with waves of 4.9e+148 m/s needs 1.2e+150 steps to time.end");
+    says(message, "Are young [Pa]");
     says(said_of_set("material.clay.density=1e-300"), "needs");
     says(said_of_set("body.disk.velocity=[1e200, 0.0]"), "body.disk with waves");
     says(said_of_set("time.end=1e12"), "steps to time.end");

@@ -31,8 +31,8 @@ std::string said_of_csv(const std::string& text) {
     try {
         scene_with(folder, "t.csv");
     } catch (const InputError& e) {
-        const std::string words = e.what();
-        return words.substr(std::min(words.size(), words.find("t.csv")));
+        const std::string message = e.what();
+        return message.substr(std::min(message.size(), message.find("t.csv")));
     }
     return "";
 }

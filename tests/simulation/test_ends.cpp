@@ -68,11 +68,11 @@ TEST_CASE("particles exactly on the upper face slide along it undisturbed, for e
 namespace {
 
 /// The place in the words of a PhysicsError [m].
-std::array<double, 2> place_said(const std::string& words) {
-    const std::size_t at = words.find("at (");
+std::array<double, 2> place_said(const std::string& message) {
+    const std::size_t at = message.find("at (");
     REQUIRE(at != std::string::npos);
     std::array<double, 2> place{};
-    REQUIRE(std::sscanf(words.c_str() + at, "at (%lf, %lf) m", &place[0], &place[1]) == 2);
+    REQUIRE(std::sscanf(message.c_str() + at, "at (%lf, %lf) m", &place[0], &place[1]) == 2);
     return place;
 }
 
@@ -96,14 +96,14 @@ double place_error(const Scene& scene, const std::string& what) {
             sim.balance();
         }
     } catch (const PhysicsError& e) {
-        const std::string words = e.what();
-        CAPTURE(words);
-        CHECK(words.find(what) != std::string::npos);
-        const auto found = places.find(std::stoull(words.substr(words.find("particle") + 9)));
+        const std::string message = e.what();
+        CAPTURE(message);
+        CHECK(message.find(what) != std::string::npos);
+        const auto found = places.find(std::stoull(message.substr(message.find("particle") + 9)));
         double error = 0;
         if (found != places.end())
             for (std::size_t a = 0; a < 2; ++a)
-                error = std::max(error, std::fabs(place_said(words)[a] - found->second[a]));
+                error = std::max(error, std::fabs(place_said(message)[a] - found->second[a]));
         const std::int64_t seen = found != places.end();
         CHECK(comm.sum(seen) == 1);
         return comm.max(error);

@@ -11,7 +11,7 @@
 
 namespace moraine::gpu {
 
-/// Throws MachineError `what failed (CUDA's words). ...`.
+/// Throws MachineError `what failed (CUDA's message). ...`.
 inline void check(cudaError_t e, const char* what) {
     if (e != cudaSuccess)
         throw MachineError(std::string(what) + " failed (" + cudaGetErrorString(e) + "). Is the device in order?");
