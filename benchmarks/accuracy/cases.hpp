@@ -1,5 +1,5 @@
 #pragma once
-// What benchmark_accuracy measures: the cases with their ladders of cells, and the configurations that run them.
+// What benchmark_accuracy measures: the cases with their levels of cells, and the configurations that run them.
 //
 // B0 is the method paper's scheme: gimp, FLIP, USL, fixed dt = 0.3 h/c. All others take the same dt, so that at equal
 // cells a difference is the scheme's; the last ones take twice that dt and more, which B0's stability limit (about 0.74
@@ -56,7 +56,7 @@ double finest_slurry(const Configuration& c);
 inline constexpr int slurry_reference = 80;
 inline constexpr double slurry_time = 2;  ///< [s]
 
-/// One rung, on one rank. Throws PhysicsError where the method fails.
+/// One level, on one rank. Throws PhysicsError where the method fails.
 template <class Real>
 Measured measure(const AccuracyCase& problem, const Configuration& c, int cells);
 

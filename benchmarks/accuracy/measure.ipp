@@ -1,4 +1,4 @@
-// One rung of each problem; compiled once per precision.
+// One level of each problem; compiled once per precision.
 
 #include "accuracy/cases.hpp"
 #include "verification/problem_bar.hpp"

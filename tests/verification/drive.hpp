@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of all verification problems share: which ladders to run, and how a figure is printed.
+// What the tests of all verification problems share: which studies to run, and how a figure is printed.
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -184,7 +184,7 @@ class Run {
     Simulation<Real, Dim> sim;
 };
 
-/// Observed order between neighbours of a ladder that halves h.
+/// Observed order between neighbours of a refinement study that halves h.
 inline double order(double coarse, double fine) {
     return std::log2(coarse / fine);
 }

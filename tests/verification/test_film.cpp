@@ -201,7 +201,7 @@ TEST_CASE("R9: plain ghost nodes let the film slip at the base, boundary splines
     }
 }
 
-TEST_CASE("R9: ladders" * doctest::skip(!long_tests())) {
+TEST_CASE("R9: refinement studies" * doctest::skip(!long_tests())) {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, cubic_apic_usl})
         for (const Named& f : films)
             for (bool spline : {true, false})

@@ -13,7 +13,7 @@ Deviation manufacture(const Manufactured& exact, int cells_per_wave, const Choic
     return manufacture(run, exact);
 }
 
-/// Runs `cells` per wavelength one after another, prints all, returns the order over the last two rungs.
+/// Runs `cells` per wavelength one after another, prints all, returns the order over the last two levels.
 struct Orders {
     double displacement, stress;
     Deviation finest;
@@ -100,7 +100,7 @@ TEST_CASE("E3: in single the displacement is within 1e-4 A of that in double, at
     }
 }
 
-TEST_CASE("E3: long ladders" * doctest::skip(!long_tests())) {
+TEST_CASE("E3: long refinement studies" * doctest::skip(!long_tests())) {
     for (double amplitude : {small, large})
         for (const Choice& choice :
              {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, contiguous_flip_usl, contiguous_tpic_usl,

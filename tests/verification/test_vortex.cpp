@@ -55,7 +55,7 @@ TEST_CASE("E4: cubic splines with APIC converge while the ring is sheared over m
     CHECK(order(coarse, fine) >= 1.8);
 }
 
-TEST_CASE("E4: long ladders" * doctest::skip(!long_tests())) {
+TEST_CASE("E4: long refinement studies" * doctest::skip(!long_tests())) {
     for (const Choice& choice :
          {cubic_apic_usl, quadratic_apic_usl, contiguous_tpic_usl, contiguous_fmpm2, quadratic_fmpm2, gimp_flip_usl})
         for (int cells : {16, 32, 64}) turn(choice, cells);
