@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "records/history.hpp"
+#include "records/time_series.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_flow.hpp"
 
@@ -68,10 +68,10 @@ void account(Finding& finding, const Story& story, const Choice& choice) {
     const Comm comm(MPI_COMM_WORLD);
     Simulation<double, 2> sim(scene, comm);
     sim.seed();
-    const HistoryRow<2> start = observe(sim, comm);
+    const TimeSeriesRow<2> start = observe(sim, comm);
     while (sim.clock().time < scene.end) sim.step(), sim.balance();
     sim.conclude();
-    const HistoryRow<2> end = observe(sim, comm);
+    const TimeSeriesRow<2> end = observe(sim, comm);
     const double had = start.potential - end.potential + start.totals.kinetic + start.totals.strain;
     const double share = end.unaccounted / (story.dissipates ? end.dissipated : had);
     finding.numbers = {{"kinetic", end.totals.kinetic / had},

@@ -9,7 +9,7 @@
 
 #include "core/courant.hpp"
 #include "core/error.hpp"
-#include "records/history.hpp"
+#include "records/time_series.hpp"
 #include "stability/cases.hpp"
 #include "verification/run.hpp"
 
@@ -136,7 +136,7 @@ constexpr Extreme extremes[] = {
 struct Outcome {
     std::string error;  ///< the program's words; empty: it ran to the end
     int steps = 0;
-    HistoryRow<2> last;
+    TimeSeriesRow<2> last;
     double speed = 0;       ///< largest [c]
     double momentum = NAN;  ///< error over M c
     bool closed() const { return error.empty() && std::isfinite(speed) && momentum <= 1e-10; }

@@ -15,7 +15,7 @@
 #include "core/courant.hpp"
 #include "core/error.hpp"
 #include "method_name.hpp"
-#include "records/history.hpp"
+#include "records/time_series.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_cloud.hpp"
 
@@ -90,7 +90,7 @@ struct Budget {
 };
 
 Budget budget(Run<double, 2>& run, const Comm& comm, double speed) {
-    const HistoryRow<2> row = observe(run.sim, comm);
+    const TimeSeriesRow<2> row = observe(run.sim, comm);
     const double kinetic = run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
         return 0.5 * p.mass[s] * (std::pow(p.velocity[s][0] - speed, 2) + std::pow(p.velocity[s][1] - speed, 2));
     });

@@ -12,8 +12,8 @@
 #include "app/run_directory.hpp"
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
-#include "records/history.hpp"
 #include "records/load_record.hpp"
+#include "records/time_series.hpp"
 #include "simulation/simulation.hpp"
 
 namespace moraine {

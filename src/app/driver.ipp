@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "records/checkpoint_state.hpp"
-#include "records/picture.hpp"
+#include "records/output_frame.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
 #include "records/time_report.hpp"
@@ -78,7 +78,7 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
     std::optional<ResumeAfter> resume;
     if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
-    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", HistoryRow<Dim>::columns(), resume);
+    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(), resume);
     balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
     if (!sim_.structures().empty())
         structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
@@ -153,7 +153,7 @@ void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
         history_->row(observe(sim_, comm_).values());
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        if (series_) Picture<Real, Dim>(sim_).append_to(*series_);
+        if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);

@@ -55,8 +55,8 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const Remembered r = remembered(scene);
     const int reals = 2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box;
     const double lists = 10;
-    const double picture = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
-    const double particle = reals * real_bytes(scene) + 8 + 2 + lists + picture;
+    const double frame = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
+    const double particle = reals * real_bytes(scene) + 8 + 2 + lists + frame;
     const double mine = static_cast<double>(p.blocks) / ranks;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
     return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +

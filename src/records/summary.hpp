@@ -5,10 +5,10 @@
 
 #include "io/csv_log.hpp"
 #include "io/json_text.hpp"
-#include "records/history.hpp"
 #include "records/processor_name.hpp"
 #include "records/structure_record.hpp"
 #include "records/time_report.hpp"
+#include "records/time_series.hpp"
 #include "records/version.hpp"
 #include "simulation/simulation.hpp"
 
@@ -111,7 +111,7 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
 }
 
 template <int Dim>
-Json energies_in_summary(const HistoryRow<Dim>& row) {
+Json energies_in_summary(const TimeSeriesRow<Dim>& row) {
     return Json::Named{{"kinetic", row.totals.kinetic},
                        {"strain", row.totals.strain},
                        {"potential", row.potential},
@@ -124,7 +124,7 @@ template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
-    const HistoryRow<Dim> last = observe(sim, comm);
+    const TimeSeriesRow<Dim> last = observe(sim, comm);
     std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
                                    counts.clamped_boxes};
     comm.sum(sums);

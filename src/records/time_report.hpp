@@ -40,7 +40,7 @@ struct TimeReport {
                line("exchange", exchange, "halo, binning, migration, agreement") +
                line("lost to balancing", balancing,
                     fmt::format("checks, plans, {} repartition{}", repartitions, repartitions == 1 ? "" : "s")) +
-               line("output", output, "records, pictures, checkpoints") + line("rest", rest(), "start and end");
+               line("output", output, "records, output frames, checkpoints") + line("rest", rest(), "start and end");
     }
 };
 

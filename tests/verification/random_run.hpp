@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "records/history.hpp"
+#include "records/time_series.hpp"
 #include "verification/random_scene.hpp"
 
 namespace moraine::verification {
@@ -33,7 +33,7 @@ class EnergyWatch {
     explicit EnergyWatch(StressUpdate update) : late_(update == StressUpdate::usf) {}
 
     template <int Dim>
-    void look(const HistoryRow<Dim>& row, const Triple& gravity) {
+    void look(const TimeSeriesRow<Dim>& row, const Triple& gravity) {
         double pull = 0;  // gravity's work in this step [J]
         for (std::size_t a = 0; a < Dim; ++a) pull += gravity[a] * row.totals.momentum[a] * row.dt;
         kinetic_.push_back(row.totals.kinetic - fallen_ - 0.5 * pull);
@@ -66,7 +66,7 @@ Verdict judge(const Scene& scene, int steps) {
     try {
         Simulation<Real, Dim> sim(scene, comm);
         sim.seed();
-        const HistoryRow<Dim> start = observe(sim, comm);
+        const TimeSeriesRow<Dim> start = observe(sim, comm);
         verdict.particles = static_cast<double>(start.particles);
         EnergyWatch watch(scene.stress_update);
         double signal = 0;  // gone when all have left
@@ -74,7 +74,7 @@ Verdict judge(const Scene& scene, int steps) {
             sim.step();
             sim.balance();
             sim.conclude();
-            const HistoryRow<Dim> row = observe(sim, comm);
+            const TimeSeriesRow<Dim> row = observe(sim, comm);
             watch.look(row, scene.gravity);
             verdict.lost = std::max(verdict.lost, std::abs(start.particles - row.particles - row.lost_particles));
             signal = std::max(signal, sim.clock().signal);

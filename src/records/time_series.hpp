@@ -10,7 +10,7 @@ namespace moraine {
 
 /// Numbers of one output time, in the order of their columns.
 template <int Dim>
-struct HistoryRow {
+struct TimeSeriesRow {
     std::int64_t step = 0;
     double time = 0, dt = 0;
     Totals<Dim> totals;
@@ -69,11 +69,11 @@ inline double front_of(const std::vector<double>& columns, const Scene& scene) {
 
 /// Binned state only. Collective.
 template <class Real, int Dim>
-HistoryRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
+TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
     const Budget<Dim>& budget = sim.budget();
-    HistoryRow<Dim> row;
+    TimeSeriesRow<Dim> row;
     row.step = clock.step;
     row.time = clock.time;
     row.dt = clock.dt;

@@ -10,10 +10,10 @@
 namespace moraine {
 
 template <class Real, int Dim>
-class Picture {
+class OutputFrame {
   public:
     /// Binned state only. Not collective.
-    explicit Picture(Simulation<Real, Dim>& sim) : sim_(sim) {
+    explicit OutputFrame(Simulation<Real, Dim>& sim) : sim_(sim) {
         stored("id", "id");
         for (const std::string& field : sim.scene().output.fields) add(field);
     }
