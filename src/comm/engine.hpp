@@ -35,7 +35,7 @@ struct StepReport {
 
 /// A particle that went wrong.
 template <int Dim>
-struct Offence {
+struct FaultRecord {
     std::uint64_t id;
     std::uint32_t faults;
     std::array<double, Dim> x;  ///< [m]
@@ -130,7 +130,7 @@ class Engine {
     /// Of the steps since it was last taken. Binned state only. Not collective.
     virtual StepReport<Dim> take_report() = 0;
     /// The first particle of each block with faults, or of the share. Not collective.
-    virtual std::vector<Offence<Dim>> offences() = 0;
+    virtual std::vector<FaultRecord<Dim>> fault_records() = 0;
     virtual Traffic traffic() const = 0;
 };
 

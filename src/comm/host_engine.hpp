@@ -39,7 +39,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void send_outgoing(const StepScales<Dim>& step) override;
 
     StepReport<Dim> take_report() override;
-    std::vector<Offence<Dim>> offences() override { return offences_; }
+    std::vector<FaultRecord<Dim>> fault_records() override { return fault_records_; }
     Traffic traffic() const override;
 
   private:
@@ -48,7 +48,7 @@ class HostEngine final : public Engine<Real, Dim> {
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks);
     void record_step(const Quantum& quantum, bool moved);
-    void note_offence(std::int32_t block, const BlockOutcome& out, bool moved);
+    void note_fault(std::int32_t block, const BlockOutcome& out, bool moved);
     void lose(std::uint32_t slot, const StepScales<Dim>& step);
 
     const Scene& scene_;
@@ -60,7 +60,7 @@ class HostEngine final : public Engine<Real, Dim> {
     std::unique_ptr<Migration<Host, Real, Dim>> migration_;
     Traffic ended_;  ///< of the epochs before
     StepReport<Dim> report_;
-    std::vector<Offence<Dim>> offences_;
+    std::vector<FaultRecord<Dim>> fault_records_;
     Host::Array<ExactSum> impulse_;
     bool moving_ = false;  ///< migration under way: not binned
 };

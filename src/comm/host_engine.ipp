@@ -126,7 +126,7 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
                                        patch_.shuffled(), patch_.outcome(),
                                        method_.averaged()};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
-    if (&round == &method_.rounds.front()) offences_.clear();
+    if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
 }
 
@@ -138,7 +138,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         report_.signal = std::max(report_.signal, out.signal);
         report_.moved = std::max(report_.moved, out.moved);
         report_.faults |= out.faults;
-        if (out.faults) note_offence(b, out, moved);
+        if (out.faults) note_fault(b, out, moved);
         report_.clamped += out.clamped;
         report_.budget.work.add(quantum.of(out.work));
     }
@@ -147,19 +147,19 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
 
 /// Notes who went wrong in a block, before binning moves it on.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::note_offence(std::int32_t block, const BlockOutcome& out, bool moved) {
+void HostEngine<Real, Dim>::note_fault(std::int32_t block, const BlockOutcome& out, bool moved) {
     const ListView<Dim> list = patch_.list();
     const ParticleView<Real, Dim> p = patch_.particles.view();
-    Offence<Dim> offence{out.offender, out.faults, {}};
+    FaultRecord<Dim> fault_record{out.faulty_id, out.faults, {}};
     for (std::uint32_t k = list.first[block]; k < list.first[block + 1]; ++k) {
         const std::uint32_t s = list.slot[k];
-        if (p.id[s] != out.offender) continue;
-        offence.x = place_in<Real, Dim>(scene_, method_.stencil, patch_.table().position[block], p.position[s]);
+        if (p.id[s] != out.faulty_id) continue;
+        fault_record.x = place_in<Real, Dim>(scene_, method_.stencil, patch_.table().position[block], p.position[s]);
         const int code = moved ? move_code(patch_.moves()[k]) : Block<Dim>::centre;  // else a code of another step
         for (int a = 0; a < Dim && code < Block<Dim>::offsets; ++a)
-            offence.x[static_cast<std::size_t>(a)] += 4 * scene_.cell * Block<Dim>::offset(code, a);
+            fault_record.x[static_cast<std::size_t>(a)] += 4 * scene_.cell * Block<Dim>::offset(code, a);
     }
-    offences_.push_back(offence);
+    fault_records_.push_back(fault_record);
 }
 
 template <class Real, int Dim>

@@ -28,12 +28,12 @@ struct BlockOutcome {
     double moved = 0;   ///< largest displacement along an axis in this step [cells]
     double work = 0;    ///< of the stresses in this step [J]
     std::uint32_t faults = 0;
-    std::uint32_t clamped = 0;                   ///< contiguous GIMP boxes held at half a cell
-    std::uint64_t offender = ~std::uint64_t(0);  ///< lowest id with a fault
+    std::uint32_t clamped = 0;                    ///< contiguous GIMP boxes held at half a cell
+    std::uint64_t faulty_id = ~std::uint64_t(0);  ///< lowest id with a fault
 
     MORAINE_HD void fault(std::uint32_t bit, std::uint64_t id) {
         faults |= bit;
-        if (id < offender) offender = id;
+        if (id < faulty_id) faulty_id = id;
     }
 };
 

@@ -65,7 +65,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void send_outgoing(const StepScales<Dim>&) override;
 
     StepReport<Dim> take_report() override;
-    std::vector<Offence<Dim>> offences() override;
+    std::vector<FaultRecord<Dim>> fault_records() override;
     Traffic traffic() const override;
 
   private:
@@ -131,7 +131,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::size_t stored_ = 0;  ///< slots in use when the last report was made
     int steps_since_refresh_ = 0;
     std::uint32_t faults_ = 0;  ///< of the last report
-    std::uint64_t offender_ = 0;
+    std::uint64_t faulty_id_ = 0;
     bool moving_ = false;              ///< the last step's moves are not binned
     bool summed_ = false;              ///< P2G of this round is queued, the nodes are not
     bool timed_ = false;               ///< the watch runs since binning

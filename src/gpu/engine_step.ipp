@@ -175,22 +175,22 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
 }
 
 template <class Real, int Dim>
-std::vector<Offence<Dim>> DeviceEngine<Real, Dim>::offences() {
+std::vector<FaultRecord<Dim>> DeviceEngine<Real, Dim>::fault_records() {
     if (!faults_) return {};
-    std::vector<Offence<Dim>> found;
+    std::vector<FaultRecord<Dim>> found;
     each_piece(
         [&](const SharePiece<Real, Dim>& piece) {
             for (int b = piece.begin; b < piece.end && found.empty(); ++b)
                 for (std::uint32_t s : piece.slots(b)) {
-                    if (piece.p.id[s] != offender_) continue;
+                    if (piece.p.id[s] != faulty_id_) continue;
                     const auto& block = piece.tables.position[static_cast<std::size_t>(b)];
-                    found = {
-                        {offender_, faults_, place_in<Real, Dim>(scene_, method_.stencil, block, piece.p.position[s])}};
+                    found = {{faulty_id_, faults_,
+                              place_in<Real, Dim>(scene_, method_.stencil, block, piece.p.position[s])}};
                 }
         },
         {"id", "position"});
     if (!found.empty()) return found;
-    return {{offender_, faults_, {}}};
+    return {{faulty_id_, faults_, {}}};
 }
 
 /// What the last binning counted, unless an epoch has begun since and knows better.
@@ -208,7 +208,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     const Account<Dim>& account = report_->account;
     take_census();
     faults_ = account.faults;
-    offender_ = account.offender;
+    faulty_id_ = account.faulty_id;
     StepReport<Dim> report;
     report.signal = std::bit_cast<double>(account.signal);
     report.moved = std::bit_cast<double>(account.moved);

@@ -111,8 +111,8 @@ inline std::pair<const char*, const char*> message_of(std::uint32_t faults) {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::report_faults() const {
-    const std::vector<Offence<Dim>> all = comm_.all_gather(engine_->offences());
-    const Offence<Dim>& first =
+    const std::vector<FaultRecord<Dim>> all = comm_.all_gather(engine_->fault_records());
+    const FaultRecord<Dim>& first =
         *std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     const auto [what, advice] = message_of(first.faults);
     std::string place;

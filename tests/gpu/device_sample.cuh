@@ -54,7 +54,7 @@ class DeviceSample {
     }
     void clear_accounts() {
         gpu::Account<Dim> empty{};
-        empty.offender = ~std::uint64_t(0);
+        empty.faulty_id = ~std::uint64_t(0);
         accounts_.assign(std::vector<gpu::Account<Dim>>(gpu::account_parts, empty));
     }
 

@@ -69,7 +69,7 @@ bool same(const ExactSum& a, const ExactSum& b) {
 /// One particular account, not empty in any part.
 gpu::Account<3> some_account(std::mt19937_64& random) {
     gpu::Account<3> a{};
-    a.signal = random() >> 1, a.moved = random() >> 1, a.offender = random() >> 8;
+    a.signal = random() >> 1, a.moved = random() >> 1, a.faulty_id = random() >> 8;
     a.faults = random() % 16, a.clamped = random() % 1000, a.lost_count = random() >> 20;
     const auto fill = [&](ExactSum& s) { s.high = std::int64_t(random()) >> 10, s.low = random(); };
     fill(a.work), fill(a.lost_mass);
@@ -79,7 +79,7 @@ gpu::Account<3> some_account(std::mt19937_64& random) {
 
 void merge(gpu::Account<3>& a, const gpu::Account<3>& b) {
     a.signal = std::max(a.signal, b.signal), a.moved = std::max(a.moved, b.moved);
-    a.offender = std::min(a.offender, b.offender);
+    a.faulty_id = std::min(a.faulty_id, b.faulty_id);
     a.faults |= b.faults, a.clamped += b.clamped, a.lost_count += b.lost_count;
     a.work.add(b.work), a.lost_mass.add(b.lost_mass);
     for (int i = 0; i < 3; ++i) {
@@ -90,7 +90,7 @@ void merge(gpu::Account<3>& a, const gpu::Account<3>& b) {
 
 gpu::Account<3> empty_account() {
     gpu::Account<3> a{};
-    a.offender = ~std::uint64_t(0);
+    a.faulty_id = ~std::uint64_t(0);
     return a;
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("the work of a block is summed in one fixed tree, rounded, and added e
     }
 }
 
-TEST_CASE_TEMPLATE("outcomes fold to the largest values, the lowest offender and all faults", Real, float, double) {
+TEST_CASE_TEMPLATE("outcomes fold to the largest values, the lowest faulty id and all faults", Real, float, double) {
     const int n = 20000;
     std::mt19937_64 random(6);
     std::uniform_real_distribution<double> any(0, 1e3);
@@ -164,10 +164,10 @@ TEST_CASE_TEMPLATE("outcomes fold to the largest values, the lowest offender and
     accounts.assign(outcome_accounts());
     outcomes<<<90, threads>>>(s.data(), m.data(), n, accounts.data());
     gpu::Account<2> all{};
-    all.offender = ~std::uint64_t(0);
+    all.faulty_id = ~std::uint64_t(0);
     for (const gpu::Account<2>& a : accounts.host()) {
         all.signal = std::max(all.signal, a.signal), all.moved = std::max(all.moved, a.moved);
-        all.offender = std::min(all.offender, a.offender);
+        all.faulty_id = std::min(all.faulty_id, a.faulty_id);
         all.faults |= a.faults, all.clamped += a.clamped;
     }
     double found[2];
@@ -175,7 +175,7 @@ TEST_CASE_TEMPLATE("outcomes fold to the largest values, the lowest offender and
     CHECK(found[0] == double(*std::max_element(signal.begin(), signal.end())));
     CHECK(found[1] == double(*std::max_element(moved.begin(), moved.end())));
     CHECK(all.faults == (fault_far | fault_nan));
-    CHECK(all.offender == 5000000000ull - 19007);
+    CHECK(all.faulty_id == 5000000000ull - 19007);
     CHECK(all.clamped == (n + 2) / 3);
 }
 

@@ -1,4 +1,4 @@
-"""When the physics goes wrong the run ends with exit code 3, names the first offender and keeps the last state."""
+"""When the physics goes wrong the run ends with exit code 3, names the first particle at fault and keeps the last state."""
 import re
 
 import moraine

@@ -76,8 +76,8 @@ std::array<double, 2> place_said(const std::string& message) {
     return place;
 }
 
-/// Runs until the physics goes wrong. Largest distance along an axis between the place that is said and the offender's
-/// place in the last state [m].
+/// Runs until the physics goes wrong. Largest distance along an axis between the place that is said and the faulty
+/// particle's place in the last state [m].
 double place_error(const Scene& scene, const std::string& what) {
     const Comm comm(MPI_COMM_WORLD);
     Simulation<double, 2> sim(scene, comm);

@@ -21,7 +21,7 @@ __device__ __forceinline__ void raise(std::uint64_t& to, double value) {
 template <int Dim>
 __device__ __forceinline__ void note_fault(Account<Dim>& account, std::uint32_t faults, std::uint64_t id) {
     atomicOr(&account.faults, faults);
-    atomicMin(word(&account.offender), static_cast<unsigned long long>(id));
+    atomicMin(word(&account.faulty_id), static_cast<unsigned long long>(id));
 }
 
 /// A particle of mass m [kg] and velocity v [m/s] that left through an open wall. pull: integral of gravity [m/s].

@@ -9,7 +9,7 @@ namespace moraine::gpu {
 template <int Dim>
 __device__ __forceinline__ Account<Dim> empty_account() {
     Account<Dim> a{};
-    a.offender = ~std::uint64_t(0);
+    a.faulty_id = ~std::uint64_t(0);
     return a;
 }
 
@@ -29,7 +29,7 @@ template <int Dim>
 __device__ __forceinline__ void merge(Account<Dim>& a, const Account<Dim>& b) {
     a.signal = max(a.signal, b.signal);
     a.moved = max(a.moved, b.moved);
-    a.offender = min(a.offender, b.offender);
+    a.faulty_id = min(a.faulty_id, b.faulty_id);
     a.faults |= b.faults;
     a.clamped += b.clamped;
     a.lost_count += b.lost_count;
@@ -41,7 +41,7 @@ template <int Dim>
 __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
     a.signal = warp_max(a.signal);
     a.moved = warp_max(a.moved);
-    a.offender = warp_min(a.offender);
+    a.faulty_id = warp_min(a.faulty_id);
     a.faults = __reduce_or_sync(all_lanes, a.faults);
     a.clamped = __reduce_add_sync(all_lanes, a.clamped);
     ExactSum count;
