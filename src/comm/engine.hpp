@@ -95,7 +95,7 @@ class Engine {
     /// Particles that the memory of this rank can hold, by what those of now take. Not collective.
     virtual std::int64_t capacity() const { return unlimited; }
     /// Waits for what is under way. Not collective.
-    virtual void settle() {}
+    virtual void synchronize() {}
     /// Of the last binning. Not collective; binned state only, unless it leaves the host free.
     virtual BlockCounts block_counts(bool with_cells) = 0;
 

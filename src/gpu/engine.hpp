@@ -41,7 +41,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Share& share() override;
     Census census() const override { return census_; }
     std::int64_t capacity() const override;
-    void settle() override { stream_.wait(); }
+    void synchronize() override { stream_.wait(); }
     BlockCounts block_counts(bool with_cells) override;
 
     using PieceReader = typename Engine<Real, Dim>::PieceReader;

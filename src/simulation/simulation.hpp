@@ -203,8 +203,8 @@ class Simulation {
     void renew_epoch();
     bool is_balanced(ImbalanceCheck& found) const;
     void take_times(TriggerInput& terms) const;
-    void rest();
-    bool must_wait() const { return !(async_ && engine_->leaves_host_free()); }
+    void synchronize();
+    bool must_synchronize() const { return !(async_ && engine_->leaves_host_free()); }
     std::int64_t steps_ahead() const;
     bool epoch_ends_soon() const;
     void begin_check();

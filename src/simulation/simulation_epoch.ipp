@@ -134,7 +134,7 @@ void Simulation<Real, Dim>::balance() {
     if (check_under_way_) continue_check();
     if (check_under_way_) return;
     const bool used_up = displacement_in_guard_layer_ > epoch_reach, stale = displacement_since_start_ >= epoch_stale;
-    if (must_wait() && (used_up || (async_ && in_guard_layer_))) rest();
+    if (must_synchronize() && (used_up || (async_ && in_guard_layer_))) synchronize();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         start_next_epoch();
@@ -145,9 +145,9 @@ void Simulation<Real, Dim>::balance() {
 
 /// The binned state, with nothing under way.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::rest() {
+void Simulation<Real, Dim>::synchronize() {
     bin();
-    phases_.time(Phase::agree, [&] { engine_->settle(); });
+    phases_.time(Phase::agree, [&] { engine_->synchronize(); });
 }
 
 /// By what the agreements say of the ranks, before anything is binned or sent: no plan is worth making. Costs may say
@@ -202,7 +202,7 @@ void Simulation<Real, Dim>::begin_check() {
     check_latest_ = check_due_;
     if (steps_ahead() > 0 && scene_.balance.trigger != Trigger::every)
         check_latest_ = std::max(check_due_, wanted + scene_.balance.interval - 1);  // one more, and the next is wanted
-    if (must_wait()) rest();
+    if (must_synchronize()) synchronize();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());
         if (weighs_cells()) calibrate(mine);
@@ -252,7 +252,7 @@ void Simulation<Real, Dim>::continue_check() {
     check_under_way_ = false;
     end_check(planned_.found);
     if (!tables) return;
-    rest();
+    synchronize();
     phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });
 }
 
