@@ -80,7 +80,7 @@ std::vector<Option> ChainPartitioner::options(std::span<const BlockLoad> blocks,
     const std::vector<std::int32_t> parts = parts_of(links, exact_cut(weights, ranks_));
     std::vector<Option> options{{PlanKind::natural, parts},
                                 {PlanKind::relabelled, renamed(parts, relabel(blocks, parts, ranks_))}};
-    const Homes homes = homes_of(blocks, links, static_cast<std::int64_t>(weights.size()), ranks_);
+    const OwnerAffinity homes = affinity_of(blocks, links, static_cast<std::int64_t>(weights.size()), ranks_);
     if (const auto least = least_migration(weights, homes, ranks_, migration_tolerance)) {
         const std::vector<std::int32_t> pieces = parts_of(links, least->cuts);
         options.push_back({PlanKind::least, renamed(pieces, relabel(blocks, pieces, ranks_, least->rank_of))});

@@ -54,7 +54,7 @@ struct Layer {
 
 class Search {
   public:
-    Search(std::span<const std::int64_t> weights, const Homes& homes, int parts, double tolerance)
+    Search(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts, double tolerance)
         : chain_(weights), held_(homes.held), homes_(homes), parts_(parts), home_of_(weights.size()) {
         const std::int64_t best = chain_.bottleneck(std::min<std::int64_t>(parts, chain_.size()));
         const double allowed = tolerance * static_cast<double>(best);
@@ -209,7 +209,7 @@ class Search {
     };
 
     Chain chain_, held_;
-    const Homes& homes_;
+    const OwnerAffinity& homes_;
     int parts_;
     std::int64_t limit_ = 0;
     std::int64_t states_ = 0;
@@ -223,7 +223,7 @@ class Search {
 
 }  // namespace
 
-std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const Homes& homes, int parts,
+std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts,
                                          double tolerance) {
     const bool weighs = std::any_of(weights.begin(), weights.end(), [](std::int64_t w) { return w > 0; });
     if (homes.rank.empty() || !weighs) return {};

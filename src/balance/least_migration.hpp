@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "balance/homes.hpp"
+#include "balance/owner_affinity.hpp"
 
 namespace moraine {
 
@@ -35,7 +35,7 @@ struct RankedCut {
 
 /// Nothing where there is nothing to keep, no weight, or too much to search (more than 2^23 states: few
 /// links so heavy that all others fit anywhere). Not collective.
-std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const Homes& homes, int parts,
+std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts,
                                          double tolerance);
 
 }  // namespace moraine

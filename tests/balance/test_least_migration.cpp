@@ -25,10 +25,10 @@ struct Case {
         for (const BlockLoad& b : blocks) w.push_back(b.weight);
         return w;
     }
-    Homes homes() const {
+    OwnerAffinity affinity() const {
         Owners links(blocks.size());
         std::iota(links.begin(), links.end(), 0);
-        return homes_of(blocks, links, static_cast<std::int64_t>(blocks.size()), ranks);
+        return affinity_of(blocks, links, static_cast<std::int64_t>(blocks.size()), ranks);
     }
     std::int64_t limit(double tolerance) const {
         const std::int64_t best = heaviest_part(weights(), exact_cut(weights(), ranks));
@@ -125,7 +125,7 @@ TEST_CASE("no cut within the tolerance moves less, under any assignment, if each
     for (int round = 0; round < 6000; ++round) {
         const Case c = in_pieces(random, 8, 4);
         const double tolerance = std::array{0.0, 0.1, 0.3, 1.0}[random() % 4];
-        const auto found = least_migration(c.weights(), c.homes(), c.ranks, tolerance);
+        const auto found = least_migration(c.weights(), c.affinity(), c.ranks, tolerance);
         if (!found) continue;
         ++searched;
         REQUIRE(is_a_cut(found->cuts, c.blocks.size(), c.ranks));
@@ -143,7 +143,7 @@ TEST_CASE("with five ranks on a longer chain it is still the best of all") {
     std::mt19937_64 random(2);
     for (int round = 0; round < 60; ++round) {
         Case c = in_pieces(random, 11, 5);
-        const auto found = least_migration(c.weights(), c.homes(), c.ranks, 0.1);
+        const auto found = least_migration(c.weights(), c.affinity(), c.ranks, 0.1);
         if (found) REQUIRE(c.moved_relabelled(found->cuts, found->rank_of) == exhaustive(c, c.limit(0.1)));
     }
 }
@@ -155,7 +155,7 @@ TEST_CASE("blocks astray leave it within the tolerance, and hardly worse than th
         Case c = in_pieces(random, 9, 4);
         for (BlockLoad& b : c.blocks)
             if (random() % 8 == 0) b.owner = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(c.ranks));
-        const auto found = least_migration(c.weights(), c.homes(), c.ranks, 0.1);
+        const auto found = least_migration(c.weights(), c.affinity(), c.ranks, 0.1);
         if (!found) continue;
         REQUIRE(names_no_rank_twice(found->rank_of));
         REQUIRE(heaviest_part(c.weights(), found->cuts) <= c.limit(0.1));
@@ -170,32 +170,32 @@ TEST_CASE("blocks astray leave it within the tolerance, and hardly worse than th
 TEST_CASE("a partition within the tolerance stays as it is, and one outside moves no more than it must") {
     Case c{{}, 3};
     for (std::uint64_t b = 0; b < 12; ++b) c.blocks.push_back({b, 10, 10, static_cast<std::int32_t>(2 - b / 4)});
-    const auto still = least_migration(c.weights(), c.homes(), 3, 0.0);
+    const auto still = least_migration(c.weights(), c.affinity(), 3, 0.0);
     REQUIRE(still);
     CHECK(still->cuts == Weights{0, 4, 8, 12});
     CHECK(still->rank_of == Owners{2, 1, 0});
     c.blocks[0].weight = c.blocks[0].particles = 21;  // part 0 weighs 51, the best cut 50, 10 % more is 55
-    CHECK(least_migration(c.weights(), c.homes(), 3, 0.1)->cuts == Weights{0, 4, 8, 12});
-    CHECK(least_migration(c.weights(), c.homes(), 3, 0.0)->cuts == Weights{0, 3, 8, 12});
+    CHECK(least_migration(c.weights(), c.affinity(), 3, 0.1)->cuts == Weights{0, 4, 8, 12});
+    CHECK(least_migration(c.weights(), c.affinity(), 3, 0.0)->cuts == Weights{0, 3, 8, 12});
 }
 
 TEST_CASE("there is no such cut where nobody holds anything or nothing weighs anything") {
     Case c{{{0, 5, 5, -1}, {1, 5, 5, 7}}, 2};
-    CHECK_FALSE(least_migration(c.weights(), c.homes(), 2, 0.1));
+    CHECK_FALSE(least_migration(c.weights(), c.affinity(), 2, 0.1));
     c.blocks = {{0, 5, 0, 0}, {1, 5, 0, 1}};
-    CHECK_FALSE(least_migration(c.weights(), c.homes(), 2, 0.1));
-    CHECK_FALSE(least_migration({}, homes_of({}, {}, 0, 2), 2, 0.1));
+    CHECK_FALSE(least_migration(c.weights(), c.affinity(), 2, 0.1));
+    CHECK_FALSE(least_migration({}, affinity_of({}, {}, 0, 2), 2, 0.1));
 }
 
 TEST_CASE("homes are the pieces that ranks hold, and blocks astray belong to the home around them") {
     const Case pieces{{{0, 4, 4, 1}, {1, 4, 4, 1}, {2, 4, 4, 0}, {3, 4, 4, 2}}, 4};
-    CHECK(pieces.homes().rank == Owners{1, 0, 2});
-    CHECK(pieces.homes().first == Weights{0, 2, 3, 4});
-    CHECK(pieces.homes().held == Weights{4, 4, 4, 4});
+    CHECK(pieces.affinity().rank == Owners{1, 0, 2});
+    CHECK(pieces.affinity().first == Weights{0, 2, 3, 4});
+    CHECK(pieces.affinity().held == Weights{4, 4, 4, 4});
     const Case astray{{{0, 4, 4, 0}, {1, 1, 1, 1}, {2, 4, 4, 0}, {3, 4, 4, 1}, {4, 1, 1, 0}, {5, 4, 4, 1}}, 2};
-    CHECK(astray.homes().rank == Owners{0, 1});
-    CHECK(astray.homes().first == Weights{0, 3, 6});
-    CHECK(astray.homes().held == Weights{4, 0, 4, 4, 0, 4});
+    CHECK(astray.affinity().rank == Owners{0, 1});
+    CHECK(astray.affinity().first == Weights{0, 3, 6});
+    CHECK(astray.affinity().held == Weights{4, 0, 4, 4, 0, 4});
 }
 
 TEST_CASE("50 000 blocks on 1024 ranks are searched in a fraction of a second") {
@@ -210,7 +210,7 @@ TEST_CASE("50 000 blocks on 1024 ranks are searched in a fraction of a second") 
     double best = 1e9;
     for (int round = 0; round < 3; ++round) {
         const auto begin = std::chrono::steady_clock::now();
-        const auto found = least_migration(c.weights(), c.homes(), c.ranks, 0.02);
+        const auto found = least_migration(c.weights(), c.affinity(), c.ranks, 0.02);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         REQUIRE(found);
         CHECK(heaviest_part(c.weights(), found->cuts) <= c.limit(0.02));

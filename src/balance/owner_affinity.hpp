@@ -13,7 +13,7 @@
 
 namespace moraine {
 
-struct Homes {
+struct OwnerAffinity {
     std::vector<std::int32_t> rank;   ///< of each home, in chain order; each rank at most once
     std::vector<std::int64_t> first;  ///< first link of each home, then the number of links
     std::vector<std::int64_t> held;   ///< of each link: particles there that its home's rank holds
@@ -21,6 +21,7 @@ struct Homes {
 
 /// link_of[b] is the link of block b, in [0, links). No home at all if no block has an owner below `ranks`.
 /// Not collective.
-Homes homes_of(std::span<const BlockLoad> blocks, std::span<const std::int32_t> link_of, std::int64_t links, int ranks);
+OwnerAffinity affinity_of(std::span<const BlockLoad> blocks, std::span<const std::int32_t> link_of, std::int64_t links,
+                          int ranks);
 
 }  // namespace moraine

@@ -1,4 +1,4 @@
-#include "balance/homes.hpp"
+#include "balance/owner_affinity.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -78,11 +78,11 @@ std::int64_t border(const LinkedBlocks& linked, const Seat& left, const Seat& ri
 
 }  // namespace
 
-Homes homes_of(std::span<const BlockLoad> blocks, std::span<const std::int32_t> link_of, std::int64_t links,
-               int ranks) {
+OwnerAffinity affinity_of(std::span<const BlockLoad> blocks, std::span<const std::int32_t> link_of, std::int64_t links,
+                          int ranks) {
     const LinkedBlocks linked(blocks, link_of, links, ranks);
     const std::vector<Seat> seats = seats_of(linked, links, ranks);
-    Homes homes;
+    OwnerAffinity homes;
     homes.held.assign(static_cast<std::size_t>(links), 0);
     std::int64_t first = 0;
     for (std::size_t s = 0; s < seats.size(); ++s) {
