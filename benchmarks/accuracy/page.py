@@ -26,29 +26,29 @@ def short(line):
 
 
 def ladder(lines, configuration, precision):
-    rungs = [x for x in lines if x["configuration"] == configuration and x["precision"] == precision]
-    return sorted(rungs, key=lambda x: x["cells"])
+    levels = [x for x in lines if x["configuration"] == configuration and x["precision"] == precision]
+    return sorted(levels, key=lambda x: x["cells"])
 
 
-def order(rungs):
+def order(levels):
     """Over the last two levels; None if one of them fails."""
-    if len(rungs) < 2 or fails(rungs[-1]) or fails(rungs[-2]):
+    if len(levels) < 2 or fails(levels[-1]) or fails(levels[-2]):
         return None
-    coarse, fine = rungs[-2:]
+    coarse, fine = levels[-2:]
     return math.log(coarse["error"] / fine["error"]) / math.log(fine["cells"] / coarse["cells"])
 
 
-def reach(rungs, goal, key):
+def reach(levels, goal, key):
     """(key at which the error first is `goal`, whether that is only an upper bound, whether it is exceeded again); None: never."""
-    for k, rung in enumerate(rungs):
-        if fails(rung) or rung["error"] > goal:
+    for k, level in enumerate(levels):
+        if fails(level) or level["error"] > goal:
             continue
-        again = any(fails(x) or x["error"] > goal for x in rungs[k + 1:])
-        if k == 0 or fails(rungs[k - 1]):
-            return rung[key], True, again
-        before = rungs[k - 1]
-        share = math.log(before["error"] / goal) / math.log(before["error"] / rung["error"])
-        return before[key] * (rung[key] / before[key]) ** share, False, again
+        again = any(fails(x) or x["error"] > goal for x in levels[k + 1:])
+        if k == 0 or fails(levels[k - 1]):
+            return level[key], True, again
+        before = levels[k - 1]
+        share = math.log(before["error"] / goal) / math.log(before["error"] / level["error"])
+        return before[key] * (level[key] / before[key]) ** share, False, again
     return None
 
 
@@ -84,20 +84,20 @@ def error_text(line):
 
 
 def row(lines, name, precision, cells):
-    rungs = ladder(lines, name, precision)
-    by_cells = {x["cells"]: x for x in rungs}
+    levels = ladder(lines, name, precision)
+    by_cells = {x["cells"]: x for x in levels}
     base = ladder(lines, B0, precision)
-    p = order(rungs)
+    p = order(levels)
     columns = [name + (" (B0)" if name == B0 else "")]
     columns += [error_text(by_cells[n]) if n in by_cells else "" for n in cells]
     columns.append("-" if p is None else f"{p:.2f}")
-    last = rungs[-1]
+    last = levels[-1]
     columns += ["-"] * 3 if fails(last) and "failed" in last else [
         f"{last['processor_s']:.2g}", f"{last['wall_s']:.2g}", f"{last['particle_steps'] / 1e6:.2g}"]
     for goal in GOALS:
-        reached = reach(rungs, goal, "processor_s")
+        reached = reach(levels, goal, "processor_s")
         columns += [seconds_to(reached), gain(reach(base, goal, "processor_s"), reached),
-                    gain(reach(base, goal, "particle_steps"), reach(rungs, goal, "particle_steps"))]
+                    gain(reach(base, goal, "particle_steps"), reach(levels, goal, "particle_steps"))]
     return "| " + " | ".join(columns) + " |"
 
 
@@ -213,8 +213,8 @@ def plot(lines, words, path):
         return
     drawing, axes = plt.subplots(figsize=(9, 5))
     for name in dict.fromkeys(x["configuration"] for x in lines):
-        rungs = ladder(lines, name, "double")
-        axes.loglog([x["processor_s"] for x in rungs], [x["error"] for x in rungs], label=name, **style(name))
+        levels = ladder(lines, name, "double")
+        axes.loglog([x["processor_s"] for x in levels], [x["error"] for x in levels], label=name, **style(name))
     best = front(lines)
     axes.loglog([x["processor_s"] for x in best], [x["error"] for x in best], color="orange", linewidth=5, alpha=0.35, label="Pareto front")
     for goal in GOALS:

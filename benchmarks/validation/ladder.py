@@ -8,7 +8,7 @@ A case is a module of cases/ with
   VARIANTS               name: settings; each also runs as name+cell, with the mean volumetric rate of a cell (against locking)
   MATERIAL               name of the material that +cell is set for
   sets(level)            settings of a level
-  measure(rung)          (figures, curves): name: number, and name: (list, list)
+  measure(level_run)          (figures, curves): name: number, and name: (list, list)
   rows(ladders)          of {variant: [line, ...] by level}: sheet.Row
   plots(ladders)         of the same: sheet.Plot
 """
@@ -74,7 +74,7 @@ class Log:
             self.put(line)
 
 
-class Rung:
+class LevelRun:
     """A finished run, as a case measures it."""
 
     def __init__(self, directory, variant, level, program):
@@ -125,12 +125,12 @@ def climb(case, variant, level, args):
     if failed:
         print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)
         return dict(line, failed=failed)
-    rung = Rung(directory, name, level, args.program)
+    level_run = LevelRun(directory, name, level, args.program)
     for what in ("commit", "machine", "device", "precision", "particles", "steps", "wall_s", "state_hash"):
-        line[what] = rung.summary[what]
+        line[what] = level_run.summary[what]
     line["wall_s"] = round(line["wall_s"], 2)
     try:
-        figures, curves = case.measure(rung)
+        figures, curves = case.measure(level_run)
     except (OSError, KeyError, IndexError, ValueError) as error:  # the other levels go on
         print(f"validation: {directory} cannot be measured ({type(error).__name__}: {error}). It is kept", file=sys.stderr)
         return dict(line, failed=f"not measured: {error}")

@@ -1,6 +1,6 @@
 """Norms that cases share: order, Richardson value and grid convergence index; profiles of depth; noise about a moving average.
 
-Order p = log((f3 - f2) / (f2 - f1)) / log r of the three finest rungs with one ratio r; GCI = 1.25 |f1 - f2| / (r^p - 1) (Roache 1994).
+Order p = log((f3 - f2) / (f2 - f1)) / log r of the three finest levels with one ratio r; GCI = 1.25 |f1 - f2| / (r^p - 1) (Roache 1994).
 """
 import math
 
@@ -8,7 +8,7 @@ import numpy
 
 
 def three_finest(lines, figure):
-    """[(level, value)] of the finest three rungs of one ratio, coarse to fine; None: there are none."""
+    """[(level, value)] of the finest three levels of one ratio, coarse to fine; None: there are none."""
     values = {x["level"]: x["figures"][figure] for x in lines if figure in x.get("figures", {})}
     for fine in sorted(values, reverse=True):
         for middle in sorted((n for n in values if n < fine), reverse=True):
@@ -19,7 +19,7 @@ def three_finest(lines, figure):
 
 
 class Richardson:
-    """What three rungs say. p and value are None where they are not monotone."""
+    """What three levels say. p and value are None where they are not monotone."""
 
     def __init__(self, three):
         (n3, f3), (n2, f2), (n1, f1) = three

@@ -8,7 +8,7 @@ Plot = collections.namedtuple("Plot", "name title x y lines log")  # lines: (lab
 
 
 def ladders(lines):
-    """{variant: [line by level]} of one case, without failed rungs."""
+    """{variant: [line by level]} of one case, without failed levels."""
     found = {}
     for line in sorted(lines, key=lambda x: (x["variant"], x["level"])):
         if "failed" not in line:

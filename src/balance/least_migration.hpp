@@ -5,8 +5,8 @@
 //   F(k, i)   most particles that stay, if the first i links are cut into k parts; apart from it the same
 //             where the home that link i lies in has not been given to a part yet
 //
-// A part keeps what its rank holds in it, and each rank takes one part. Homes are pieces of the chain in a
-// row, so parts and homes that overlap never cross, and it is enough to know of one home whether it is
+// A part keeps what its rank holds in it, and each rank takes one part. Homes (owner_affinity.hpp) are pieces of the
+// chain in a row, so parts and homes that overlap never cross, and it is enough to know of one home whether it is
 // taken. Begins of parts are taken by sliding maxima: O(1) for each state (k, i); for k parts i lies between
 // what must and what can be covered. A cut may have fewer parts than ranks. Exact if each rank holds one
 // piece of the chain (a test tries every cut and every assignment); else for the homes alone.

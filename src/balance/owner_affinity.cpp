@@ -41,31 +41,31 @@ class LinkedBlocks {
     std::vector<std::int32_t> order_;
 };
 
-struct Seat {
+struct Median {
     std::int64_t median;  ///< link at which the rank has half of its particles behind it
     std::int32_t rank;
 };
 
-std::vector<Seat> seats_of(const LinkedBlocks& linked, std::int64_t links, int ranks) {
+std::vector<Median> medians_of(const LinkedBlocks& linked, std::int64_t links, int ranks) {
     std::vector<std::int64_t> total(static_cast<std::size_t>(ranks), 0);
     for (std::int64_t l = 0; l < links; ++l)
         linked.each(l, [&](const BlockLoad& block) { total[block.owner] += block.particles; });
     std::vector<std::int64_t> behind(static_cast<std::size_t>(ranks), 0);
-    std::vector<Seat> seats;
+    std::vector<Median> medians;
     for (std::int64_t l = 0; l < links; ++l)
         linked.each(l, [&](const BlockLoad& block) {
             const std::int64_t half = (total[block.owner] + 1) / 2;
             std::int64_t& sum = behind[block.owner];
-            if (sum < half && sum + block.particles >= half) seats.push_back({l, block.owner});
+            if (sum < half && sum + block.particles >= half) medians.push_back({l, block.owner});
             sum += block.particles;
         });
-    std::sort(seats.begin(), seats.end(),
-              [](const Seat& x, const Seat& y) { return std::tie(x.median, x.rank) < std::tie(y.median, y.rank); });
-    return seats;
+    std::sort(medians.begin(), medians.end(),
+              [](const Median& x, const Median& y) { return std::tie(x.median, x.rank) < std::tie(y.median, y.rank); });
+    return medians;
 }
 
 /// The first link of the right one of two neighbours: most particles at home on both sides.
-std::int64_t border(const LinkedBlocks& linked, const Seat& left, const Seat& right) {
+std::int64_t border(const LinkedBlocks& linked, const Median& left, const Median& right) {
     std::int64_t best = left.median + 1;
     std::int64_t gain = 0;
     std::int64_t most = 0;
@@ -81,20 +81,20 @@ std::int64_t border(const LinkedBlocks& linked, const Seat& left, const Seat& ri
 OwnerAffinity affinity_of(std::span<const BlockLoad> blocks, std::span<const std::int32_t> link_of, std::int64_t links,
                           int ranks) {
     const LinkedBlocks linked(blocks, link_of, links, ranks);
-    const std::vector<Seat> seats = seats_of(linked, links, ranks);
-    OwnerAffinity homes;
-    homes.held.assign(static_cast<std::size_t>(links), 0);
+    const std::vector<Median> medians = medians_of(linked, links, ranks);
+    OwnerAffinity affinity;
+    affinity.held.assign(static_cast<std::size_t>(links), 0);
     std::int64_t first = 0;
-    for (std::size_t s = 0; s < seats.size(); ++s) {
-        const std::int64_t last = s + 1 < seats.size() ? border(linked, seats[s], seats[s + 1]) : links;
+    for (std::size_t s = 0; s < medians.size(); ++s) {
+        const std::int64_t last = s + 1 < medians.size() ? border(linked, medians[s], medians[s + 1]) : links;
         if (last <= first) continue;
-        homes.rank.push_back(seats[s].rank);
-        homes.first.push_back(first);
-        for (std::int64_t l = first; l < last; ++l) homes.held[l] = linked.held_by(seats[s].rank, l);
+        affinity.rank.push_back(medians[s].rank);
+        affinity.first.push_back(first);
+        for (std::int64_t l = first; l < last; ++l) affinity.held[l] = linked.held_by(medians[s].rank, l);
         first = last;
     }
-    homes.first.push_back(links);
-    return homes;
+    affinity.first.push_back(links);
+    return affinity;
 }
 
 }  // namespace moraine

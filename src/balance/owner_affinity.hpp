@@ -1,5 +1,5 @@
 #pragma once
-// Where the ranks sit on a chain now: every link has one home rank, and a rank's links are contiguous.
+// Affinity of ranks to the chain as it is owned now: every link has one home rank, and a rank's links are contiguous.
 //
 // Exact where each rank holds one piece of the chain. Elsewhere (blocks that the flow has just reached belong
 // to a neighbour in space, not on the chain) a rank's home is around the median of what it holds, and the

@@ -95,7 +95,7 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
 
-/// Boxes of a transport for messages of so many bytes in all, two for each (gpu/transport/peer_transport.cpp).
+/// Boxes of a transport for messages of so many bytes in all, two for each (the inboxes of gpu/transport).
 double boxes(double bytes) {
     const double capacity = 2 * 9.0 / 8 * bytes;
     return capacity + std::max(capacity / 8, std::min(capacity, 64.0 * (1 << 20)));

@@ -8,7 +8,7 @@
 // imbalance   sum over steps of (slowest rank - mean): all others wait for it, in whichever exchange comes next
 // exchange    halo, agreement and migration of the mean rank, binning included, beyond that wait and, on devices,
 //             beyond the wait for their kernels, which are counted as computing
-// balancing   looks at the loads, plans, and moves of blocks, mean of the ranks
+// balancing   imbalance checks, plans, and moves of blocks, mean of the ranks
 
 #include <fmt/format.h>
 

@@ -115,10 +115,10 @@ void HaloSurroundings::find_apron() {
     empty_ = BlockIndex<3>(apron_);
     Key near = 0;
     for (const Key key : apron_) {
-        std::int32_t heir = -1;
-        for (int code = 0; heir < 0 && code < offsets_of(layout_); ++code)
-            if (neighbour_key(layout_, key, code, near)) heir = occupied_.find(near);
-        heir_.push_back(heir);
+        std::int32_t inherits_from = -1;
+        for (int code = 0; inherits_from < 0 && code < offsets_of(layout_); ++code)
+            if (neighbour_key(layout_, key, code, near)) inherits_from = occupied_.find(near);
+        inherits_from_.push_back(inherits_from);
     }
 }
 
@@ -137,7 +137,7 @@ HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const 
     empty_owner.reserve(apron_.size());
     for (std::size_t e = 0; e < apron_.size(); ++e) {
         const std::int32_t rank = partitioner.owner_at(block_position(layout_, apron_[e]));
-        empty_owner.push_back(rank >= 0 ? rank : owners[heir_[e]]);
+        empty_owner.push_back(rank >= 0 ? rank : owners[inherits_from_[e]]);
     }
     HaloForecast halo;
     TileBytes bytes_of(layout_, real_bytes);

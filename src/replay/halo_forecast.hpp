@@ -46,9 +46,9 @@ class HaloSurroundings {
     const Layout layout_;
     std::span<const BlockLoad> blocks_;
     std::size_t offsets_;
-    BlockIndex<3> occupied_, empty_;   // families of eight serve 2-D keys as well
-    std::vector<Key> apron_;           // empty neighbours, sorted
-    std::vector<std::int32_t> heir_;   // of each: its first occupied neighbour
+    BlockIndex<3> occupied_, empty_;           // families of eight serve 2-D keys as well
+    std::vector<Key> apron_;                   // empty neighbours, sorted
+    std::vector<std::int32_t> inherits_from_;  // of each: its first occupied neighbour
     std::vector<std::int32_t> table_;  // blocks x offsets: block, blocks + apron, or -1; not for millions of blocks
 };
 

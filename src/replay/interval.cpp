@@ -26,9 +26,9 @@ std::int64_t index_of(std::span<const BlockLoad> blocks, Key key) {
 }
 
 /// Finds of each new block whom it follows, wave by wave from the blocks whose owners are known.
-class Heirs {
+class Inheritance {
   public:
-    Heirs(const Layout& layout, std::span<const BlockLoad> now, Carry& carry)
+    Inheritance(const Layout& layout, std::span<const BlockLoad> now, Carry& carry)
         : layout_(layout), now_(now), carry_(carry), known_(now.size()), asked_(now.size(), 0) {
         for (std::size_t b = 0; b < now.size(); ++b) known_[b] = carry.from[b] >= 0;
     }
@@ -71,7 +71,7 @@ class Heirs {
     std::vector<std::int32_t> follow(const Pairs& found) {
         for (const auto& [b, near] : found) {
             known_[b] = 1;
-            carry_.heirs.emplace_back(b, near);
+            carry_.inheriting.emplace_back(b, near);
         }
         ++number_;
         std::vector<std::int32_t> next;
@@ -116,7 +116,7 @@ Carry carry_between(const Layout& layout, std::span<const Key> before, std::span
         else
             waiting.push_back(static_cast<std::int32_t>(b));
     }
-    Heirs(layout, now, carry).find(std::move(waiting));
+    Inheritance(layout, now, carry).find(std::move(waiting));
     return carry;
 }
 
@@ -125,9 +125,9 @@ std::vector<std::int32_t> Carry::owners(std::span<const std::int32_t> before, co
     std::vector<std::int32_t> owner(now.blocks.size(), 0);
     for (std::size_t b = 0; b < owner.size(); ++b)
         if (from[b] >= 0) owner[b] = before[from[b]];
-    for (const auto& [b, heir] : heirs) {
+    for (const auto& [b, inherits_from] : inheriting) {
         const std::int32_t here = partitioner.owner_at(block_position(layout, now.blocks[b].key));
-        owner[b] = here >= 0 ? here : owner[heir];
+        owner[b] = here >= 0 ? here : owner[inherits_from];
     }
     return owner;
 }

@@ -23,8 +23,9 @@ struct Interval {
 
 /// Of blocks of now: where each comes from. The same for every partition.
 struct Carry {
-    std::vector<std::int32_t> from;                            ///< block of the imbalance check before, or -1: new
-    std::vector<std::pair<std::int32_t, std::int32_t>> heirs;  ///< new block, block of now that it follows; in order
+    std::vector<std::int32_t> from;  ///< block of the imbalance check before, or -1: new
+    std::vector<std::pair<std::int32_t, std::int32_t>>
+        inheriting;  ///< new block, block of now that it follows; in order
 
     /// Owners of now. Not collective.
     std::vector<std::int32_t> owners(std::span<const std::int32_t> before, const Interval& now, const Layout& layout,

@@ -1,7 +1,7 @@
 #pragma once
 // The simulation: one rank's part of the run, and THE STEP. The one file that may know every folder.
 //
-// Between steps the share of a rank is told by its lists; output, checkpoints and imbalance check at it
+// Between steps the share of a rank is told by its lists; output, checkpoints and balancing read it
 // only in the binned state, and never change dt or the answer.
 
 #include <fmt/format.h>

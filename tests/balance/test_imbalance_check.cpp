@@ -40,7 +40,7 @@ std::int64_t held_by(const ImbalanceCheckResult& found, const std::vector<BlockL
 
 }  // namespace
 
-TEST_CASE("an imbalance check at one rank that holds all gives half to the other, and says why") {
+TEST_CASE("an imbalance check that finds one rank with all gives half to the other, and says why") {
     const std::vector<BlockLoad> blocks = blocks_of(tens, tens);
     const ImbalanceCheckResult found = check(blocks, 1000);
     REQUIRE(found.owners.size() == 8);
@@ -52,7 +52,7 @@ TEST_CASE("an imbalance check at one rank that holds all gives half to the other
     CHECK(held_by(found, blocks, 0) == 40);
 }
 
-TEST_CASE("an imbalance check at what is balanced changes nothing, unless every imbalance check is to") {
+TEST_CASE("an imbalance check changes nothing where all is balanced, unless the trigger is every") {
     std::vector<BlockLoad> blocks = blocks_of(tens, tens);
     for (std::size_t b = 4; b < 8; ++b) blocks[b].owner = 1;
     const ImbalanceCheckResult found = check(blocks, 1000);

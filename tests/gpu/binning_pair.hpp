@@ -31,13 +31,13 @@ struct Plan {
 
 /// A host's share and its copy on the device, binned side by side.
 template <int Dim>
-class FilingPair {
+class BinningPair {
     using B = Block<Dim>;
 
   public:
     Patch<Host, float, Dim> patch{{}, 3};
 
-    explicit FilingPair(const Plan<Dim>& plan) : plan_(plan) {
+    explicit BinningPair(const Plan<Dim>& plan) : plan_(plan) {
         Scene scene;
         scene.dimensions = Dim, scene.cell = 1;
         for (std::size_t a = 0; a < Dim; ++a) scene.periodic[a] = plan.periodic, scene.max[a] = 4 * plan.count[a];

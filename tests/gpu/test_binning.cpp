@@ -17,7 +17,7 @@ template <int Dim>
 void same_lists(const Plan<Dim>& plan, const Chances& chances, int steps = 6) {
     CAPTURE(plan.count[0]);
     CAPTURE(chances.leave);
-    test::FilingPair<Dim> pair(plan);
+    test::BinningPair<Dim> pair(plan);
     for (int n = 0; n < steps; ++n) pair.step(chances);
 }
 
@@ -49,7 +49,7 @@ TEST_CASE("device and host lists agree in blocks of tens of thousands of particl
 }
 
 TEST_CASE("particles that leave through an open wall leave the device's lists, down to the last") {
-    test::FilingPair<3> pair({.count = {2, 3, 2}});
+    test::BinningPair<3> pair({.count = {2, 3, 2}});
     for (double gone : {0.5, 1.0, 0.5}) pair.step({0.1, gone, 0.3});
     CHECK(pair.patch.count() == 0);
     CHECK(pair.device().boundary().empty());
@@ -79,7 +79,7 @@ TEST_CASE("a share without blocks has empty lists") {
 }
 
 TEST_CASE("with fewer tiles than occupied blocks the lists serve no block, and all again once there are enough") {
-    test::FilingPair<3> pair({.count = {3, 4, 3}, .filled = 0.6});
+    test::BinningPair<3> pair({.count = {3, 4, 3}, .filled = 0.6});
     test::DeviceLists<3>& lists = pair.device();
     const std::uint32_t occupied = lists.counts()[1];
     REQUIRE(occupied > 1);
@@ -102,12 +102,12 @@ TEST_CASE("timing of binning, where MORAINE_TIMING asks for it") {
         std::printf("binning %s: %.2f M particles, %d blocks, %.4f ms\n", what, double(pair.patch.count()) * 1e-6,
                     pair.patch.own(), ms);
     };
-    test::FilingPair<3> box({.count = {32, 32, 32}, .particles = 512, .even = true});
+    test::BinningPair<3> box({.count = {32, 32, 32}, .particles = 512, .even = true});
     time(box, "3-D, 10 % change cell, 1 % block", {0.01, 0, 0.09, true});
     time(box, "3-D, 1 % change cell, 0.1 % block", {0.001, 0, 0.009, true});
     time(box, "3-D, none moves", {0, 0, 0, true});
-    test::FilingPair<3> sparse({.count = {64, 64, 64}, .filled = 0.02, .particles = 512, .even = true});
+    test::BinningPair<3> sparse({.count = {64, 64, 64}, .filled = 0.02, .particles = 512, .even = true});
     time(sparse, "3-D, 2 % of the blocks filled", {0.01, 0, 0.09, true});
-    test::FilingPair<2> plane({.count = {512, 512}, .particles = 64, .even = true});
+    test::BinningPair<2> plane({.count = {512, 512}, .particles = 64, .even = true});
     time(plane, "2-D, 10 % change cell, 1 % block", {0.01, 0, 0.09, true});
 }

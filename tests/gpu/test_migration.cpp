@@ -37,7 +37,7 @@ MigrationBound migration_bound_of(const EpochTables<Dim>& tables, const ListView
 
 template <int Dim>
 void compare(const test::Plan<Dim>& plan) {
-    const test::FilingPair<Dim> pair(plan);
+    const test::BinningPair<Dim> pair(plan);
     const EpochTables<Dim>& epoch = pair.patch.tables();
     const ListView<Dim> host = pair.patch.list();
     gpu::Tables<Dim> tables;
@@ -71,5 +71,5 @@ TEST_CASE(
     compare<2>({.count = {9, 8}, .ranks = 4, .filled = 0.8});
     compare<3>({.count = {5, 4, 6}, .ranks = 3, .filled = 0.7});
     compare<3>({.count = {4, 4, 4}, .periodic = false, .ranks = 2});
-    compare<3>({.count = {3, 2, 2}, .ranks = 2, .migration_bound = 70001});
+    compare<3>({.count = {3, 2, 2}, .ranks = 2, .crammed = 70001});
 }

@@ -24,7 +24,7 @@ bool has_device_of_its_own(const Comm& comm) {
 }
 
 /// All that can be had here.
-std::vector<std::unique_ptr<gpu::TransportFactory>> all_wires(const Comm& comm) {
+std::vector<std::unique_ptr<gpu::TransportFactory>> all_transports(const Comm& comm) {
     std::vector<std::unique_ptr<gpu::TransportFactory>> all;
     for (const gpu::TransportEntry& entry : gpu::transports())
         if (entry.obstacle(comm).empty()) all.push_back(entry.make(comm));
@@ -36,7 +36,7 @@ std::vector<std::unique_ptr<gpu::TransportFactory>> all_wires(const Comm& comm) 
 TEST_CASE("messages of any length arrive as they were sent, round after round, after every new opening") {
     const Comm comm(MPI_COMM_WORLD);
     take_device(comm);
-    for (const auto& transports : all_wires(comm)) {
+    for (const auto& transports : all_transports(comm)) {
         CAPTURE(transports->name());
         const std::unique_ptr<gpu::Transport> transport = transports->make(21);
         for (std::size_t bytes : {std::size_t(16), std::size_t(4096), std::size_t(3) << 20, std::size_t(256)})
@@ -49,7 +49,7 @@ TEST_CASE("a message of more than 2 GiB arrives") {
     if (comm.size() != 2) return;
     take_device(comm);
     const std::size_t bytes = (std::size_t(9) << 28) + 4096;
-    for (const auto& transports : all_wires(comm)) {
+    for (const auto& transports : all_transports(comm)) {
         CAPTURE(transports->name());
         const std::unique_ptr<gpu::Transport> transport = transports->make(22);
         transport->open({{1 - comm.rank(), bytes, bytes}});

@@ -1,4 +1,4 @@
-"""benchmarks/validation: a rung is run, read and judged; orders and Richardson values of a ladder are those it was made with."""
+"""benchmarks/validation: a level is run, read and judged; orders and Richardson values of a ladder are those it was made with."""
 import json
 import pathlib
 import subprocess
@@ -27,7 +27,7 @@ class Validation(moraine.ProgramTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         return self.folder / "results"
 
-    def test_a_rung_is_run_and_its_particles_are_read(self):
+    def test_a_level_is_run_and_its_particles_are_read(self):
         folder = self.validation("slurry", "--levels", "25", "--variants", "FLIP", "--set", "time.end=0.002", "--no-plots", "--program",
                                  moraine.PROGRAM, "--runs", str(self.folder / "runs"))
         line, = [json.loads(text) for text in (folder / "results.jsonl").read_text().splitlines()]

@@ -11,15 +11,15 @@ constexpr CostModel prior{130000, 0, 8000000};
 using Ranks = std::vector<std::pair<double, double>>;  // particles and blocks of each
 
 /// Steps of ranks that compute as told, exchange for `e` per particle, wait for the slowest, and end `more` seconds
-/// later. `paces`: factors on computing times.
+/// later. `factors`: factors on computing times.
 ModelFit::Interval steps_of(const Ranks& ranks, double a, double d, double e, double more = 0,
-                            std::vector<double> paces = {}) {
+                            std::vector<double> factors = {}) {
     ModelFit::Interval interval;
     interval.steps = 50;
-    paces.resize(ranks.size(), 1);
+    factors.resize(ranks.size(), 1);
     double longest = 0, slowest = 0, sum = 0;
     for (std::size_t r = 0; r < ranks.size(); ++r) {
-        const double computing = paces[r] * (a * ranks[r].first + d * ranks[r].second);
+        const double computing = factors[r] * (a * ranks[r].first + d * ranks[r].second);
         longest = std::max(longest, computing + e * ranks[r].first);
         slowest = std::max(slowest, computing);
         sum += computing;

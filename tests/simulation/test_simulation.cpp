@@ -137,7 +137,7 @@ TEST_CASE("a slurry that leaves through an open wall is the same on any number o
     }
 }
 
-TEST_CASE("it is the same whether epochs are made when they are needed or asynchronously before") {
+TEST_CASE("it is the same whether epochs are made when they are needed or before that, asynchronously") {
     const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
     Scene scene = drifting();
     scene.balance.trigger = Trigger::every;

@@ -36,8 +36,8 @@ def sets(level):
     return [f"domain.cell={B / level!r}", "domain.max=[4,1]", "output.interval=0", 'output.fields=["pressure"]']
 
 
-def measure(rung):
-    footing = rung.structure("footing")
+def measure(level_run):
+    footing = level_run.structure("footing")
     u, load = -footing["displacement_y_m"] / B, 2 * footing["force_y_N"] / (B * SU)
     mean = norms.moving_average(u, load, 0.01)
     stiff = u[-1] < 0.05

@@ -78,8 +78,8 @@ def spread_row(values, what):
     return Row(f"mu-i a=2: largest less smallest runout of {len(values)} seeds over their mean{what}", f"{value:.2f} %", "<= 2 %", value <= 2)
 
 
-def measure(rung):
-    series, history = rung.particles(), rung.history
+def measure(level_run):
+    series, history = level_run.particles(), level_run.history
     start, end = series.at(0.0), series.at(None)
     height = round(start[:, 1].max() / WIDTH, 1) * WIDTH
     volume = WIDTH * height / len(start)

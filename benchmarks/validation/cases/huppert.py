@@ -71,14 +71,14 @@ def fit(t, x):
     return t0, p, math.exp(numpy.mean(numpy.log(x[use]) - 0.2 * numpy.log(t[use] + t0))) / SCALE, off
 
 
-def measure(rung):
-    series = rung.particles()
+def measure(level_run):
+    series = level_run.particles()
     fronts = numpy.array([numpy.quantile(series.at(t)[:, 0], 1 - AHEAD) for t in series.times]) / SHARE
     end = series.at(None)
     x, h = norms.depth(end[:, 0], Q / len(end), 0.0, 0.8, 0.01)
     t0, exponent, prefactor, off = fit(series.times, fronts)
     figures = {"front at 30 s [m]": fronts[-1], "exponent": exponent, "t0 [s]": t0, "prefactor": prefactor, "rms of ln x": off,
-               "E_h [%]": 100 * norms.l1(h, similar(x, fronts[-1])), "cells at x = 0": h[0] / (0.1 / rung.level)}
+               "E_h [%]": 100 * norms.l1(h, similar(x, fronts[-1])), "cells at x = 0": h[0] / (0.1 / level_run.level)}
     return figures, {"front": (series.times, fronts), "depth": (x, h)}
 
 

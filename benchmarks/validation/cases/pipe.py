@@ -61,14 +61,14 @@ def error(variant, w, load):
     return {"mean error [%]": off.mean(), "largest error [%]": off[numpy.abs(off).argmax()]}
 
 
-def measure(rung):
-    pipe = rung.structure("pipe")
+def measure(level_run):
+    pipe = level_run.structure("pipe")
     w, load = -pipe["displacement_y_m"] / D, 2 * pipe["force_y_N"] / (D * SU)
     mean = norms.moving_average(w, load, 0.02)
     use = (w >= 0.1) & (w <= 0.5)
     figures = {f"V/(D su) at {at}": numpy.interp(at, w, mean) for at in (0.1, 0.2, 0.3, 0.4, 0.49)}
     figures["noise [%]"] = 100 * norms.rms((load[use] - mean[use]) / mean[use])
-    return figures | error(rung.variant, w, mean), {"mean": (w, mean)}
+    return figures | error(level_run.variant, w, mean), {"mean": (w, mean)}
 
 
 def rows(ladders):

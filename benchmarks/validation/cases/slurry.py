@@ -36,7 +36,7 @@ VARIANTS = {"FLIP": ["numerics.transfer=flip"], "APIC": ["numerics.transfer=apic
 DENSITY, GRAVITY, YIELD, HEIGHT, LENGTH = 1500.0, 9.81, 500.0, 5.0, 10.0
 AREA, B = HEIGHT * LENGTH, YIELD / (DENSITY * GRAVITY)
 PER_CENT = 100 / (DENSITY * GRAVITY * HEIGHT)
-BIN = 0.4  # of depth profiles [m]: two cells of the coarsest rung
+BIN = 0.4  # of depth profiles [m]: two cells of the coarsest level
 
 
 def sets(level):
@@ -54,8 +54,8 @@ def arrested(x, next_order=False):
     return front, numpy.where(x < front, k + numpy.sqrt(numpy.maximum(0, k * k + 2 * B * (front - x))), 0.0)
 
 
-def measure(rung):
-    series = rung.particles()
+def measure(level_run):
+    series = level_run.particles()
     end = series.at(None)
     volume = AREA / len(series.at(0.0))
     fronts = [numpy.quantile(series.at(t)[:, 0], 0.995) for t in series.times]
@@ -63,8 +63,8 @@ def measure(rung):
     surface = numpy.interp(end[:, 0], x, h)
     noise = series.at(None, "pressure") - DENSITY * GRAVITY * (surface - end[:, 1])
     noise[end[:, 0] > fronts[-1]] = 0
-    means = norms.cell_means(end, noise, HEIGHT / rung.level)
-    history = rung.history
+    means = norms.cell_means(end, noise, HEIGHT / level_run.level)
+    history = level_run.history
     late = numpy.abs(series.times - 20).argmin()
     figures = {"front [m]": history["front_m"][-1], "front 99.5 % [m]": fronts[-1],
                "creep [% of H0]": 100 * (fronts[-1] - fronts[late]) / HEIGHT,

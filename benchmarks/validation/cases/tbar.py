@@ -61,8 +61,8 @@ def sets(level):
     return [f"domain.cell={D / level!r}", "output.interval=0", 'output.fields=["pressure"]']
 
 
-def measure(rung):
-    bar = rung.structure("bar")
+def measure(level_run):
+    bar = level_run.structure("bar")
     w, load = -bar["displacement_y_m"] / D, (2 * bar["force_y_N"] - BUOYANCY) / (D * SU)
     mean = norms.moving_average(w, load, 0.02)
     use = w >= w[-1] - 0.2

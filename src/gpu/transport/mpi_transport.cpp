@@ -117,7 +117,7 @@ std::string host_obstacle(const Comm&) {
     return {};
 }
 
-std::unique_ptr<TransportFactory> host_wires(const Comm& comm) {
+std::unique_ptr<TransportFactory> host_transports(const Comm& comm) {
     return std::make_unique<MpiTransports>(comm, MpiMemory::pinned);
 }
 

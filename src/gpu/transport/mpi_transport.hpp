@@ -17,6 +17,6 @@ std::unique_ptr<TransportFactory> mpi_transports(const Comm& comm);
 
 /// Through memory of the host: works everywhere.
 std::string host_obstacle(const Comm& comm);
-std::unique_ptr<TransportFactory> host_wires(const Comm& comm);
+std::unique_ptr<TransportFactory> host_transports(const Comm& comm);
 
 }  // namespace moraine::gpu

@@ -18,7 +18,7 @@ constexpr TransportEntry entries[] = {
     {"peer", peer_obstacle, peer_transports},
     {"nccl", nccl_obstacle, nccl_transports},
     {"mpi", mpi_obstacle, mpi_transports},
-    {"host", host_obstacle, host_wires},
+    {"host", host_obstacle, host_transports},
 };
 static_assert(std::ranges::equal(entries, transport_names, {}, &TransportEntry::name), "one list, one order");
 

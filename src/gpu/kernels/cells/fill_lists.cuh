@@ -132,7 +132,7 @@ class BlockFill {
         __syncwarp();
     }
 
-    __device__ IncomingParticle incoming(std::uint32_t k) const {
+    __device__ IncomingParticle incoming_at(std::uint32_t k) const {
         int code = 0;
 #pragma unroll
         for (int step = 16; step > 0; step /= 2)
@@ -162,9 +162,9 @@ class BlockFill {
                 if (move_code(m) == Block<Dim>::centre) atomicAdd(&s.in[key(e, move_cell(m))], 1u);
             });
         }
-        if (lane() < incoming) first_incoming = incoming(lane());
+        if (lane() < incoming) first_incoming = incoming_at(lane());
         for (std::uint32_t k = lane(); k < incoming; k += 32)
-            atomicAdd(&s.in[cells + (k < 32 ? first_incoming : incoming(k)).cell], 1u);
+            atomicAdd(&s.in[cells + (k < 32 ? first_incoming : incoming_at(k)).cell], 1u);
         __syncwarp();
     }
 
@@ -244,7 +244,7 @@ class BlockFill {
     __device__ void place_incoming() const {
         for (std::uint32_t k = lane(); k - lane() < incoming; k += 32) {
             const bool in = k < incoming;
-            const IncomingParticle a = k >= 32 && in ? incoming(k) : first_incoming;
+            const IncomingParticle a = k >= 32 && in ? incoming_at(k) : first_incoming;
             const std::uint32_t place = take_place(in, cells + a.cell, s.in);
             if (in) to[place] = a.slot;
         }

@@ -8,7 +8,7 @@
 namespace moraine::gpu {
 
 template <int Dim>
-void Lists<Dim>::grow(const EpochTables<Dim>& tables, cudaStream_t stream) {
+void Lists<Dim>::reserve(const EpochTables<Dim>& tables, cudaStream_t stream) {
     own_ = tables.own.size();
     const std::size_t ghosts = tables.ghost.size();
     tile_of_.resize(own_ + ghosts);
@@ -27,7 +27,7 @@ void Lists<Dim>::grow(const EpochTables<Dim>& tables, cudaStream_t stream) {
 }
 
 template <int Dim>
-void Lists<Dim>::grow(std::size_t most) {
+void Lists<Dim>::reserve(std::size_t most) {
     next_slot_.resize(most);
     moves_.resize(most);
     changed_.resize(most / 32 + own_ + 1);
@@ -38,7 +38,7 @@ void Lists<Dim>::grow(std::size_t most) {
 template <int Dim>
 void Lists<Dim>::grow(std::size_t most) {
     slot_.resize(most);
-    grow(most);
+    reserve(most);
     count_up(static_cast<std::uint32_t>(most), slot_.data(), nullptr);
     check(cudaDeviceSynchronize(), "Growing the storage of particles");
 }
@@ -46,7 +46,7 @@ void Lists<Dim>::grow(std::size_t most) {
 template <int Dim>
 void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                          std::size_t most) {
-    grow(tables, nullptr);
+    reserve(tables, nullptr);
     first_.assign(first_of(tables, binned));
     grow(most);
     number_blocks(binning(table), nullptr);
@@ -56,8 +56,8 @@ void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& 
 template <int Dim>
 void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                            const std::vector<Stretch>& blocks, cudaStream_t stream) {
-    grow(tables, stream);
-    grow(slot_.size());
+    reserve(tables, stream);
+    reserve(slot_.size());
     first_.assign(first_of(tables, binned), stream);
     list_stretches(blocks, slot_.data(), copies_, next_slot_.data(), stream);
     slot_.swap(next_slot_);
@@ -79,8 +79,8 @@ std::vector<std::uint32_t> Lists<Dim>::first_of(const EpochTables<Dim>& tables, 
 template <int Dim>
 void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream) {
     old_cell_first_.swap(cell_first_);
-    grow(tables, stream);
-    grow(slot_.size());
+    reserve(tables, stream);
+    reserve(slot_.size());
     const auto own = static_cast<std::uint32_t>(own_);
     renumber(own + 1, 1, tables_.from.data(), first_.data(), next_first_.data(), stream);
     first_.swap(next_first_);

@@ -66,8 +66,8 @@ class Lists {
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
 
   private:
-    void grow(const EpochTables<Dim>& tables, cudaStream_t stream);
-    void grow(std::size_t most);
+    void reserve(const EpochTables<Dim>& tables, cudaStream_t stream);
+    void reserve(std::size_t most);
     std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const BinnedBlocks& binned) const;
 
     std::size_t own_ = 0;

@@ -42,8 +42,8 @@ struct TilesAround {
 
     __device__ TilesAround(const BlockTable<Dim>& table, const std::int32_t* tile_of, int c) {
         const int delta = lane_id() % lanes;
-        const bool checks = delta < corners && c < table.node_blocks;
-        const std::int32_t source = looks ? table.source[std::size_t(c) * corners + std::size_t(delta)] : -1;
+        const bool asks = delta < corners && c < table.node_blocks;
+        const std::int32_t source = asks ? table.source[std::size_t(c) * corners + std::size_t(delta)] : -1;
         mine = source < 0 ? -1 : tile_of[source];
         const int first = lane_id() - delta;
         const unsigned bits = (1u << corners) - 1;
