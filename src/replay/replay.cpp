@@ -21,9 +21,10 @@ std::vector<int> chosen_ranks(const ReplayOptions& options, const ReplayRecord& 
     if (ranks.empty()) ranks.push_back(1);
     for (const int p : ranks)
         if (p > record.blocks_max())
-            throw InputError(fmt::format(
-                "--ranks {} (a rank needs a block, and no interval has more than {}). At most {}, or --refine 1?", p,
-                record.blocks_max(), record.blocks_max()));
+            throw InputError(
+                fmt::format("--ranks {} (a rank needs a block, and no imbalance check has more than {}). At most {}, "
+                            "or --refine 1?",
+                            p, record.blocks_max(), record.blocks_max()));
     return ranks;
 }
 

@@ -153,7 +153,7 @@ void ReplayRecord::read_through() {
     if (checks_ > 0 && (checks_ - 1) % options_.every != 0) feed(before);  // the last imbalance check is replayed, too
     if (checks_ < 2)
         throw InputError(fmt::format(
-            "{} holds {} interval{} (a replay needs two). {}", path_, checks_, checks_ == 1 ? "" : "s",
+            "{} holds {} imbalance check{} (a replay needs two). {}", path_, checks_, checks_ == 1 ? "" : "s",
             options_.last_step < ReplayOptions{}.last_step ? "A larger --last-step?"
                                                            : "Run it for longer, or with a smaller balance.interval?"));
 }

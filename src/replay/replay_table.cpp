@@ -27,13 +27,10 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
     const ForecastResult& run = record.measured();
     const TimeModel& m = record.model();
     std::string text = fmt::format(
-        "{}: {} checks up to step {}, {} to {} blocks; run on {} rank{} with {}.\n"
+        "{}: {} imbalance checks up to step {}, {} to {} blocks; run on {} rank{} with {}.\n"
         "All lines but `measured` are predictions by a model: {:.0f} ns a particle, {:.0f} ns a block, {:.0f} ns a "
-        "particle in exchanges, "
-        "{:.2g} ms an imbalance check,\n  {:.2g} ms a step, a migration {:.2g} times what the planner reckons, timing "
-        "noise "
-        "{:.1f} %;\n  "
-        "transport {:.2g} us and {:.2g} GB/s (--latency, "
+        "particle in exchanges, {:.2g} ms an imbalance check,\n  {:.2g} ms a step, a migration {:.2g} times what the "
+        "planner reckons, timing noise {:.1f} %;\n  network {:.2g} us and {:.2g} GB/s (--latency, "
         "--bandwidth).\n",
         options.directory, record.checks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.check,

@@ -63,7 +63,7 @@ void check_lattice(const Scene& scene, const BodySpec& body, const Places& place
         points *= (e.upper[a] - e.lower[a]) / scene.cell * body.particles_per_cell[a] + 2;
     if (points > std::ldexp(1, 48))
         refuse(places.of("body." + body.name), fmt::format("body.{} spans {:.3g} particles", body.name, points),
-               "ids have capacity for 2^48 a body", "Use a larger domain.cell?");
+               "ids have space for 2^48 a body", "Use a larger domain.cell?");
 }
 
 /// Calls f(seeds) for a part of the body at a time, so that the memory stays small, until it returns true.

@@ -35,7 +35,7 @@ std::string without_quotes(const toml::node& node) {
     const std::string help = !bare.empty() ? fmt::format("Did you mean {}, without quotes?", bare)
                              : c.key.standard && !c.key.standard->empty()
                                  ? fmt::format("Write it as in {} = {}?", c.key.name, *c.key.standard)
-                                 : fmt::format("ImbalanceCheckResult up {} in inputs/reference.toml?", c.key.name);
+                                 : fmt::format("Look up {} in inputs/reference.toml?", c.key.name);
     refuse(c.place, fmt::format("{} is {}", c.path, kind_of(node)), "must be " + type_text(c.key), help);
 }
 
@@ -51,7 +51,7 @@ std::string mended(double value, const SceneKey& key) {
         const bool open = low ? range.open_lower : range.open_upper;
         return fmt::format("Did you mean {}?", shortest(open ? bound + (low ? 0.01 : -0.01) : bound));
     }
-    return fmt::format("ImbalanceCheckResult up {} in inputs/reference.toml?", key.name);
+    return fmt::format("Look up {} in inputs/reference.toml?", key.name);
 }
 
 double checked(double value, const KeyContext& c) {

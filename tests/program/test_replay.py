@@ -107,7 +107,7 @@ class Replay(moraine.ProgramTest):
         (self.run / "block_loads.bin").write_bytes(whole[:160 + 56 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
         (self.run / "block_loads.bin").write_bytes(whole[:160])
-        self.assertIn("holds 0 looks (a replay needs two). Run it for longer", self.refused(self.run))
+        self.assertIn("holds 0 imbalance checks (a replay needs two). Run it for longer", self.refused(self.run))
         self.assertGreater(frame, 1000)
 
     def test_missing_intervals_are_told_by_the_table_of_the_run(self):

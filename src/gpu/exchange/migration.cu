@@ -286,7 +286,7 @@ void DeviceMigration<Dim>::finish(const Route& receive, const Binning<Dim>& binn
         receive, binning, layout.units, in, const_cast<std::uint32_t*>(binning.outgoing.ghost_start));
     unpack_kernel<<<dim3(64, peers), threads, 0, stream>>>(binning, layout, in, counters);
     stored_kernel<<<1, 1, 0, stream>>>(receive.peers, in, counters, facing_.data());
-    check(cudaGetLastError(), "Taking incoming in");
+    check(cudaGetLastError(), "Taking incoming particles in");
 }
 
 template class DeviceMigration<2>;

@@ -44,7 +44,7 @@ void collect_outgoing(const Binning<Dim>& binning, Part part, int blocks, cudaSt
     static const unsigned most = resident(collect_kernel<Dim>);
     if (binning.table.own == 0) return;
     collect_kernel<<<grid_of(most, blocks), threads, 0, stream>>>(binning, part);
-    check(cudaGetLastError(), "Collecting outgoing");
+    check(cudaGetLastError(), "Collecting outgoing particles");
 }
 
 template <int Dim>
