@@ -56,7 +56,7 @@ inline std::vector<std::byte> packed_blocks(const std::vector<ColumnBytes>& colu
     std::memcpy(bytes.data(), &number, 8);
     std::memcpy(bytes.data() + keys, blocks.key.data(), 8 * n);
     std::memcpy(bytes.data() + counts, blocks.count.data(), 4 * n);
-    gather_rows(columns, blocks.slot, bytes.data() + rows);
+    pack_rows(columns, blocks.slot, bytes.data() + rows);
     return bytes;
 }
 
@@ -76,7 +76,7 @@ void unpack_blocks(const std::vector<std::byte>& bytes, int from, Patch<Space, R
     std::size_t particles = 0;
     for (std::uint32_t c : count) particles += c;
     const std::vector<std::uint32_t> slots = patch.take_slots(particles);
-    scatter_rows(patch.particles.columns(), slots, bytes.data() + rows);
+    unpack_rows(patch.particles.columns(), slots, bytes.data() + rows);
     auto first = slots.begin();
     for (std::size_t b = 0; b < n; ++b) {
         const auto last = first + static_cast<std::ptrdiff_t>(count[b]);

@@ -47,7 +47,7 @@ struct StepScales {
     double dt;                                      ///< [s]
     double mass_cutoff;                             ///< [kg]
     Quantum quantum;                                ///< of the exact sums
-    std::array<double, Dim> pull;                   ///< integral of gravity up to the end of the step [m/s]
+    std::array<double, Dim> gravity_impulse;        ///< integral of gravity up to the end of the step [m/s]
     const StructureSet<Dim>* structures = nullptr;  ///< null: the scene has none
 };
 

@@ -178,7 +178,7 @@ void HostEngine<Real, Dim>::lose(std::uint32_t slot, const StepScales<Dim>& step
     for (int a = 0; a < Dim; ++a) {
         const auto i = static_cast<std::size_t>(a);
         budget.lost_momentum[i].add(step.quantum.of(m * static_cast<double>(p.velocity[slot][a])));
-        budget.lost_pull[i].add(step.quantum.of(m * step.pull[i]));
+        budget.lost_gravity_impulse[i].add(step.quantum.of(m * step.gravity_impulse[i]));
     }
     ++budget.lost_count;
 }

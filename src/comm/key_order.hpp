@@ -7,25 +7,24 @@
 
 namespace moraine {
 
-/// rows: rank by rank, ascending keys in each; counts: of each rank. Most ranks hold one stretch of the curve: then
-/// whole stretches are put in order, and no row is compared with those of others but at their ends. Not collective.
+/// rows: rank by rank, ascending keys in each; counts: of each rank. Most ranks hold one range of the curve: then
+/// whole ranges are put in order, and no row is compared with those of others but at their ends. Not collective.
 template <class Row>
 std::vector<Row> in_key_order(const std::vector<Row>& rows, const std::vector<std::int64_t>& counts) {
     const auto before = [](const Row& a, const Row& b) { return a.key < b.key; };
-    struct Stretch {
+    struct Range {
         const Row *first, *last;
     };
-    std::vector<Stretch> stretches;
+    std::vector<Range> ranges;
     const Row* next = rows.data();
     for (const std::int64_t count : counts) {
-        if (count > 0) stretches.push_back({next, next + count});
+        if (count > 0) ranges.push_back({next, next + count});
         next += count;
     }
-    std::sort(stretches.begin(), stretches.end(),
-              [&](const Stretch& a, const Stretch& b) { return before(*a.first, *b.first); });
+    std::sort(ranges.begin(), ranges.end(), [&](const Range& a, const Range& b) { return before(*a.first, *b.first); });
     std::vector<Row> ordered;
     ordered.reserve(rows.size());
-    for (const Stretch& s : stretches) ordered.insert(ordered.end(), s.first, s.last);
+    for (const Range& s : ranges) ordered.insert(ordered.end(), s.first, s.last);
     if (!std::is_sorted(ordered.begin(), ordered.end(), before)) std::sort(ordered.begin(), ordered.end(), before);
     return ordered;
 }

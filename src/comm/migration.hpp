@@ -131,7 +131,7 @@ class Migration {
         if (n == 0) return at;
         std::memcpy(at, o.key.data() + from, 8 * n);
         std::memcpy(at + 8 * n, o.move.data() + from, 2 * n);
-        return gather_rows(columns, std::span(o.slot).subspan(from, n), at + 8 * n + padded(2 * n));
+        return pack_rows(columns, std::span(o.slot).subspan(from, n), at + 8 * n + padded(2 * n));
     }
 
     std::vector<std::vector<std::byte>> exchange_rest() {
@@ -164,7 +164,7 @@ class Migration {
                 std::vector<std::uint32_t>& first) {
         const EpochTables<Dim>& tables = patch_.tables();
         const std::vector<std::uint32_t> slots = patch_.take_slots(n);
-        scatter_rows(patch_.particles.columns(), slots, from + 8 * n + padded(2 * n));
+        unpack_rows(patch_.particles.columns(), slots, from + 8 * n + padded(2 * n));
         for (std::size_t k = 0; k < n; ++k) {
             std::uint64_t key = 0;
             std::uint16_t move = 0;

@@ -93,8 +93,8 @@ struct ParticlesToGrid {
         Q carried;        ///< (m, q) at the stencil's first node
         Q slope[Dim];     ///< change of (m, q) from node to node
         Q traction[Dim];  ///< -V sigma, column by column
-        Q pull;           ///< m b
-        bool pulled;
+        Q body_force;     ///< m b
+        bool has_body_force;
     };
 
     MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
@@ -107,8 +107,8 @@ struct ParticlesToGrid {
         Load load;
         const Sym<Real, Dim> sigma = p.stress[s];
         load.carried = Q::scaled_after(m, m, p.velocity[s]);
-        load.pulled = p.body_force != nullptr;
-        load.pull = load.pulled ? Q::scaled(m, p.body_force[s]) : Q::zero();
+        load.has_body_force = p.body_force != nullptr;
+        load.body_force = load.has_body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
         for (int b = 0; b < Dim; ++b) {
             Vec<Real, Dim> column;
             for (int a = 0; a < Dim; ++a) column[a] = sigma(a, b);
@@ -137,7 +137,7 @@ struct ParticlesToGrid {
                 const Q along = wyz * load.traction[0];
                 Q across = (n.dw[1][j] * wz) * load.traction[1];
                 if constexpr (Dim == 3) across = fma(n.w[1][j] * n.dw[Dim - 1][k], load.traction[Dim - 1], across);
-                if (load.pulled) across = fma(wyz, load.pull, across);
+                if (load.has_body_force) across = fma(wyz, load.body_force, across);
                 Q step = Q::zero();
                 if constexpr (Affine) step = wyz * load.slope[0];
                 for (int i = 0; i < width; ++i) {

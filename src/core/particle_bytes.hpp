@@ -21,24 +21,24 @@ inline std::size_t rows_bytes(const std::vector<ColumnBytes>& columns, std::size
 }
 
 /// Copies one column's rows at `slots` to `to`.
-inline void gather_column(const ColumnBytes& c, std::span<const std::uint32_t> slots, std::byte* to) {
+inline void pack_column(const ColumnBytes& c, std::span<const std::uint32_t> slots, std::byte* to) {
     for (std::size_t k = 0; k < slots.size(); ++k)
         std::memcpy(to + k * c.row_bytes, c.data + slots[k] * c.row_bytes, c.row_bytes);
 }
 
 /// Copies the rows at `slots` to `to`; returns the end.
-inline std::byte* gather_rows(const std::vector<ColumnBytes>& columns, std::span<const std::uint32_t> slots,
-                              std::byte* to) {
+inline std::byte* pack_rows(const std::vector<ColumnBytes>& columns, std::span<const std::uint32_t> slots,
+                            std::byte* to) {
     for (const ColumnBytes& c : columns) {
-        gather_column(c, slots, to);
+        pack_column(c, slots, to);
         to += padded(c.row_bytes * slots.size());
     }
     return to;
 }
 
-/// Inverse of gather_rows; returns the end.
-inline const std::byte* scatter_rows(const std::vector<ColumnBytes>& columns, std::span<const std::uint32_t> slots,
-                                     const std::byte* from) {
+/// Inverse of pack_rows; returns the end.
+inline const std::byte* unpack_rows(const std::vector<ColumnBytes>& columns, std::span<const std::uint32_t> slots,
+                                    const std::byte* from) {
     for (const ColumnBytes& c : columns) {
         for (std::size_t k = 0; k < slots.size(); ++k)
             std::memcpy(c.data + slots[k] * c.row_bytes, from + k * c.row_bytes, c.row_bytes);

@@ -79,7 +79,7 @@ struct Budget {
     std::array<ExactSum, Dim> impulse;  ///< of walls and damping [kg m/s]
     ExactSum lost_mass;                 ///< through open walls [kg]
     std::array<ExactSum, Dim> lost_momentum;
-    std::array<ExactSum, Dim> lost_pull;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
+    std::array<ExactSum, Dim> lost_gravity_impulse;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
 
     void add(const Budget& o) {
@@ -88,7 +88,7 @@ struct Budget {
         for (std::size_t a = 0; a < Dim; ++a) {
             impulse[a].add(o.impulse[a]);
             lost_momentum[a].add(o.lost_momentum[a]);
-            lost_pull[a].add(o.lost_pull[a]);
+            lost_gravity_impulse[a].add(o.lost_gravity_impulse[a]);
         }
         lost_count += o.lost_count;
     }

@@ -82,9 +82,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
     void take_census();
-    std::vector<Stretch> stretches() const;
+    std::vector<ListRange> ranges() const;
     void find_cells();
-    void install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks);
+    void install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks);
     View<Real, Dim> view() const;
     int interior_blocks() const { return static_cast<int>(census_.blocks) - boundary_blocks_; }
 

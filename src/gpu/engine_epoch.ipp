@@ -127,9 +127,9 @@ void DeviceEngine<Real, Dim>::change_tables() {
 
 /// Occupied blocks.
 template <class Real, int Dim>
-std::vector<Stretch> DeviceEngine<Real, Dim>::stretches() const {
+std::vector<ListRange> DeviceEngine<Real, Dim>::ranges() const {
     const std::vector<std::uint32_t> first = lists_.first();
-    std::vector<Stretch> all;
+    std::vector<ListRange> all;
     for (std::size_t b = 0; b < epoch_.own.size(); ++b)
         if (first[b + 1] > first[b]) all.push_back({epoch_.own[b], first[b], first[b + 1] - first[b]});
     return all;
@@ -150,10 +150,10 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     take_census();
     stream_.wait();
     if (!exchange_) {  // alone: all stays
-        install(std::move(tables), stretches());
+        install(std::move(tables), ranges());
         return {};
     }
-    BlockPlan plan = plan_block_moves(exchange_->comm, stretches(), owner);
+    BlockPlan plan = plan_block_moves(exchange_->comm, ranges(), owner);
     const auto here = static_cast<std::size_t>(census_.particles);
     if (stored_ + plan.incoming > particles_.capacity()) refresh();
     if (here + plan.incoming > particles_.capacity()) refresh_and_grow(here + plan.incoming);
@@ -161,14 +161,14 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     exchange_->moves.move(plan, lists_.slots(), record_layout(particles_.view()), first_free, stream_);
 
     BlockMoveCount moved;
-    std::vector<Stretch> next = std::move(plan.kept);
+    std::vector<ListRange> next = std::move(plan.kept);
     for (const BlockPlan::Partner& p : plan.partners) {
         moved.particles += static_cast<std::int64_t>(p.out);
         moved.blocks += static_cast<std::int64_t>(p.leaving.size());
         const auto kept = static_cast<std::ptrdiff_t>(next.size());
-        for (const Stretch& s : p.coming) next.push_back({s.key, first_free + s.start, s.count, true});
+        for (const ListRange& s : p.coming) next.push_back({s.key, first_free + s.start, s.count, true});
         std::inplace_merge(next.begin(), next.begin() + kept, next.end(),
-                           [](const Stretch& a, const Stretch& b) { return a.key < b.key; });
+                           [](const ListRange& a, const ListRange& b) { return a.key < b.key; });
     }
     set_stored(stored_ + plan.incoming);
     install(std::move(tables), next);
@@ -177,10 +177,10 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
 
 /// Begins an epoch with these blocks.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<Stretch>& blocks) {
+void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks) {
     BinnedBlocks binned;
     census_ = {0, static_cast<std::int64_t>(blocks.size()), {}};
-    for (const Stretch& s : blocks) {
+    for (const ListRange& s : blocks) {
         binned.key.push_back(s.key);
         binned.count.push_back(s.count);
         census_.particles += s.count;

@@ -2,7 +2,7 @@
 
 namespace moraine::gpu {
 
-constexpr int refresh_interval = 12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/gpu_lab)
+constexpr int refresh_interval = 12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md)
 
 template <int Dim>
 Budget<Dim> budget_of(const Account<Dim>& a) {
@@ -12,7 +12,7 @@ Budget<Dim> budget_of(const Account<Dim>& a) {
     for (std::size_t i = 0; i < Dim; ++i) {
         l.impulse[i] = a.impulse[i];
         l.lost_momentum[i] = a.lost_momentum[i];
-        l.lost_pull[i] = a.lost_pull[i];
+        l.lost_gravity_impulse[i] = a.lost_gravity_impulse[i];
     }
     l.lost_count = static_cast<std::int64_t>(a.lost_count);
     return l;
@@ -149,7 +149,7 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     args.tpic = method_.tpic;
     args.flip = method_.flip;
     args.dt = static_cast<Real>(step.dt);
-    std::copy(step.pull.begin(), step.pull.end(), args.pull);
+    std::copy(step.gravity_impulse.begin(), step.gravity_impulse.end(), args.gravity_impulse);
     args.quantum = step.quantum;
     args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
     args.gradient = gradient_.data();

@@ -29,7 +29,7 @@ Column listed_column(const Simulation<Real, Dim>& sim, const ColumnBytes& kind) 
     column.make = [&sim, name = kind.name](std::byte* rows) {
         sim.each_piece({name}, [&](const SharePiece<Real, Dim>& piece) {
             const ColumnBytes& c = piece.columns.front();
-            gather_column(c, piece.slots(), rows);
+            pack_column(c, piece.slots(), rows);
             rows += piece.slots().size() * c.row_bytes;
         });
     };
@@ -55,7 +55,7 @@ void each_budget_entry(Budget<Dim>& budget, const F& f) {
         const std::string axis(1, "xyz"[a]);
         f("impulse_" + axis, budget.impulse[a]);
         f("lost_momentum_" + axis, budget.lost_momentum[a]);
-        f("lost_pull_" + axis, budget.lost_pull[a]);
+        f("lost_pull_" + axis, budget.lost_gravity_impulse[a]);
     }
 }
 
@@ -80,7 +80,7 @@ CheckpointHeader clock_header(const RunClock<Dim>& c) {
     h["round"] = c.round;
     h["clock"] = std::vector<double>{c.time,          c.dt,           c.signal,     c.mass_cutoff,
                                      c.quantum_scale, c.start_strain, c.start_mass, c.start_energy};
-    h["pull"] = std::vector<double>(c.pull.begin(), c.pull.end());
+    h["pull"] = std::vector<double>(c.gravity_impulse.begin(), c.gravity_impulse.end());
     h["start_momentum"] = std::vector<double>(c.start_momentum.begin(), c.start_momentum.end());
     return h;
 }
@@ -97,7 +97,7 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
         throw InputError("The checkpoint does not hold a run of this many dimensions. Is it of another scene?");
     c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
     c.start_strain = clock[5], c.start_mass = clock[6], c.start_energy = clock[7];
-    std::copy(pull.begin(), pull.end(), c.pull.begin());
+    std::copy(pull.begin(), pull.end(), c.gravity_impulse.begin());
     std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());
     return c;
 }
@@ -195,7 +195,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
         for (const ColumnBytes& c : sim.patch().particles.columns()) {
             std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
             file.read_rows(file_column(c), mine, rows.data());
-            scatter_rows({c}, slots, rows.data());
+            unpack_rows({c}, slots, rows.data());
         }
     };
     sim.restore(keys, counts, clock_of<Dim>(file), budget, state, read);

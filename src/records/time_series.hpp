@@ -89,8 +89,8 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     felt = sim.sum_of(felt);
     for (std::size_t a = 0; a < Dim; ++a) {
         row.wall_impulse[a] = sim.sum_of(budget.impulse[a]);
-        const double unfelt = row.lost_mass * clock.pull[a] - sim.sum_of(budget.lost_pull[a]);
-        row.gravity_impulse[a] = clock.start_mass * clock.pull[a] - unfelt;
+        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - sim.sum_of(budget.lost_gravity_impulse[a]);
+        row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
         row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(budget.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);

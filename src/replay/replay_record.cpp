@@ -85,7 +85,7 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     model_ = fit_.model(weights_);
     if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
     model_.rounds = header_.halo_rounds;
-    model_.transport = {options.latency, options.bandwidth};
+    model_.network = {options.latency, options.bandwidth};
     model_.moves = {header_.moves[0], header_.moves[1]};
 }
 
@@ -186,12 +186,12 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
         interval.check = std::min(interval.check, seconds_of(s, {Phase::balance}));
         stepping += computing + exchange + seconds_of(s, {Phase::balance});
     }
-    TimeModel transport;
-    transport.rounds = header_.halo_rounds;
-    transport.transport = {options_.latency, options_.bandwidth};
+    TimeModel network;
+    network.rounds = header_.halo_rounds;
+    network.network = {options_.latency, options_.bandwidth};
     HaloForecast halo;
     if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
-    interval.sending = transport.sending(halo, ranks);
+    interval.sending = network.sending(halo, ranks);
     interval.moves = moves_at_end(now, end, ranks);
     fit_.add(std::move(interval));
 

@@ -34,7 +34,7 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
         "--bandwidth).\n",
         options.directory, record.checks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.check,
-        1e3 * m.constant, m.moves_slower, 100 * m.timing_noise, 1e6 * m.transport.latency, m.transport.bandwidth / 1e9);
+        1e3 * m.constant, m.moves_slower, 100 * m.timing_noise, 1e6 * m.network.latency, m.network.bandwidth / 1e9);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "

@@ -72,9 +72,9 @@ double TimeModel::waiting(std::span<const std::int64_t> particles, std::span<con
 
 double TimeModel::sending(const HaloForecast& halo, int ranks) const {
     if (ranks == 1) return 0;
-    return rounds * (transport.latency * halo.neighbours_max +
-                     static_cast<double>(halo.busiest_bytes) / transport.bandwidth) +
-           transport.latency * std::log2(ranks);
+    return rounds *
+               (network.latency * halo.neighbours_max + static_cast<double>(halo.busiest_bytes) / network.bandwidth) +
+           network.latency * std::log2(ranks);
 }
 
 void ModelFit::add(const ModelFit& other) {

@@ -20,7 +20,7 @@
 
 namespace moraine {
 
-struct Transport {
+struct Network {
     double latency = 2e-6;   ///< of a message [s]
     double bandwidth = 5e9;  ///< of a rank, out [byte/s]
 };
@@ -37,13 +37,13 @@ struct TimeModel {
     double constant = 0;      ///< c [s]
     double check = 0;         ///< [s]
     int rounds = 1;
-    Transport transport;
+    Network network;
     MoveModel moves = host_moves;  ///< what planners reckon with
     double moves_slower = 1;       ///< f
 
     double computing(double particles, double blocks) const { return particle * particles + block * blocks; }
 
-    /// Of a rank, with what its exchanges cost besides the transport: t_r [s per step].
+    /// Of a rank, with what its exchanges cost besides the network: t_r [s per step].
     double busy(double particles, double blocks) const { return computing(particles, blocks) + exchange * particles; }
     /// Of the rank that has most to do [s per step].
     double slowest(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
@@ -64,7 +64,7 @@ class ModelFit {
     struct Interval {
         std::vector<Sample> ranks;
         double steps = 0;
-        double sending = 0;  ///< by the transport model [s per step]
+        double sending = 0;  ///< by the network model [s per step]
         double lost = 0;     ///< computing of the slowest rank less mean [s per step]
         double check = 0;    ///< balancing, of the rank that waited least [s]
         double moves = 0;    ///< the migration at its end, as planners reckon it [s]
@@ -74,7 +74,7 @@ class ModelFit {
     void add(Interval interval) { intervals_.push_back(std::move(interval)); }
     void add(const ModelFit& other);
 
-    /// Without rounds, transport and what planners reckon moves with. `prior`: the ratio of costs per particle and
+    /// Without rounds, network and what planners reckon moves with. `prior`: the ratio of costs per particle and
     /// block. Not collective.
     TimeModel model(const CostModel& prior) const;
 

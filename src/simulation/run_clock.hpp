@@ -10,13 +10,13 @@ namespace moraine {
 template <int Dim>
 struct RunClock {
     std::int64_t step = 0;
-    double time = 0;                 ///< [s]
-    double dt = 0;                   ///< of the last step [s]
-    double signal = 0;               ///< largest c + |v|, for the next step [m/s]
-    std::array<double, Dim> pull{};  ///< integral of gravity over time [m/s]
-    double mass_cutoff = 0;          ///< nodes below take no part [kg]
-    double quantum_scale = 1;        ///< of the exact sums
-    double start_strain = 0;         ///< stored energy at the start [J]
+    double time = 0;                            ///< [s]
+    double dt = 0;                              ///< of the last step [s]
+    double signal = 0;                          ///< largest c + |v|, for the next step [m/s]
+    std::array<double, Dim> gravity_impulse{};  ///< integral of gravity over time [m/s]
+    double mass_cutoff = 0;                     ///< nodes below take no part [kg]
+    double quantum_scale = 1;                   ///< of the exact sums
+    double start_strain = 0;                    ///< stored energy at the start [J]
     std::array<double, Dim> start_momentum{};
     double start_mass = 0;
     double start_energy = 0;  ///< kinetic, stored and potential [J]

@@ -189,7 +189,8 @@ class Simulation {
     void apply_body_force();
     void agree_on_forces();
     StepScales<Dim> scales() const {
-        return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.pull, structures_.empty() ? nullptr : &structures_};
+        return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.gravity_impulse,
+                structures_.empty() ? nullptr : &structures_};
     }
 
     bool weighs_cells() const { return weight_.is_cost(); }

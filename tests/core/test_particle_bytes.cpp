@@ -48,9 +48,9 @@ TEST_CASE_TEMPLATE("rows that were gathered and scattered are the same in every 
         const std::vector<ColumnBytes> a = from.particles.columns();
         const std::vector<ColumnBytes> b = to.particles.columns();
         std::vector<std::byte> bytes(rows_bytes(a, n) + 1, std::byte{0xee});
-        CHECK(gather_rows(a, source, bytes.data()) == bytes.data() + rows_bytes(a, n));
+        CHECK(pack_rows(a, source, bytes.data()) == bytes.data() + rows_bytes(a, n));
         CHECK(bytes.back() == std::byte{0xee});
-        CHECK(scatter_rows(b, target, bytes.data()) == bytes.data() + rows_bytes(a, n));
+        CHECK(unpack_rows(b, target, bytes.data()) == bytes.data() + rows_bytes(a, n));
         for (std::size_t c = 0; c < a.size(); ++c)
             for (std::size_t k = 0; k < n; ++k)
                 REQUIRE(std::memcmp(b[c].data + target[k] * b[c].row_bytes, a[c].data + source[k] * a[c].row_bytes,
@@ -62,8 +62,8 @@ TEST_CASE("scattering rows touches no other slot") {
     Filled<double, 2> from(10, 3), to(10, 4), same(10, 4);
     const std::vector<std::uint32_t> slots{2, 5};
     std::vector<std::byte> bytes(rows_bytes(from.particles.columns(), 2));
-    gather_rows(from.particles.columns(), slots, bytes.data());
-    scatter_rows(to.particles.columns(), slots, bytes.data());
+    pack_rows(from.particles.columns(), slots, bytes.data());
+    unpack_rows(to.particles.columns(), slots, bytes.data());
     const std::vector<ColumnBytes> a = to.particles.columns();
     const std::vector<ColumnBytes> b = same.particles.columns();
     for (std::size_t c = 0; c < a.size(); ++c)

@@ -73,7 +73,7 @@ gpu::Account<3> some_account(std::mt19937_64& random) {
     a.faults = random() % 16, a.clamped = random() % 1000, a.lost_count = random() >> 20;
     const auto fill = [&](ExactSum& s) { s.high = std::int64_t(random()) >> 10, s.low = random(); };
     fill(a.work), fill(a.lost_mass);
-    for (int i = 0; i < 3; ++i) fill(a.impulse[i]), fill(a.lost_momentum[i]), fill(a.lost_pull[i]);
+    for (int i = 0; i < 3; ++i) fill(a.impulse[i]), fill(a.lost_momentum[i]), fill(a.lost_gravity_impulse[i]);
     return a;
 }
 
@@ -84,7 +84,7 @@ void merge(gpu::Account<3>& a, const gpu::Account<3>& b) {
     a.work.add(b.work), a.lost_mass.add(b.lost_mass);
     for (int i = 0; i < 3; ++i) {
         a.impulse[i].add(b.impulse[i]);
-        a.lost_momentum[i].add(b.lost_momentum[i]), a.lost_pull[i].add(b.lost_pull[i]);
+        a.lost_momentum[i].add(b.lost_momentum[i]), a.lost_gravity_impulse[i].add(b.lost_gravity_impulse[i]);
     }
 }
 

@@ -64,7 +64,7 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
     Outcome out{values_of(sim), sim.state_hash(true), sim.clock().time, {}};
     const Budget<Dim>& budget = sim.budget();
     for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
-                              budget.lost_momentum[0], budget.lost_pull[1]})
+                              budget.lost_momentum[0], budget.lost_gravity_impulse[1]})
         out.budget.push_back(sim.quantum().value(s));
     out.budget.push_back(static_cast<double>(budget.lost_count));
     return out;

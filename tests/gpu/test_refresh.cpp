@@ -122,8 +122,8 @@ TEST_CASE_TEMPLATE("every column of the host goes into rows at given slots and c
         const std::vector<gpu::Piece> pieces = gpu::pieces_of(rows.columns, c.name);
         REQUIRE(!pieces.empty());
         CHECK(pieces.size() <= 3);
-        for (const gpu::Piece& piece : pieces) gpu::scatter_rows(n, slot.data(), piece, packed.data(), nullptr);
-        for (const gpu::Piece& piece : pieces) gpu::gather_rows(n, slot.data(), piece, back.data(), nullptr);
+        for (const gpu::Piece& piece : pieces) gpu::unpack_rows(n, slot.data(), piece, packed.data(), nullptr);
+        for (const gpu::Piece& piece : pieces) gpu::pack_rows(n, slot.data(), piece, back.data(), nullptr);
         CHECK(back.host() == packed.host());
     }
     const ParticleView<Real, C::dim> p = particles.view();

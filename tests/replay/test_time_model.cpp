@@ -131,7 +131,7 @@ TEST_CASE("the largest of n equal normal variables is as far above their mean as
 TEST_CASE("sending costs latency and bytes of the busiest rank in each round, one rank sends nothing") {
     TimeModel m;
     m.rounds = 2;
-    m.transport = {1e-6, 1e9};
+    m.network = {1e-6, 1e9};
     HaloForecast halo;
     halo.neighbours_max = 5;
     halo.busiest_bytes = 3000;

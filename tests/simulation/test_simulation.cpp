@@ -28,7 +28,7 @@ double unexplained_momentum(Simulation<Real, Dim>& sim) {
     double worst = 0;
     for (std::size_t a = 0; a < Dim; ++a) {
         const double gained = now.momentum[a] + sim.sum_of(sim.budget().lost_momentum[a]) - clock.start_momentum[a];
-        const double pulled = now.mass * clock.pull[a] + sim.sum_of(sim.budget().lost_pull[a]);
+        const double pulled = now.mass * clock.gravity_impulse[a] + sim.sum_of(sim.budget().lost_gravity_impulse[a]);
         const double left = std::fabs(gained - pulled - sim.sum_of(sim.budget().impulse[a]));
         if (!(left <= worst)) worst = std::isnan(left) ? HUGE_VAL : left;
     }

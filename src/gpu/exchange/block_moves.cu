@@ -83,21 +83,21 @@ unsigned grid_for(std::uint64_t items) {
     return static_cast<unsigned>(std::clamp<std::uint64_t>((items + threads - 1) / threads, 1, 4096));
 }
 
-std::vector<Stretch> leaving_of(const std::vector<BlockPlan::Partner>& partners) {
-    std::vector<Stretch> all;
+std::vector<ListRange> leaving_of(const std::vector<BlockPlan::Partner>& partners) {
+    std::vector<ListRange> all;
     for (const BlockPlan::Partner& p : partners) all.insert(all.end(), p.leaving.begin(), p.leaving.end());
     return all;
 }
 
 }  // namespace
 
-void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* lists, Array<ListCopy>& copies,
-                    std::uint32_t* to, cudaStream_t stream) {
-    if (stretches.empty()) return;
+void list_ranges(const std::vector<ListRange>& ranges, const std::uint32_t* lists, Array<ListCopy>& copies,
+                 std::uint32_t* to, cudaStream_t stream) {
+    if (ranges.empty()) return;
     std::vector<ListCopy> all;
-    all.reserve(stretches.size());
+    all.reserve(ranges.size());
     std::uint32_t at = 0;
-    for (const Stretch& s : stretches) all.push_back({s.start, s.count, at, s.arrived}), at += s.count;
+    for (const ListRange& s : ranges) all.push_back({s.start, s.count, at, s.arrived}), at += s.count;
     copies.assign(all, stream);
     list_kernel<<<static_cast<unsigned>(all.size()), threads, 0, stream>>>(copies.data(), lists, to);
     check(cudaGetLastError(), "Listing blocks");
@@ -135,7 +135,7 @@ void BlockMoves::move(const BlockPlan& plan, const std::uint32_t* lists, const R
     const std::size_t chunk = most_bytes / layout.bytes();
     const std::vector<Partner> partners = open(plan, chunk, layout.bytes());
     slots_.resize(leaving);
-    list_stretches(leaving_of(partners), lists, copies_, slots_.data(), stream);
+    list_ranges(leaving_of(partners), lists, copies_, slots_.data(), stream);
     const auto part = [&](std::size_t all, std::size_t round) {
         return static_cast<std::uint32_t>(std::min(chunk, all - std::min(all, round * chunk)));
     };

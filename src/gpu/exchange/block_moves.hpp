@@ -1,6 +1,6 @@
 #pragma once
 // Whole blocks travel between devices when the partition changes: their particles as records
-// (gpu/exchange/particle_record.hpp), in list order, in rounds of bounded size. A block is a stretch of the lists here,
+// (gpu/exchange/particle_record.hpp), in list order, in rounds of bounded size. A block is a range of the lists here,
 // and of the slots of the incoming particles there.
 
 #include <span>
@@ -14,14 +14,14 @@
 namespace moraine::gpu {
 
 /// Particles of a block: `count` entries of the lists from `start`, or, of one that arrived, as many slots.
-struct Stretch {
+struct ListRange {
     Key key;
     std::uint32_t start;
     std::uint32_t count;
     bool arrived = false;
 };
 
-/// A stretch on the device, and where its slots are listed.
+/// A range on the device, and where its slots are listed.
 struct ListCopy {
     std::uint32_t start, count, to, arrived;
 };
@@ -30,17 +30,17 @@ struct ListCopy {
 struct BlockPlan {
     struct Partner {
         int rank;
-        std::vector<Stretch> leaving;
-        std::vector<Stretch> coming;  ///< start: where they will be, counted from the first incoming particle
-        std::size_t out, in;          ///< particles
+        std::vector<ListRange> leaving;
+        std::vector<ListRange> coming;  ///< start: where they will be, counted from the first incoming particle
+        std::size_t out, in;            ///< particles
     };
-    std::vector<Stretch> kept;
+    std::vector<ListRange> kept;
     std::vector<Partner> partners;
     std::size_t incoming = 0;
 };
 
 /// mine: this rank's occupied blocks, keys ascending; owner: who gets them. Collective.
-BlockPlan plan_block_moves(const Comm& comm, const std::vector<Stretch>& mine, std::span<const std::int32_t> owner);
+BlockPlan plan_block_moves(const Comm& comm, const std::vector<ListRange>& mine, std::span<const std::int32_t> owner);
 
 /// Moves particles, and keeps memory and boxes for the next time.
 class BlockMoves {
@@ -66,9 +66,9 @@ class BlockMoves {
     Array<std::uint32_t> slots_;
 };
 
-/// The slots of stretches, one after the other from to[0] on; `copies` keeps what the device reads. Asynchronous.
-void list_stretches(const std::vector<Stretch>& stretches, const std::uint32_t* lists, Array<ListCopy>& copies,
-                    std::uint32_t* to, cudaStream_t stream);
+/// The slots of ranges, one after the other from to[0] on; `copies` keeps what the device reads. Asynchronous.
+void list_ranges(const std::vector<ListRange>& ranges, const std::uint32_t* lists, Array<ListCopy>& copies,
+                 std::uint32_t* to, cudaStream_t stream);
 
 /// Bounds of the cells of each block whose list is sorted by cell. Asynchronous.
 template <class Real, int Dim>

@@ -163,7 +163,7 @@ __device__ __forceinline__ std::uint32_t find_record(const std::byte* message, i
     return from;
 }
 
-/// A warp per ghost block: its outgoing particles are a stretch of the peer's records, each exit a stretch of that.
+/// A warp per ghost block: its outgoing particles are a range of the peer's records, each exit a range of that.
 template <int Dim>
 __global__ void __launch_bounds__(threads) ghosts_kernel(Route route, const __grid_constant__ Binning<Dim> f, int units,
                                                          const std::byte* const* in, std::uint32_t* ghost_start) {

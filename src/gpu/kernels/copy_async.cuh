@@ -3,7 +3,7 @@
 // past the registers and without a barrier, while the thread works on the particle before.
 //
 // The latency of memory is hidden, and a row takes registers only where it is used: measured against loads when needed
-// 1.10 -> 0.93 ms for 16.8 M particles (benchmarks/gpu_lab/results.md). A thread sees its own copies after wait_async.
+// 1.10 -> 0.93 ms for 16.8 M particles (benchmarks/device/results.md). A thread sees its own copies after wait_async.
 
 #include <cstdint>
 

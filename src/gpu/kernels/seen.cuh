@@ -24,14 +24,15 @@ __device__ __forceinline__ void note_fault(Account<Dim>& account, std::uint32_t 
     atomicMin(word(&account.faulty_id), static_cast<unsigned long long>(id));
 }
 
-/// A particle of mass m [kg] and velocity v [m/s] that left through an open wall. pull: integral of gravity [m/s].
+/// A particle of mass m [kg] and velocity v [m/s] that left through an open wall. gravity_impulse: integral of gravity
+/// [m/s].
 template <int Dim>
 __device__ __forceinline__ void note_loss(Account<Dim>& account, const Quantum& quantum, double m,
-                                          const double (&v)[Dim], const double (&pull)[Dim]) {
+                                          const double (&v)[Dim], const double (&gravity_impulse)[Dim]) {
     add_exact(&account.lost_mass, quantum.of(m));
     for (int a = 0; a < Dim; ++a) {
         add_exact(&account.lost_momentum[a], quantum.of(m * v[a]));
-        add_exact(&account.lost_pull[a], quantum.of(m * pull[a]));
+        add_exact(&account.lost_gravity_impulse[a], quantum.of(m * gravity_impulse[a]));
     }
     atomicAdd(word(&account.lost_count), 1ull);
 }

@@ -21,7 +21,7 @@ __device__ __forceinline__ void each_sum(Account<Dim>& a, const Account<Dim>& b,
     for (int i = 0; i < Dim; ++i) {
         f(a.impulse[i], b.impulse[i]);
         f(a.lost_momentum[i], b.lost_momentum[i]);
-        f(a.lost_pull[i], b.lost_pull[i]);
+        f(a.lost_gravity_impulse[i], b.lost_gravity_impulse[i]);
     }
 }
 

@@ -34,7 +34,7 @@ struct Account {
     ExactSum impulse[Dim];  ///< of walls and damping
     ExactSum lost_mass;     ///< through open walls
     ExactSum lost_momentum[Dim];
-    ExactSum lost_pull[Dim];
+    ExactSum lost_gravity_impulse[Dim];
     std::uint64_t lost_count;
 };
 inline constexpr int account_parts = 64;

@@ -100,11 +100,11 @@ void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
     for (const ColumnBytes& c : columns)
         each_chunk(c, slots.size(), [&](std::size_t first, std::size_t n) {
             rows.resize(n * c.row_bytes);
-            gather_column(c, std::span(slots).subspan(first, n), rows.data());
+            pack_column(c, std::span(slots).subspan(first, n), rows.data());
             check(cudaMemcpy(staging_.data(), rows.data(), rows.size(), cudaMemcpyHostToDevice),
                   "Copying to the device");
-            for (const Piece& piece : pieces_of(mine, c.name))
-                scatter_rows(static_cast<std::uint32_t>(n), place_.data() + first, piece, staging_.data(), nullptr);
+            for (const RowPart& part : parts_of(mine, c.name))
+                unpack_rows(static_cast<std::uint32_t>(n), place_.data() + first, part, staging_.data(), nullptr);
         });
     check(cudaDeviceSynchronize(), "Taking particles in");
     place_.release();
@@ -116,8 +116,8 @@ void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& column
     const Columns<Real, Dim> mine = view();
     for (const ColumnBytes& c : columns)
         each_chunk(c, n, [&](std::size_t first, std::size_t rows) {
-            for (const Piece& piece : pieces_of(mine, c.name))
-                gather_rows(static_cast<std::uint32_t>(rows), slot + first, piece, staging_.data(), nullptr);
+            for (const RowPart& part : parts_of(mine, c.name))
+                pack_rows(static_cast<std::uint32_t>(rows), slot + first, part, staging_.data(), nullptr);
             check(cudaMemcpy(c.data + first * c.row_bytes, staging_.data(), rows * c.row_bytes, cudaMemcpyDeviceToHost),
                   "Copying from the device");
         });

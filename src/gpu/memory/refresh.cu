@@ -9,11 +9,11 @@ namespace moraine::gpu {
 
 namespace {
 
-template <class Piece, unsigned Pieces>
+template <class Unit, unsigned Units>
 void launch(std::uint32_t n, const std::uint32_t* slot, const void* from, void* to, cudaStream_t stream) {
     constexpr unsigned per_block = refresh_threads * refresh_batch;
-    permute_kernel<Piece, Pieces><<<(n * Pieces + per_block - 1) / per_block, refresh_threads, 0, stream>>>(
-        n, slot, static_cast<const Piece*>(from), static_cast<Piece*>(to));
+    permute_kernel<Unit, Units><<<(n * Units + per_block - 1) / per_block, refresh_threads, 0, stream>>>(
+        n, slot, static_cast<const Unit*>(from), static_cast<Unit*>(to));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// The kernels of gpu/memory/refresh.hpp. Bound by memory: a thread has four pieces of at most 16 bytes under way.
+// The kernels of gpu/memory/refresh.hpp. Bound by memory: a thread has four units of at most 16 bytes under way.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,29 +9,29 @@ namespace moraine::gpu {
 inline constexpr unsigned refresh_threads = 256;
 inline constexpr unsigned refresh_batch = 4;
 
-/// Rows of `Pieces` pieces.
-template <class Piece, unsigned Pieces>
+/// Rows of `Units` units.
+template <class Unit, unsigned Units>
 __global__ void __launch_bounds__(refresh_threads)
-    permute_kernel(std::uint32_t n, const std::uint32_t* __restrict__ slot, const Piece* __restrict__ from,
-                   Piece* __restrict__ to) {
+    permute_kernel(std::uint32_t n, const std::uint32_t* __restrict__ slot, const Unit* __restrict__ from,
+                   Unit* __restrict__ to) {
     const std::uint32_t first = blockIdx.x * (refresh_threads * refresh_batch) + threadIdx.x;
-    const std::uint32_t end = n * Pieces;
+    const std::uint32_t end = n * Units;
     std::uint32_t source[refresh_batch];
-    Piece piece[refresh_batch];
+    Unit unit[refresh_batch];
 #pragma unroll
     for (unsigned i = 0; i < refresh_batch; ++i) {
         const std::uint32_t k = first + i * refresh_threads;
-        source[i] = k < end ? slot[k / Pieces] : 0;
+        source[i] = k < end ? slot[k / Units] : 0;
     }
 #pragma unroll
     for (unsigned i = 0; i < refresh_batch; ++i) {
         const std::uint32_t k = first + i * refresh_threads;
-        if (k < end) piece[i] = from[std::size_t(source[i]) * Pieces + k % Pieces];
+        if (k < end) unit[i] = from[std::size_t(source[i]) * Units + k % Units];
     }
 #pragma unroll
     for (unsigned i = 0; i < refresh_batch; ++i) {
         const std::uint32_t k = first + i * refresh_threads;
-        if (k < end) to[k] = piece[i];
+        if (k < end) to[k] = unit[i];
     }
 }
 

@@ -55,11 +55,11 @@ void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& 
 
 template <int Dim>
 void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
-                           const std::vector<Stretch>& blocks, cudaStream_t stream) {
+                           const std::vector<ListRange>& blocks, cudaStream_t stream) {
     reserve(tables, stream);
     reserve(slot_.size());
     first_.assign(first_of(tables, binned), stream);
-    list_stretches(blocks, slot_.data(), copies_, next_slot_.data(), stream);
+    list_ranges(blocks, slot_.data(), copies_, next_slot_.data(), stream);
     slot_.swap(next_slot_);
     number_blocks(binning(table), stream);
 }

@@ -32,7 +32,7 @@ class Lists {
     /// The state of `binned`, whose particles are those of `blocks`; capacity as before. The cells' bounds are left to
     /// whoever knows the places. Asynchronous.
     void rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
-                   const std::vector<Stretch>& blocks, cudaStream_t stream);
+                   const std::vector<ListRange>& blocks, cudaStream_t stream);
     /// Capacity for `most` particles. Slots become 0, 1, 2, ...; moves and outgoing particles are lost. Synchronous.
     void grow(std::size_t most);
     /// How many tiles there are: while more blocks are occupied, boundary() and interior() are empty. Asynchronous.

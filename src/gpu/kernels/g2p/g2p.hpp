@@ -32,7 +32,7 @@ struct GatherArgs {
     bool tpic;                      ///< C_p is the velocity gradient
     Real flip;                      ///< share of FLIP [-]
     Real dt;                        ///< [s]
-    double pull[Dim];               ///< integral of gravity up to the end of this step [m/s]
+    double gravity_impulse[Dim];    ///< integral of gravity up to the end of this step [m/s]
     Quantum quantum;                ///< of the exact sums
     const std::uint8_t* averaged;   ///< by body, on the device: which take it from the cell; null: all
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used

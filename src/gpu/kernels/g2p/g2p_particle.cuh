@@ -128,7 +128,7 @@ __device__ __forceinline__ void report(const View<Real, Dim>& v, const GatherArg
     double velocity[Dim];
 #pragma unroll
     for (int a = 0; a < Dim; ++a) velocity[a] = double(p.velocity(a));
-    note_loss<Dim>(account_of(v), g.quantum, double(p.mass()), velocity, g.pull);
+    note_loss<Dim>(account_of(v), g.quantum, double(p.mass()), velocity, g.gravity_impulse);
 }
 
 }  // namespace moraine::gpu
