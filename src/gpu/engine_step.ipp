@@ -2,7 +2,8 @@
 
 namespace moraine::gpu {
 
-constexpr int refresh_interval = 12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md)
+constexpr int refresh_interval =
+    12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md)
 
 template <int Dim>
 Budget<Dim> budget_of(const Account<Dim>& a) {

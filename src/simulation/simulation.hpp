@@ -19,6 +19,7 @@
 #include "comm/agreement.hpp"
 #include "comm/async_allgather.hpp"
 #include "comm/block_move.hpp"
+#include "comm/epoch_lifetime.hpp"
 #include "comm/host_engine.hpp"
 #include "comm/key_order.hpp"
 #include "comm/next_epoch.hpp"
@@ -58,14 +59,6 @@ struct RunCounts {
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
 };
-
-/// An epoch is used up when particles may have moved this far in the guard layer by the step before [cells]. With less
-/// than one more in the last step and in the next it is below 3: they are still in blocks of the topology
-/// (comm/guard_layer.hpp).
-inline constexpr double epoch_reach = 1;
-/// The next epoch was begun to be made too early when particles may have moved this far since [cells]: they would be in
-/// its guard layer at once, and beyond 4 it would not be theirs.
-inline constexpr double epoch_stale = 1.25;
 
 /// An imbalance check begins so many steps before it is due where plans and tables are made asynchronously: about
 /// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval. A plan that is
@@ -249,18 +242,14 @@ class Simulation {
     ImbalanceCheckInput check_input_;
     ImbalanceCheckResult planned_;  ///< by the thread that makes the next epoch, when an imbalance check is under way
     Acceleration body_force_;
+    EpochLifetime epoch_;
     NextEpoch<Dim> next_epoch_;
     AsyncAllgather<BlockLoad> loads_;  ///< of all ranks, for the imbalance check under way
     AsyncAllgather<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
     bool in_place_ = false;            ///< lattices are seeded by the engine
     bool async_ = false;               ///< epochs are made asynchronously
-    bool unbinned_ = true;             ///< nothing was binned yet by the tables of this epoch
-    bool in_guard_layer_ = false;      ///< somebody was in the guard layer one step ago
-    double displacement_in_guard_layer_ =
-        0;  ///< since somebody is: sum of the largest displacements up to the step before [cells]
-    double displacement_since_start_ = 0;  ///< the same, since the next epoch or an imbalance check was begun
-    double computed_ = 0;                  ///< computing time up to the last step [s]
-    double checked_seconds_ = 0;           ///< the same up to the last imbalance check, and the steps of that moment
+    double computed_ = 0;              ///< computing time up to the last step [s]
+    double checked_seconds_ = 0;       ///< the same up to the last imbalance check, and the steps of that moment
     std::int64_t checked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition

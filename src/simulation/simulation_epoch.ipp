@@ -76,8 +76,7 @@ template <class Real, int Dim>
 EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>& loads) {
     std::vector<OccupiedBlock> occupied;
     for (const BlockLoad& load : loads) occupied.push_back({load.key, load.owner});
-    displacement_in_guard_layer_ = 0;
-    unbinned_ = true;
+    epoch_.begin();
     return next_epoch_.make(std::move(occupied));
 }
 
@@ -93,14 +92,14 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::request_next_epoch() {
     keys_.finish();
     keys_.start(engine_->block_counts(false).key);
-    displacement_since_start_ = 0;
+    epoch_.begin_next();
 }
 
 /// The next epoch is made once all ranks' blocks are known: two steps later, or at once where it is wanted now.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_next_epoch() {
     if (!keys_.under_way()) return;
-    const bool now = !async_ || displacement_in_guard_layer_ > epoch_reach;
+    const bool now = !async_ || epoch_.is_used_up();
     if (auto all = now ? keys_.finish() : keys_.advance())
         next_epoch_.start(std::move(all->rows), std::move(all->counts), async_);
 }
@@ -112,8 +111,7 @@ void Simulation<Real, Dim>::renew_epoch() {
         engine_->renew(std::move(*tables));
         ++counts_.epochs;
     }
-    displacement_in_guard_layer_ = std::max(0.0, displacement_since_start_ - 1);  // where the guard layer begins
-    unbinned_ = true;
+    epoch_.begin_made_ahead();
     engine_->refresh_memory(false);
 }
 
@@ -133,12 +131,13 @@ void Simulation<Real, Dim>::balance() {
     if (check_wanted_ && !check_under_way_ && !epoch_ends_soon()) begin_check();
     if (check_under_way_) continue_check();
     if (check_under_way_) return;
-    const bool used_up = displacement_in_guard_layer_ > epoch_reach, stale = displacement_since_start_ >= epoch_stale;
-    if (must_synchronize() && (used_up || (async_ && in_guard_layer_))) synchronize();
+    const bool used_up = epoch_.is_used_up();
+    const bool wants_next = used_up || (async_ && epoch_.state() == EpochLifetime::State::in_guard_layer);
+    if (must_synchronize() && wants_next) synchronize();
     phases_.time(Phase::balance, [&] {
         const bool under_way = keys_.under_way() || next_epoch_.under_way();
         start_next_epoch();
-        if ((used_up || (async_ && in_guard_layer_)) && (!under_way || stale)) request_next_epoch();
+        if (wants_next && (!under_way || epoch_.next_is_stale())) request_next_epoch();
         if (used_up) start_next_epoch(), renew_epoch();
     });
 }
@@ -188,8 +187,7 @@ template <class Real, int Dim>
 bool Simulation<Real, Dim>::epoch_ends_soon() const {
     if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
     if (clock_.step >= *check_wanted_ + scene_.balance.interval) return false;
-    return displacement_in_guard_layer_ > 0 &&
-           displacement_in_guard_layer_ + static_cast<double>(2 * steps_ahead()) * agreed_.moved > epoch_reach;
+    return epoch_.ends_within(static_cast<double>(2 * steps_ahead()) * agreed_.moved);
 }
 
 /// The loads of now are on their way to all ranks, unless all is well without.
@@ -211,7 +209,7 @@ void Simulation<Real, Dim>::begin_check() {
         take_times(check_input_.times);
         keys_.finish();  // what would have been the next epoch
         loads_.start(loads_of(mine));
-        displacement_since_start_ = 0;
+        epoch_.begin_next();
         check_under_way_ = true;
     });
 }
@@ -240,7 +238,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::continue_check() {
     const bool all_have_planned = !loads_.under_way() && !agreed_.making;
     const bool ends = (clock_.step >= check_due_ && all_have_planned) || clock_.step >= check_latest_ ||
-                      displacement_in_guard_layer_ > epoch_reach || displacement_since_start_ >= epoch_reach;
+                      epoch_.is_used_up() || epoch_.next_is_used_up();
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
         if (loads_.under_way())
@@ -263,9 +261,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
     const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
     engine_->refresh_memory(false);
-    displacement_in_guard_layer_ = std::max(0.0, displacement_since_start_ - 1);  // where the guard layer begins
-    unbinned_ = true;
-    in_guard_layer_ = false;
+    epoch_.begin_made_ahead();
     counts_.migrated_particles += moved.particles;
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;

@@ -49,10 +49,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         report_faults();
     }
     clock_.signal = agreed_.signal;
-    in_guard_layer_ = agreed_.in_guard_layer && !unbinned_;  // else by the tables before
-    displacement_in_guard_layer_ = in_guard_layer_ || unbinned_ ? displacement_in_guard_layer_ + agreed_.moved : 0;
-    displacement_since_start_ += agreed_.moved;
-    unbinned_ = false;
+    epoch_.step(agreed_.in_guard_layer != 0, agreed_.moved);
     const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();
     const double imbalance = mean > 0 ? static_cast<double>(agreed_.count) / mean : 1;
     counts_.imbalance_sum += imbalance;
