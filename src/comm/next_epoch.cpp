@@ -95,6 +95,11 @@ bool NextEpoch<Dim>::is_ready() const {
 }
 
 template <int Dim>
+void NextEpoch<Dim>::wait() const {
+    if (!is_ready()) made_.wait();
+}
+
+template <int Dim>
 std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
     Made made = made_.get();
     if (!made.tables) return {};

@@ -43,6 +43,8 @@ class NextEpoch {
     bool under_way() const { return made_.valid(); }
     /// take() would not wait for another thread.
     bool is_ready() const;
+    /// Until no other thread runs what start_repartition() was given.
+    void wait() const;
 
     /// What was started; waits for it. None: no block is occupied that was not when the present epoch was made, or all
     /// stays where it is; the present tables serve on.

@@ -12,7 +12,6 @@
 #include <optional>
 
 #include "balance/calibration.hpp"
-#include "balance/imbalance_check.hpp"
 #include "balance/measured_cost.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/weight.hpp"
@@ -31,6 +30,7 @@
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
+#include "simulation/rebalance.hpp"
 #include "simulation/run_clock.hpp"
 
 namespace moraine {
@@ -59,11 +59,6 @@ struct RunCounts {
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
 };
-
-/// An imbalance check begins so many steps before it is due where plans and tables are made asynchronously: about
-/// 10 ms on devices, as long as a plan and tables of 50 000 blocks take. At most half of an interval. A plan that is
-/// not there in time is taken when it is.
-inline constexpr std::int64_t most_steps_ahead = 16;
 
 /// What can be asked of all ranks, as bits of Agreement::stop.
 inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
@@ -114,7 +109,10 @@ class Simulation {
 
     /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
-    void make_epochs_async(bool async) { async_ = async; }
+    void make_epochs_async(bool async) {
+        async_ = async;
+        rebalance_.set_async(async);
+    }
 
     /// Recomputes the signal speed after particles were changed from outside. Collective.
     void refresh_signal();
@@ -128,7 +126,7 @@ class Simulation {
     const Budget<Dim>& budget() const { return budget_; }
     /// The imbalance check that ended since this was asked before, or the one of them that repartitioned; no reason:
     /// none did.
-    ImbalanceCheck take_imbalance_check() { return std::exchange(last_check_, {}); }
+    ImbalanceCheck take_imbalance_check() { return rebalance_.take_check(); }
     const Agreement& agreement() const { return agreed_; }
     Phases& phases() { return phases_; }
     Share& patch() { return engine_->share(); }
@@ -199,11 +197,7 @@ class Simulation {
     void take_times(TriggerInput& terms) const;
     void synchronize();
     bool must_synchronize() const { return !(async_ && engine_->leaves_host_free()); }
-    std::int64_t steps_ahead() const;
-    bool epoch_ends_soon() const;
     void begin_check();
-    void end_check(ImbalanceCheck found);
-    void plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts);
     void continue_check();
     void repartition(EpochTables<Dim> tables);
     void seed_rows();
@@ -234,22 +228,15 @@ class Simulation {
     std::vector<StructureSums<Dim>> forces_;  ///< of the last step on free structures, over all ranks
     Agreement agreed_, own_;
     Phases phases_;
-    ImbalanceCheck last_check_;
-    std::optional<std::int64_t> check_wanted_;  ///< since this step, and it has not begun
-    bool check_under_way_ = false;              ///< an imbalance check is under way
-    std::int64_t check_due_ = 0;                ///< the step from which it is taken when all ranks have planned
-    std::int64_t check_latest_ = 0;             ///< the step at which they are waited for
-    ImbalanceCheckInput check_input_;
-    ImbalanceCheckResult planned_;  ///< by the thread that makes the next epoch, when an imbalance check is under way
     Acceleration body_force_;
     EpochLifetime epoch_;
     NextEpoch<Dim> next_epoch_;
-    AsyncAllgather<BlockLoad> loads_;  ///< of all ranks, for the imbalance check under way
-    AsyncAllgather<Key> keys_;         ///< occupied blocks of all ranks, that the next epoch is made from
-    bool in_place_ = false;            ///< lattices are seeded by the engine
-    bool async_ = false;               ///< epochs are made asynchronously
-    double computed_ = 0;              ///< computing time up to the last step [s]
-    double checked_seconds_ = 0;       ///< the same up to the last imbalance check, and the steps of that moment
+    Rebalance<Dim> rebalance_;
+    AsyncAllgather<Key> keys_;    ///< occupied blocks of all ranks, that the next epoch is made from
+    bool in_place_ = false;       ///< lattices are seeded by the engine
+    bool async_ = false;          ///< epochs are made asynchronously
+    double computed_ = 0;         ///< computing time up to the last step [s]
+    double checked_seconds_ = 0;  ///< the same up to the last imbalance check, and the steps of that moment
     std::int64_t checked_step_ = 0;
     double time_lost_ = 0;     ///< to imbalance since the last repartition [s]
     double move_seconds_ = 0;  ///< of the last repartition

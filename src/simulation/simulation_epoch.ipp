@@ -13,21 +13,6 @@ std::vector<BlockLoad> Simulation<Real, Dim>::loads_of(const BlockCounts& mine) 
     return rows;
 }
 
-/// A block held by several ranks (seeding) is one entry.
-inline std::vector<BlockLoad> merged(const std::vector<BlockLoad>& rows) {
-    std::vector<BlockLoad> loads;
-    loads.reserve(rows.size());
-    for (const BlockLoad& row : rows) {
-        if (!loads.empty() && loads.back().key == row.key) {
-            loads.back().particles += row.particles;
-            loads.back().weight += row.weight;
-        } else {
-            loads.push_back(row);
-        }
-    }
-    return loads;
-}
-
 /// Occupied blocks of all ranks, in key order.
 template <class Real, int Dim>
 std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mine) const {
@@ -126,11 +111,10 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
-    const bool alone = comm_.size() == 1 && scene_.balance.trigger != Trigger::every;  // nobody to share with
-    if (!check_wanted_ && trigger_.is_due(clock_.step + steps_ahead()) && !alone) check_wanted_ = clock_.step;
-    if (check_wanted_ && !check_under_way_ && !epoch_ends_soon()) begin_check();
-    if (check_under_way_) continue_check();
-    if (check_under_way_) return;
+    rebalance_.want(clock_.step);
+    if (rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();
+    if (rebalance_.is_under_way()) continue_check();
+    if (rebalance_.is_under_way()) return;
     const bool used_up = epoch_.is_used_up();
     const bool wants_next = used_up || (async_ && epoch_.state() == EpochLifetime::State::in_guard_layer);
     if (must_synchronize() && wants_next) synchronize();
@@ -173,82 +157,32 @@ void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
     terms.lost = time_lost_;
 }
 
-/// Ranks that plan together do so when they meet.
-template <class Real, int Dim>
-std::int64_t Simulation<Real, Dim>::steps_ahead() const {
-    if (!async_ || partitioner_->is_collective()) return 0;
-    return std::min<std::int64_t>(most_steps_ahead, scene_.balance.interval / 2);
-}
-
-/// An imbalance check that began now would end with the epoch, and all would wait for its plan: it begins after the new
-/// epoch, or an interval later where epochs are short. An imbalance check takes the steps that it begins ahead, and is
-/// given as many again.
-template <class Real, int Dim>
-bool Simulation<Real, Dim>::epoch_ends_soon() const {
-    if (steps_ahead() == 0 || scene_.balance.trigger == Trigger::every) return false;
-    if (clock_.step >= *check_wanted_ + scene_.balance.interval) return false;
-    return epoch_.ends_within(static_cast<double>(2 * steps_ahead()) * agreed_.moved);
-}
-
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_check() {
-    const std::int64_t wanted = *std::exchange(check_wanted_, {});
     ImbalanceCheck found;
-    if (is_balanced(found)) return end_check(std::move(found));
-    check_due_ = clock_.step + steps_ahead();
-    check_latest_ = check_due_;
-    if (steps_ahead() > 0 && scene_.balance.trigger != Trigger::every)
-        check_latest_ = std::max(check_due_, wanted + scene_.balance.interval - 1);  // one more, and the next is wanted
+    if (is_balanced(found)) return rebalance_.skip(std::move(found));
     if (must_synchronize()) synchronize();
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(weighs_cells());
         if (weighs_cells()) calibrate(mine);
         if (weight_.is_time()) weight_.set_model({measured_cost_.picoseconds(weight_.model().a), 0, 0});
-        check_input_ = {{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
-        take_times(check_input_.times);
+        ImbalanceCheckInput input{{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
+        take_times(input.times);
         keys_.finish();  // what would have been the next epoch
-        loads_.start(loads_of(mine));
+        rebalance_.begin(clock_.step, loads_of(mine), std::move(input));
         epoch_.begin_next();
-        check_under_way_ = true;
     });
 }
 
-/// Plans, and makes the tables of what was planned, on a thread of its own where epochs are made asynchronously.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::plan(std::vector<BlockLoad> blocks, std::vector<std::int64_t> counts) {
-    const auto owners = [this, blocks = std::move(blocks), counts = std::move(counts)] {
-        const std::vector<BlockLoad> loads = merged(in_key_order(blocks, counts));
-        planned_ = check_imbalance(loads, check_input_, comm_.size(), *partitioner_, trigger_);
-        std::vector<OccupiedBlock> occupied;
-        for (std::size_t b = 0; b < planned_.owners.size(); ++b) occupied.push_back({loads[b].key, planned_.owners[b]});
-        return occupied;
-    };
-    next_epoch_.start_repartition(blocks.size(), owners, steps_ahead() > 0);
-}
-
-/// What is told of imbalance checks until somebody asks: the last one, unless one before it repartitioned.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::end_check(ImbalanceCheck found) {
-    if (found.repartitioned || !last_check_.repartitioned) last_check_ = std::move(found);
-}
-
-/// The imbalance check is taken when it is due and nobody has to wait for a plan, or when the epoch is used up.
+/// What is due is taken: blocks move, or all stays.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::continue_check() {
-    const bool all_have_planned = !loads_.under_way() && !agreed_.making;
-    const bool ends = (clock_.step >= check_due_ && all_have_planned) || clock_.step >= check_latest_ ||
-                      epoch_.is_used_up() || epoch_.next_is_used_up();
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
-        if (loads_.under_way())
-            if (auto all = ends ? loads_.finish() : loads_.advance())
-                plan(std::move(all->rows), std::move(all->counts));
-        if (ends) tables = next_epoch_.take();
+        rebalance_.advance(clock_.step, agreed_.making != 0, epoch_.is_used_up() || epoch_.next_is_used_up());
+        if (rebalance_.state() == Rebalance<Dim>::State::due) tables = rebalance_.take();
     });
-    if (!ends) return;
-    check_under_way_ = false;
-    end_check(planned_.found);
     if (!tables) return;
     synchronize();
     phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });
@@ -270,7 +204,7 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     time_lost_ = 0;
     measured_cost_.forget();
     move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    trigger_.learn(planned_.found.terms.migration, move_seconds_);
+    rebalance_.learn(move_seconds_);
 }
 
 }  // namespace moraine

@@ -32,13 +32,14 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
               return partitioner_->owner_at(position);
           },
           [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }),
-      loads_(comm),
+      rebalance_(scene.balance, comm, *partitioner_, trigger_, next_epoch_),
       keys_(comm) {
     if (make_engine)
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
-    async_ = in_place_ = engine_->leaves_host_free();
+    in_place_ = engine_->leaves_host_free();
+    make_epochs_async(in_place_);
 }
 
 template <class Real, int Dim>

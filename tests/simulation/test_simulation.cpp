@@ -182,7 +182,7 @@ TEST_CASE("no imbalance check is cut short by the end of an epoch: it begins aft
     scene.bodies[0].velocity = {2, 0, 0};
     scene.cfl = 0.15;  // less than a cell in an imbalance check
     const std::vector<std::int64_t> lasted = checks_of(scene, 600);
-    for (const std::int64_t steps : lasted) CHECK(steps >= most_steps_ahead);
+    for (const std::int64_t steps : lasted) CHECK(steps >= Rebalance<2>::most_steps_ahead);
     if (Comm(MPI_COMM_WORLD).size() > 1)
         CHECK(lasted.size() >= 5);
     else
