@@ -13,14 +13,15 @@ from .particles import Particles
 from .results import Run
 from .surroundings import Surroundings
 
-#: Fields that a picture shows: label with unit, colour map, whether the scale begins at 0.
-FIELDS = {"speed": ("speed [m/s]", "viridis", True), "pressure": ("pressure [kPa]", "plasma", False),
-          "depth": ("depth of the flow [m]", "cividis", True)}
+#: Fields that a picture shows: label with unit, colour map, and the share of particles [%] that may lie below and above the
+#: scale, or None where that begins at 0. A few extreme pressures would leave one colour for all others.
+FIELDS = {"speed": ("speed [m/s]", "viridis", (None, 0.2)), "pressure": ("pressure [kPa]", "plasma", (2, 2)),
+          "depth": ("depth of the flow [m]", "cividis", (None, 0))}
 NEEDS = {"speed": ["velocity"], "pressure": ["pressure"], "depth": []}
 
 DRAWN = 300_000  # particles at most: more do not show in a picture
 LEFT, RIGHT, TOP, BOTTOM, GAP, PROFILE = 0.75, 1.1, 0.4, 0.6, 0.62, 1.3  # [inch]
-STYLE = {"font.size": 11, "axes.titlesize": 12, "axes.linewidth": 0.8, "hatch.linewidth": 0.5, "figure.dpi": 100}
+STYLE: Any = {"font.size": 11, "axes.titlesize": 12, "axes.linewidth": 0.8, "hatch.linewidth": 0.5, "figure.dpi": 100}
 
 
 class Frames:
@@ -51,6 +52,7 @@ class Frames:
     def _survey(self, ks: Sequence[int]) -> None:
         """Limits of the view, of the colours and of the depth, over all outputs that will be drawn."""
         low, high = numpy.full(self.run.dimensions, numpy.inf), numpy.full(self.run.dimensions, -numpy.inf)
+        below, above = FIELDS[self.field][2]
         ranges, self.deepest = [], float(self.first[1].max(initial=0))
         for k in ks:
             particles = self.run.particles.read(k, NEEDS[self.field])
@@ -61,11 +63,11 @@ class Frames:
                 for _, shape in self.around.outlines(view, particles.time):
                     for end, axis in enumerate(view):
                         low[axis], high[axis] = min(low[axis], shape[:, end].min()), max(high[axis], shape[:, end].max())
-            ranges.append(numpy.percentile(self.values(particles), [0.2, 99.8]))
+            ranges.append(numpy.percentile(self.values(particles), [below or 0, 100 - above]))
             self.deepest = max(self.deepest, float(self.profile(particles)[1].max()))
         margin = max(0.03 * float((high - low).max()), self.between)
         self.limits = self.around.clip(numpy.column_stack([low - margin, high + margin]), margin)
-        self.range = (0.0 if FIELDS[self.field][2] else float(numpy.min(ranges)), float(numpy.max(ranges)))
+        self.range = (0.0 if below is None else float(numpy.min(ranges)), float(numpy.max(ranges)))
 
     def figure(self, k: int) -> Figure:
         """Output k. Each panel has as many inches a metre along both axes."""
@@ -112,7 +114,7 @@ class Frames:
 
     def _colour_bar(self, figure: Figure, marks: Any, at: float, height: float, size: Tuple[float, float], wide: float) -> None:
         box = figure.add_axes(((LEFT + wide + 0.15) / size[0], at / size[1], 0.16 / size[0], height / size[1]))
-        bar = figure.colorbar(marks, cax=box)
+        bar = figure.colorbar(marks, cax=box, extend="neither" if self.range[0] == 0 else "both", extendfrac=0.03)
         bar.set_label(FIELDS[self.field][0])
         bar.locator = MaxNLocator(max(2, int(2 * height)), steps=[1, 2, 5, 10])
         bar.update_ticks()

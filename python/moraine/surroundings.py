@@ -14,6 +14,7 @@ class Surroundings:
 
     def __init__(self, run: Run, scene: Optional[Mapping[str, Any]]) -> None:
         self.dimensions, self._scene = run.dimensions, scene or {}
+        self._alpha = 1.0 if run.dimensions == 2 else 0.65  # in 3-D there may be soil before a structure
         self._tables = run.structures if scene else {}
 
     def outlines(self, axes: Tuple[int, int], time: float) -> List[Tuple[str, numpy.ndarray]]:
@@ -46,7 +47,7 @@ class Surroundings:
                 moved = displacement_at(self._tables, structure["name"], time, self.dimensions)
                 self._plane(panel, view, axes, numpy.array(structure["point"]) + moved, numpy.array(structure["normal"]))
         for name, shape in self.outlines(axes, time):
-            panel.fill(shape[:, 0], shape[:, 1], zorder=3, **SOLID)
+            panel.fill(shape[:, 0], shape[:, 1], zorder=3, alpha=self._alpha, **SOLID)
             low, high = numpy.maximum(shape.min(axis=0), view[:, 0]), numpy.minimum(shape.max(axis=0), view[:, 1])
             if (low < high).all():  # the name stands in the middle of what is in view
                 middle = (low + high) / 2
