@@ -67,7 +67,9 @@ class Frames:
             self.deepest = max(self.deepest, float(self.profile(particles)[1].max()))
         margin = max(0.03 * float((high - low).max()), self.between)
         self.limits = self.around.clip(numpy.column_stack([low - margin, high + margin]), margin)
-        self.range = (0.0 if below is None else float(numpy.min(ranges)), float(numpy.max(ranges)))
+        least = 0.0 if below is None else float(numpy.min(ranges))
+        most = float(numpy.max(ranges))
+        self.range = (least, most if most > least else least + 1)  # all alike: of a flow at rest, or one pressure
 
     def figure(self, k: int) -> Figure:
         """Output k. Each panel has as many inches a metre along both axes."""

@@ -47,7 +47,7 @@ def wait_for(command: List[str], stop: signal.Signals, told: Callable[[str], Non
     When Python is interrupted (Ctrl-C), or `told` raises, the job gets the signal `stop`, on which it writes a checkpoint, and
     what was raised goes on when the job has ended; after a minute it is killed.
     """
-    # A session of its own: Ctrl-C in a terminal reaches Python alone, and the job is told once.
+    # Apart from the terminal: Ctrl-C reaches Python alone, and the job is told once.
     job = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                            errors="replace", start_new_session=True)
     assert job.stderr

@@ -45,6 +45,12 @@ class Pictures(PackageTest):
         for text in (top.title, *top.get_xticklabels(), *bar.get_yticklabels(), below.xaxis.label):
             self.assertGreaterEqual(text.get_fontsize() * 80 / 72, 11)  # pixels, in the animation too
 
+    def test_a_flow_at_rest_has_a_scale_from_zero(self):
+        from moraine.frames import Frames
+        from moraine.surroundings import Surroundings
+        figure = Frames(slurry(), [0], "speed", Surroundings(slurry(), None)).figure(0)
+        self.assertEqual(figure.axes[0].collections[0].get_clim(), (0, 1))
+
     def test_walls_and_structures_stand_where_the_scene_and_the_run_say(self):
         run = jelly()
         rod = JELLY["structure"][0]
