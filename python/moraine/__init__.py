@@ -1,0 +1,23 @@
+"""Moraine from Python: read runs, draw them, write and check scenes, run and wait.
+
+    run = moraine.run("inputs/slurry_runout.toml", "runs/slurry", sets={"time.end": 2.0})
+    run.history["front_m"]                  # (outputs,) [m]
+    last = run.particles[-1]                # one output time
+    last.position, last["pressure"]         # (N, 2) [m], (N,) [Pa]
+
+All lengths are in m, times in s, masses in kg (per metre of thickness in plane strain). docs/python.md has more.
+"""
+from .columns import depth_at, depth_profile, spacing
+from .errors import Error
+from .particles import Particles, ParticleSeries
+from .program import Check, check, find_program, run
+from .records import Table, read_summary, read_table
+from .results import Run
+from .scene import read_scene, write_scene
+from .toml_text import to_toml
+from .vtk import to_pyvista
+from .waiting import Progress
+
+__all__ = ["Check", "Error", "Particles", "ParticleSeries", "Progress", "Run", "Table", "check", "depth_at",
+           "depth_profile", "find_program", "read_scene", "read_summary", "read_table", "run", "spacing", "to_pyvista",
+           "to_toml", "write_scene"]

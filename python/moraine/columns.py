@@ -1,0 +1,65 @@
+"""Depth of the flow, from its particles: the ground is cut into columns, a depth is a column's extent upwards."""
+from typing import Optional, Tuple
+
+import numpy
+
+
+def spacing(position: numpy.ndarray) -> float:
+    """Distance of neighbouring particles [m]: the median over at most 200 of them. (N, d) [m]; 0 of fewer than two.
+
+    >>> spacing(numpy.array([[0.0, 0.0], [0.25, 0.0], [0.5, 0.0]]))
+    0.25
+    """
+    if len(position) < 2:
+        return 0.0
+    chosen = numpy.linspace(0, len(position) - 1, min(len(position), 200)).astype(int)
+    nearest = []
+    for k in chosen:
+        square = ((position - position[k]) ** 2).sum(axis=1)
+        square[k] = numpy.inf
+        nearest.append(square.min())
+    return float(numpy.sqrt(numpy.median(nearest)))
+
+
+def _extents(height: numpy.ndarray, column: numpy.ndarray, count: int) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    """Least and greatest height (N,) of each of `count` columns, of which particle p is in column[p]; (count,) each."""
+    low, high = numpy.full(count, numpy.inf), numpy.full(count, -numpy.inf)
+    numpy.minimum.at(low, column, height)
+    numpy.maximum.at(high, column, height)
+    return low, high
+
+
+def depth_at(position: numpy.ndarray, width: float, between: float) -> numpy.ndarray:
+    """Depth of the flow at each particle, (N,) [m]: the extent of the column that it is in, plus one spacing `between`
+    [m], for the outermost centres are half a spacing inside.
+
+    >>> depth_at(numpy.array([[0.1, 0.5], [0.2, 1.5], [1.5, 0.5]]), 1.0, between=1.0)
+    array([2., 2., 1.])
+    """
+    cells, inverse = numpy.unique(numpy.floor(position[:, :-1] / width).astype(int), axis=0, return_inverse=True)
+    inverse = inverse.reshape(-1)
+    low, high = _extents(position[:, -1], inverse, len(cells))
+    return (high - low + between)[inverse]
+
+
+def depth_profile(position: numpy.ndarray, width: Optional[float] = None,
+                  between: Optional[float] = None) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    """Depth of the flow along x: middles of the columns (n,) [m] and depths (n,) [m], 0 where there is none.
+
+    In 3-D the depth at an x is the largest over y. `width` [m] of a column (default: four spacings) and `between`,
+    the spacing [m] of the particles (default: `spacing(position)`), which is added, as the outermost centres are half a
+    spacing inside. A drop in the air counts as depth of the column under it.
+
+    >>> x, depth = depth_profile(numpy.array([[0.5, 0.5], [0.5, 1.5], [2.5, 0.5]]), width=1.0, between=1.0)
+    >>> x, depth
+    (array([0.5, 1.5, 2.5]), array([2., 0., 1.]))
+    """
+    if len(position) == 0:
+        return numpy.zeros(0), numpy.zeros(0)
+    between = spacing(position) if between is None else between
+    width = width or 4 * between or 1.0
+    column = numpy.floor(position[:, 0] / width).astype(int)
+    first = column.min()
+    depth = numpy.zeros(column.max() - first + 1)
+    numpy.maximum.at(depth, column - first, depth_at(position, width, between))
+    return (first + numpy.arange(len(depth)) + 0.5) * width, depth

@@ -1,0 +1,94 @@
+"""Outlines of rigid structures, as a view along an axis shows them.
+
+All shapes but the polygon are convex, and so is their silhouette: it is the convex hull of points on the surface, seen along
+the axis. Structures move and do not turn, so a displacement places them at any time.
+"""
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+import numpy
+
+from .records import Table
+
+_ROUND = numpy.linspace(0, 2 * numpy.pi, 64, endpoint=False)
+
+
+def hull(points: numpy.ndarray) -> numpy.ndarray:
+    """Corners (m, 2) of the convex hull of points (n, 2), counterclockwise.
+
+    >>> hull(numpy.array([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2]])).tolist()
+    [[0, 0], [2, 0], [2, 2], [0, 2]]
+    """
+    def half(row: List[List[float]]) -> List[List[float]]:
+        chain: List[List[float]] = []
+        for p in row:
+            while len(chain) > 1 and ((chain[-1][0] - chain[-2][0]) * (p[1] - chain[-2][1])
+                                      <= (chain[-1][1] - chain[-2][1]) * (p[0] - chain[-2][0])):
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
+
+    ordered = numpy.unique(points, axis=0).tolist()
+    return numpy.array(half(ordered) + half(ordered[::-1]))
+
+
+def _ball(radius: float, dimensions: int) -> numpy.ndarray:
+    circle = radius * numpy.column_stack([numpy.cos(_ROUND), numpy.sin(_ROUND)])
+    if dimensions == 2:
+        return circle
+    rings = []
+    for axis in range(3):  # great circles: seen along an axis, one of them is the outline
+        rings.append(numpy.insert(circle, axis, 0, axis=1))
+    return numpy.concatenate(rings)
+
+
+def _disk(radius: float, axis: numpy.ndarray) -> numpy.ndarray:
+    """Points of a circle around the axis, at the origin."""
+    across = numpy.cross(axis, numpy.eye(3)[numpy.argmin(abs(axis))])
+    across /= numpy.linalg.norm(across)
+    up = numpy.cross(axis, across) / numpy.linalg.norm(axis)
+    return radius * (numpy.outer(numpy.cos(_ROUND), across) + numpy.outer(numpy.sin(_ROUND), up))
+
+
+def _surface(structure: Mapping[str, Any], dimensions: int) -> numpy.ndarray:
+    shape = structure["shape"]
+    if shape == "sphere":
+        return _ball(structure["radius"], dimensions) + numpy.array(structure["center"])
+    if shape == "box":
+        both = numpy.array([structure["min"], structure["max"]], dtype=float)
+        return numpy.stack(numpy.meshgrid(*both.T), axis=-1).reshape(-1, dimensions)
+    ends = [numpy.array(structure[end], dtype=float) for end in ("from", "to")]
+    ring = _ball(structure["radius"], dimensions) if shape == "capsule" else _disk(structure["radius"], ends[1] - ends[0])
+    return numpy.concatenate([ring + end for end in ends])
+
+
+def outline(structure: Mapping[str, Any], axes: Tuple[int, int], dimensions: int,
+            displacement: numpy.ndarray) -> Optional[numpy.ndarray]:
+    """Outline (m, 2) [m] of a [[structure]] of the scene in the plane of the two axes; None of a plane, which has no end.
+
+    >>> box = {"shape": "box", "min": [0, 0], "max": [2, 1]}
+    >>> outline(box, (0, 1), 2, numpy.array([1.0, 0.0])).tolist()
+    [[1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0]]
+    """
+    if structure["shape"] == "plane":
+        return None
+    moved = displacement[list(axes)]
+    if structure["shape"] == "polygon":
+        corners = numpy.array(structure["points"], dtype=float)
+        if axes == (0, 1):
+            return corners + moved
+        low, high = corners[:, 0].min(), corners[:, 0].max()
+        return numpy.array([[x, z] for x, z in zip((low, high, high, low), numpy.repeat(structure["z"], 2))]) + moved
+    return hull(_surface(structure, dimensions)[:, list(axes)]) + moved
+
+
+def displacement_at(tables: Dict[str, Table], name: str, time: float, dimensions: int) -> numpy.ndarray:
+    """How far a structure has come at a time [s], (dimensions,) [m], from the run's structures; 0 where no row tells.
+
+    Between the rows it is linear, and before the first one it comes from 0 at the start.
+    """
+    if name not in tables:
+        return numpy.zeros(dimensions)
+    rows = tables[name]
+    times = numpy.concatenate(([0.0], rows["time_s"]))
+    return numpy.array([numpy.interp(time, times, numpy.concatenate(([0.0], rows[f"displacement_{a}_m"])))
+                        for a in "xyz"[:dimensions]])
