@@ -11,6 +11,7 @@
 #include "app/progress.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_lock.hpp"
+#include "app/stop_signals.hpp"
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/load_record.hpp"
@@ -18,9 +19,6 @@
 #include "simulation/simulation.hpp"
 
 namespace moraine {
-
-/// Set by the signal handler of main: SIGTERM or SIGUSR1 came.
-extern volatile bool stop_requested;
 
 template <class Real, int Dim>
 class Driver {

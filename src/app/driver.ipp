@@ -81,6 +81,7 @@ void Driver<Real, Dim>::begin() {
     if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
     lock_ = claim_run_directory(comm_, directory_, claim);
+    catch_stop_signals();
     if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
     const RunClock<Dim>& clock = sim_.clock();
     open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
@@ -127,7 +128,7 @@ void Driver<Real, Dim>::run() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::advance() {
-    if (stop_requested) sim_.ask(ask_stop);
+    if (stop_requested()) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
     const double before = wall_clock();

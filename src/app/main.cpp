@@ -7,7 +7,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -26,8 +25,6 @@
 #include "replay/replay.hpp"
 
 namespace moraine {
-
-volatile bool stop_requested = false;
 
 namespace {
 
@@ -105,18 +102,12 @@ int run_program(int argc, char** argv) {
     }
 }
 
-extern "C" void request_stop(int) {
-    stop_requested = true;
-}
-
 }  // namespace
 
 }  // namespace moraine
 
 int main(int argc, char** argv) {
     if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
-    std::signal(SIGTERM, moraine::request_stop);
-    std::signal(SIGUSR1, moraine::request_stop);
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks

@@ -71,6 +71,24 @@ class Stop(moraine.ProgramTest):
     def test_sigusr1_to_mpirun_writes_a_checkpoint(self):
         self.check_stop("warned", lambda job: job.started.send_signal(signal.SIGUSR1), ranks=2)
 
+    def test_ctrl_c_of_a_run_without_mpirun_writes_a_checkpoint(self):
+        job = self.start("alone", ranks=None)
+        job.wait_for(self.folder / "alone", "history.csv")
+        job.started.send_signal(signal.SIGINT)
+        line = self.assert_one_problem(job.end(), code=5)
+        self.assertIn(str(checkpoints(self.folder / "alone")[0]), line)
+        self.assert_goes_on("alone", ranks=2)
+
+    def test_what_is_no_run_yet_ends_at_once(self):
+        os.mkfifo(self.folder / "fifo.toml")
+        for tell in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+            job = Job("check", self.folder / "fifo.toml", ranks=None)
+            self.addCleanup(job.stop)
+            time.sleep(0.5)
+            self.assertIsNone(job.started.poll())
+            job.started.send_signal(tell)
+            self.assertEqual(job.end(limit=10).code, -tell)
+
     def test_a_second_run_into_a_directory_is_refused_until_the_first_has_ended_in_any_way(self):
         directory = self.folder / "one"
         first = self.start("one", *sets(time__end=60), ranks=2)
