@@ -99,6 +99,13 @@ TEST_CASE("two tables of one name are refused") {
     CHECK(said_of("name = \"disk\"", "name = \"a b\"").find("letters, digits") != std::string::npos);
 }
 
+TEST_CASE("a name has at most 64 characters") {
+    CHECK(said_of("name = \"disk\"", "name = \"" + std::string(64, 'd') + "\"").empty());
+    const std::string said = said_of("name = \"disk\"", "name = \"" + std::string(65, 'd') + "\"");
+    CHECK(said.starts_with("scene.toml:27: "));
+    CHECK(said.find(" has 65 characters (a name has at most 64). Shorten it?") != std::string::npos);
+}
+
 TEST_CASE("a structure without a shape is refused, and so is one of a name that is there twice") {
     CHECK(said_about(good_scene + "[[structure]]\nname = \"pipe\"\n").find("structure.pipe.shape is missing") !=
           std::string::npos);
