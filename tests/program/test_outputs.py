@@ -80,7 +80,7 @@ class Outputs(moraine.ProgramTest):
         recorded = self.run_slurry(balance__interval=10, output__block_loads="on")
         self.assertEqual(summary(recorded)["state_hash"], summary(without)["state_hash"])
         data = (recorded / "block_loads.bin").read_bytes()
-        rows, at, seen, lost = table(recorded, "balance.csv"), 160, [], 0
+        rows, at, seen, lost = table(recorded, "balance.csv"), 168, [], 0
         while at < len(data):
             mark, step, _, loses, ranks, blocks, _ = struct.unpack_from("<8sqddqqQ", data, at)
             at += 56 + 32 * ranks
