@@ -20,6 +20,7 @@ namespace moraine {
 namespace {
 
 toml::table parse_text(const std::string& text, const std::string& path) {
+    refuse_deep_keys(text, path);
     try {
         return toml::parse(text, path);
     } catch (const toml::parse_error& error) {
