@@ -8,13 +8,29 @@ import struct
 import numpy
 
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
-HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2d")  # io/block_loads.hpp
+HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
 FRAME = struct.Struct("<8sqddqqQ")
 ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
 
 
 class Wrong(Exception):
     """The input is wrong; the words are for the user."""
+
+
+def mix(word):
+    """One step of core/hash.hpp."""
+    word = (word + 0x9e3779b97f4a7c15) % 2**64
+    word = (word ^ word >> 30) * 0xbf58476d1ce4e5b9 % 2**64
+    word = (word ^ word >> 27) * 0x94d049bb133111eb % 2**64
+    return word ^ word >> 31
+
+
+def hash_of(data):
+    """mix_bytes of core/hash.hpp, of whole words."""
+    value = 0
+    for word, in struct.iter_unpack("<Q", data):
+        value = mix(value ^ mix(word))
+    return value
 
 
 def number(text):
@@ -76,8 +92,10 @@ class Loads:
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
-        if len(data) < HEADER.size or data[:8] != b"MORLOAD2":
+        if len(data) < HEADER.size or data[:8] != b"MORLOAD3":
             raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
+        if hash_of(data[:HEADER.size - 8]) != HEADER.unpack_from(data)[-1]:
+            raise Wrong(f"{path} is damaged (its header is not what was written). Leave that run out?")
         head = HEADER.unpack_from(data)
         self.dimensions = head[1]
         self.corner, self.side = head[18:21], head[21]

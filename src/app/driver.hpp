@@ -10,6 +10,8 @@
 #include "app/options.hpp"
 #include "app/progress.hpp"
 #include "app/run_directory.hpp"
+#include "app/run_lock.hpp"
+#include "app/stop_signals.hpp"
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/load_record.hpp"
@@ -17,9 +19,6 @@
 #include "simulation/simulation.hpp"
 
 namespace moraine {
-
-/// Set by the signal handler of main: SIGTERM or SIGUSR1 came.
-extern volatile bool stop_requested;
 
 template <class Real, int Dim>
 class Driver {
@@ -32,6 +31,7 @@ class Driver {
 
   private:
     void begin();
+    RunClaim claim() const;
     void open_records(std::optional<double> resume_time, std::int64_t resume_step);
     void advance();
     void after_step();
@@ -47,6 +47,7 @@ class Driver {
     const Options& options_;
     const Comm& comm_;
     std::string directory_, device_message_;
+    RunLock lock_;  ///< of the directory; rank 0's
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it

@@ -17,6 +17,17 @@ double wall_clock() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Whether a checkpoint, or what a link to it leads to, lies in this directory.
+bool is_inside(const std::string& checkpoint, const std::string& directory) {
+    if (checkpoint.empty()) return false;
+    std::error_code none;
+    const auto lies_in = [&](const std::filesystem::path& path) {
+        const auto folder = path.parent_path();
+        return std::filesystem::equivalent(folder.empty() ? "." : folder, directory, none);
+    };
+    return lies_in(checkpoint) || lies_in(std::filesystem::weakly_canonical(checkpoint, none));
+}
+
 /// The first multiple of the interval that is still to come at time t; of intervals far below a step, none is passed.
 std::int64_t next_multiple(double interval, double t) {
     if (!(interval > 0)) return 1;
@@ -42,16 +53,24 @@ double Driver<Real, Dim>::wall() const {
     return wall_clock() - start_wall_;
 }
 
+/// Collective.
+template <class Real, int Dim>
+RunClaim Driver<Real, Dim>::claim() const {
+    const bool inside = comm_.max(std::int64_t(comm_.is_root() && is_inside(options_.restart, directory_))) != 0;
+    if (inside && options_.overwrite)
+        throw InputError(
+            fmt::format("--overwrite would remove {} (the run is to go on from it). Leave --overwrite "
+                        "out to go on in {}, or another --output?",
+                        options_.restart, directory_));
+    if (options_.overwrite) return RunClaim::overwrite;
+    return inside ? RunClaim::resume : RunClaim::fresh;
+}
+
 template <class Real, int Dim>
 void Driver<Real, Dim>::begin() {
     start_wall_ = wall_clock();
     const bool restarting = !options_.restart.empty();
-    RunClaim claim = options_.overwrite ? RunClaim::overwrite : RunClaim::fresh;
-    std::error_code none;
-    const auto source = std::filesystem::path(options_.restart).parent_path();
-    if (restarting && !options_.overwrite &&
-        std::filesystem::equivalent(source.empty() ? "." : source, directory_, none))
-        claim = RunClaim::resume;
+    const RunClaim claim = this->claim();
     check_run_directory(comm_, directory_, claim);
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
@@ -61,7 +80,8 @@ void Driver<Real, Dim>::begin() {
     }
     if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
-    claim_run_directory(comm_, directory_, claim);
+    lock_ = claim_run_directory(comm_, directory_, claim);
+    catch_stop_signals();
     if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
     const RunClock<Dim>& clock = sim_.clock();
     open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
@@ -108,7 +128,7 @@ void Driver<Real, Dim>::run() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::advance() {
-    if (stop_requested) sim_.ask(ask_stop);
+    if (stop_requested()) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
     const double before = wall_clock();

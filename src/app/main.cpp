@@ -12,6 +12,7 @@
 #include <cstring>
 #include <new>
 
+#include "app/agreed_scene.hpp"
 #include "app/check_report.hpp"
 #include "app/device.hpp"
 #include "app/driver.hpp"
@@ -23,11 +24,8 @@
 #include "predict/prediction.hpp"
 #include "records/version.hpp"
 #include "replay/replay.hpp"
-#include "scene/read_scene.hpp"
 
 namespace moraine {
-
-volatile bool stop_requested = false;
 
 namespace {
 
@@ -48,22 +46,6 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
-/// Input is read by every rank on its own; they agree on the first thing wrong. Collective.
-Scene read_agreed(const Comm& comm, const Options& options) {
-    const Machine machine = machine_of(comm, options);
-    Scene scene;
-    std::string wrong;
-    try {
-        std::vector<std::string> sets = options.sets;
-        if (!options.partitioner.empty()) sets.push_back("balance.partitioner=\"" + options.partitioner + "\"");
-        scene = read_scene(options.scene, sets, [&](const Scene& s) { check_capacity(s, machine); });
-    } catch (const InputError& e) {
-        wrong = e.what();
-    }
-    comm.agree_no_error<InputError>(wrong);
-    return scene;
-}
-
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
 /// that wait for a core that another rank spins on are slower than none. Collective.
 void choose_threads(const Comm& comm) {
@@ -72,7 +54,8 @@ void choose_threads(const Comm& comm) {
 }
 
 void execute(const Options& options, const Comm& comm) {
-    const Scene scene = read_agreed(comm, options);
+    const Machine machine = machine_of(comm, options);
+    const Scene scene = read_agreed(comm, options, [&](const Scene& s) { check_capacity(s, machine); });
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;
@@ -120,18 +103,13 @@ int run_program(int argc, char** argv) {
     }
 }
 
-extern "C" void request_stop(int) {
-    stop_requested = true;
-}
-
 }  // namespace
 
 }  // namespace moraine
 
 int main(int argc, char** argv) {
     if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
-    std::signal(SIGTERM, moraine::request_stop);
-    std::signal(SIGUSR1, moraine::request_stop);
+    std::signal(SIGXFSZ, SIG_IGN);       // a limit on file sizes is told by the write that meets it (io/disk_file.cpp)
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks

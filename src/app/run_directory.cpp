@@ -65,7 +65,9 @@ void check(const fs::path& path, RunClaim claim) {
         const fs::path existing = nearest_existing(path);
         if (!fs::is_directory(existing)) not_writable(path, existing.string() + " is not a directory");
         if (::access(existing.c_str(), W_OK | X_OK) != 0) not_writable(path, std::strerror(errno));
-        if (claim != RunClaim::fresh || !fs::exists(path)) return;
+        if (!fs::exists(path)) return;
+        RunLock::check_free(path.string());
+        if (claim != RunClaim::fresh) return;
         const auto files = files_of_run(path, tells_of_run);
         if (!files.empty())
             throw InputError(fmt::format("{} holds a run (it has {}). --overwrite, or another --output?", path.string(),
@@ -75,22 +77,26 @@ void check(const fs::path& path, RunClaim claim) {
     }
 }
 
-void claim_it(const fs::path& path, RunClaim claim) {
+RunLock claim_it(const fs::path& path, RunClaim claim) {
     std::vector<fs::path> made;  // deepest first
     for (fs::path p = fs::absolute(path); !fs::exists(p) && p.has_relative_path(); p = p.parent_path())
         if (p.has_filename()) made.push_back(p);
     try {
         fs::create_directories(path);
+        RunLock lock(path.string());
         const auto removed = claim == RunClaim::overwrite ? belongs_to_run : is_unfinished;
         for (const auto& file : files_of_run(path, removed)) fs::remove(file);
         const fs::path probe = path / "summary.json.partial";  // the permission bits are not the whole truth
         DiskFile(probe.string(), DiskFile::Mode::create);
         fs::remove(probe);
+        return lock;
     } catch (const std::exception& error) {
+        const int why = errno;
         std::error_code ignored;
-        for (const fs::path& p : made) fs::remove(p, ignored);
+        for (const fs::path& p : made) fs::remove(p, ignored);  // one that another run has taken is not empty
+        if (dynamic_cast<const InputError*>(&error)) throw;
         const auto* failure = dynamic_cast<const fs::filesystem_error*>(&error);
-        not_writable(path, failure ? failure->code().message() : std::strerror(errno));
+        not_writable(path, failure ? failure->code().message() : std::strerror(why));
     }
 }
 
@@ -106,12 +112,14 @@ void check_run_directory(const Comm& comm, const std::string& path, RunClaim cla
     }));
 }
 
-void claim_run_directory(const Comm& comm, const std::string& path, RunClaim claim) {
+RunLock claim_run_directory(const Comm& comm, const std::string& path, RunClaim claim) {
+    RunLock lock;
     comm.agree_no_error<InputError>(message_of([&] {
         if (!comm.is_root()) return;
         check(path, claim);
-        claim_it(path, claim);
+        lock = claim_it(path, claim);
     }));
+    return lock;
 }
 
 }  // namespace moraine

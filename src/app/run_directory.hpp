@@ -8,6 +8,7 @@
 
 #include <string>
 
+#include "app/run_lock.hpp"
 #include "comm/comm.hpp"
 
 namespace moraine {
@@ -25,7 +26,7 @@ std::string default_run_directory(const std::string& scene_name);
 void check_run_directory(const Comm& comm, const std::string& path, RunClaim claim);
 
 /// Checks, then creates or empties it. InputError on all ranks, and nothing created, if it cannot be
-/// written. Collective.
-void claim_run_directory(const Comm& comm, const std::string& path, RunClaim claim);
+/// written or another run writes into it. The lock is rank 0's, and holds as long as it lives. Collective.
+RunLock claim_run_directory(const Comm& comm, const std::string& path, RunClaim claim);
 
 }  // namespace moraine

@@ -23,6 +23,10 @@ struct FrameHead {
 };
 static_assert(sizeof(FrameHead) == 56);
 
+std::uint64_t hash_of(const LoadHeader& header) {
+    return mix_bytes(0, reinterpret_cast<const std::byte*>(&header), offsetof(LoadHeader, hash));
+}
+
 std::uint64_t hash_of(const FrameHead& head, const LoadFrame& frame) {
     std::uint64_t h = mix_bytes(0, reinterpret_cast<const std::byte*>(&head), offsetof(FrameHead, hash));
     const auto seconds = std::as_bytes(std::span(frame.seconds));
@@ -71,7 +75,9 @@ BlockLoadWriter::BlockLoadWriter(const Comm& comm, std::string path, const LoadH
         if (failed)
             throw MachineError(fmt::format("cannot shorten {} ({}). Is it read-only?", path_, failed.message()));
         file_ = std::make_unique<DiskFile>(path_, resumes ? DiskFile::Mode::append : DiskFile::Mode::create);
-        file_->write(std::as_bytes(std::span(&header, 1)), 0);
+        LoadHeader sealed = header;
+        sealed.hash = hash_of(header);
+        file_->write(std::as_bytes(std::span(&sealed, 1)), 0);
     }));
 }
 
@@ -103,8 +109,9 @@ BlockLoadReader::BlockLoadReader(const std::string& path) : path_(path), file_(s
     size_ = static_cast<std::int64_t>(std::filesystem::file_size(path, none));
     if (std::fread(&header_, 1, sizeof header_, file_.get()) != sizeof header_)
         refuse(fmt::format("it has {} bytes, its header alone {}", size_, sizeof header_));
-    if (header_.magic != LoadHeader{}.magic || header_.partitioner.back() != '\0')
-        refuse("it does not begin as a record of block loads of this version");
+    if (header_.magic != LoadHeader{}.magic) refuse("it does not begin as a record of block loads of this version");
+    if (hash_of(header_) != header_.hash || header_.partitioner.back() != '\0')
+        refuse("the bytes of its header are not those that were written");
     position_ = sizeof header_;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // block_loads.bin: what every occupied block weighed and who held it, at the start and at each balance interval.
 //
-//   header   what a replay must know of the run: layout, message sizes, rules of balance
+//   header   what a replay must know of the run: layout, message sizes, rules of balance; a hash over it
 //   frame    step, time, seconds lost to imbalance; of each rank its seconds per phase since the frame before (32
 //   bytes); of each block its
 //            key, particles and owner (16 bytes), in key order; a hash over all of it
@@ -26,7 +26,7 @@ namespace moraine {
 
 /// In the byte order of the machine that wrote it. Axes that the scene does not have: 1 block.
 struct LoadHeader {
-    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '2'};
+    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '3'};
     std::int32_t dimensions = 3;
     std::int32_t width = 3;                  ///< of the stencil [nodes]
     std::array<std::int32_t, 3> blocks{};    ///< of the domain
@@ -43,8 +43,9 @@ struct LoadHeader {
     double block_side = 0;                   ///< [m]
     std::array<char, 24> partitioner{};      ///< its name
     std::array<double, 2> moves{};           ///< cost of a migration: of any, per particle of the busiest rank [s]
+    std::uint64_t hash = 0;                  ///< of all before it; the writer sets it
 };
-static_assert(sizeof(LoadHeader) == 160);
+static_assert(sizeof(LoadHeader) == 168);
 
 struct LoadRow {
     Key key;

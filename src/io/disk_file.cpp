@@ -23,6 +23,13 @@ void sync_folder_of(const std::string& path) {
     ::close(handle);
 }
 
+/// What may help against an error of the system.
+const char* remedy(int error) {
+    if (error == EFBIG) return "Raise the limit on the size of files (ulimit -f)?";
+    if (error == ENOENT) return "Is the directory gone, or on a disk that not all hosts share?";
+    return "Is the disk full or read-only?";
+}
+
 }  // namespace
 
 DiskFile::DiskFile(const std::string& path, Mode mode) : path_(path) {
@@ -35,8 +42,7 @@ DiskFile::~DiskFile() {
 }
 
 void DiskFile::fail(const char* verb) const {
-    throw MachineError(
-        fmt::format("cannot {} {} ({}). Is the disk full or read-only?", verb, path_, std::strerror(errno)));
+    throw MachineError(fmt::format("cannot {} {} ({}). {}", verb, path_, std::strerror(errno), remedy(errno)));
 }
 
 void DiskFile::write(std::span<const std::byte> bytes, std::int64_t at) {
@@ -55,8 +61,7 @@ void DiskFile::sync() {
 
 void move_file(const std::string& from, const std::string& to) {
     if (std::rename(from.c_str(), to.c_str()) != 0)
-        throw MachineError(
-            fmt::format("cannot write {} ({}). Is the disk full or read-only?", to, std::strerror(errno)));
+        throw MachineError(fmt::format("cannot write {} ({}). {}", to, std::strerror(errno), remedy(errno)));
     sync_folder_of(to);
 }
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 
 namespace moraine::hdf5 {
 
@@ -165,8 +166,10 @@ std::vector<std::byte> group(const Links& members, const std::vector<Attribute>&
     Header header;
     header.message(link_info, Bytes().zeros(2).number(nowhere, 8).number(nowhere, 8));
     header.message(group_info, Bytes().zeros(2));
-    for (const auto& [name, at] : members)
+    for (const auto& [name, at] : members) {
+        if (name.size() > 255) throw std::length_error("a link's name has " + std::to_string(name.size()) + " bytes");
         header.message(link, Bytes().number(1, 1).number(0, 1).number(name.size(), 1).text(name).number(at, 8));
+    }
     header.attributes(attributes);
     return header.finish(links);
 }

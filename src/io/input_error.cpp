@@ -18,9 +18,37 @@ const std::string& Places::of(std::string path) const {
     }
 }
 
+namespace {
+
+bool is_inside_character(char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) == 0x80;  // UTF-8
+}
+
+/// Beginning and end of a text of more than `most` bytes.
+std::string cut(const std::string& text, std::size_t most) {
+    if (text.size() <= most) return text;
+    std::size_t first = most - 100, second = text.size() - 80;
+    while (first > 0 && is_inside_character(text[first])) --first;
+    while (second < text.size() && is_inside_character(text[second])) ++second;
+    return text.substr(0, first) + " ... " + text.substr(second);
+}
+
+std::string shown(const std::string& text, std::size_t most = 500) {
+    std::string out;
+    for (const char c : cut(text, most))
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            out += fmt::format("\\u{:04x}", static_cast<int>(c));
+        else
+            out += c;
+    return out;
+}
+
+}  // namespace
+
 void refuse(const std::string& place, const std::string& problem, const std::string& why,
             const std::string& suggestion) {
-    throw InputError(fmt::format("{}: {} ({}). {}", place, problem, why, suggestion));
+    throw InputError(fmt::format("{}: {} ({}). {}", shown(place), shown(problem), shown(why),
+                                 shown(suggestion, 1000)));  // valid names
 }
 
 int edit_distance(const std::string& a, const std::string& b) {
@@ -43,6 +71,7 @@ int edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest(const std::string& word, std::span<const std::string> candidates) {
     std::string best;
+    if (word.size() > longest_guess) return best;
     int least = std::max(2, static_cast<int>(word.size()) / 2);
     for (const std::string& candidate : candidates) {
         const bool starts = word.size() > 2 && candidate.starts_with(word);

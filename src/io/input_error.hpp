@@ -25,7 +25,11 @@ class Places {
     std::map<std::string, std::string> places_;
 };
 
-/// Throws InputError "place: problem (why). suggestion".
+/// Words longer than this are not compared with valid names: nobody meant one, and it would take long.
+constexpr std::size_t longest_guess = 64;
+
+/// Throws InputError "place: problem (why). suggestion". Control characters, which names and values may bring to a
+/// terminal, are shown escaped, and what is long is cut in the middle.
 [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& why,
                          const std::string& suggestion);
 

@@ -14,10 +14,10 @@
 namespace moraine {
 namespace {
 
-constexpr double most_slots = 4294967295.0;  // 2^32 - 1 particles on a rank
+constexpr double most_slots = 2147483647.0;  // 2^31 - 1 particles on a rank: MPI counts the rows of an output as int
 
 /// The number behind `word` in a file of words and numbers, or, without a word, the first; 0: none.
-double number_in(const char* path, const std::string& word) {
+double number_in(const std::string& path, const std::string& word) {
     std::ifstream file(path);
     std::string found;
     while (!word.empty() && found != word && file >> found) continue;
@@ -68,9 +68,29 @@ std::string coarser(const Scene& scene, double excess) {
 
 }  // namespace
 
+double control_group_memory(const std::string& membership, const std::string& mount) {
+    double least = std::numeric_limits<double>::infinity();
+    const auto bound = [&](const std::string& file) {
+        const double number = number_in(file, "");  // "max" is no number
+        if (number > 0) least = std::min(least, number);
+    };
+    bound(mount + "/memory.max");
+    std::ifstream file(membership);
+    for (std::string line; std::getline(file, line);) {  // NUMBER:CONTROLLERS:/PATH; of version 2 it is 0::/PATH
+        const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+        if (first == std::string::npos || second == std::string::npos || line.find('/') != second + 1) continue;
+        const std::string controllers = fmt::format(",{},", line.substr(first + 1, second - first - 1));
+        const bool version_2 = controllers == ",,";
+        if (!version_2 && controllers.find(",memory,") == std::string::npos) continue;
+        for (std::string path = line.substr(second + 1); !path.empty(); path.resize(path.rfind('/')))
+            bound(version_2 ? mount + path + "/memory.max" : mount + "/memory" + path + "/memory.limit_in_bytes");
+    }
+    return std::isfinite(least) ? least : 0;
+}
+
 double host_memory() {
     const double total = 1024 * number_in("/proc/meminfo", "MemTotal:");
-    const double allowed = number_in("/sys/fs/cgroup/memory.max", "");  // "max" is no number
+    const double allowed = control_group_memory("/proc/self/cgroup", "/sys/fs/cgroup");
     return allowed > 0 ? std::min(total, allowed) : total;
 }
 

@@ -3,7 +3,9 @@
 // drives a machine into the ground, could have been refused at once.
 //
 // Particles are estimated from volumes (boxes and tables: exactly), in no time whatever their number. A rank numbers
-// its particles with 32 bits, and an id has 48 bits for the place in its body.
+// its particles with 31 bits, and an id has 48 bits for the place in its body.
+
+#include <string>
 
 #include "predict/prediction.hpp"
 
@@ -17,6 +19,10 @@ struct Machine {
     bool devices = false;          ///< its ranks compute on GPUs: what counts is the memory of the host beside them
     bool writes_particles = true;  ///< particles.vtkhdf
 };
+
+/// The least memory that the control group of this process, or one above it, allows [B]; 0: not limited. A job's limit
+/// stands in a nested group (Slurm, systemd). `membership`: /proc/self/cgroup; `mount`: /sys/fs/cgroup. Not collective.
+double control_group_memory(const std::string& membership, const std::string& mount);
 
 /// Memory of this host, or what its control group allows [B]; 0: not known. Not collective.
 double host_memory();

@@ -4,17 +4,14 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
-#include <sstream>
 
 #include "core/courant.hpp"
 #include "core/error.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_file.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
 #include "scene/scene_values.hpp"
@@ -22,15 +19,10 @@
 namespace moraine {
 namespace {
 
-toml::table parse_file(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    if (file) text << file.rdbuf();
-    if (!file || file.bad() || std::filesystem::is_directory(path))
-        refuse(path, "the scene cannot be read",
-               std::filesystem::is_directory(path) ? "it is a directory" : std::strerror(errno), "Is the path right?");
+toml::table parse_text(const std::string& text, const std::string& path) {
+    refuse_deep_keys(text, path);
     try {
-        return toml::parse(text.str(), path);
+        return toml::parse(text, path);
     } catch (const toml::parse_error& error) {
         refuse(fmt::format("{}:{}", path, error.source().begin.line), std::string(error.description()),
                "this is not TOML", "See inputs/first_scene.toml for the form?");
@@ -39,8 +31,8 @@ toml::table parse_file(const std::string& path) {
 
 class Reader {
   public:
-    Reader(const std::string& path, const std::vector<std::string>& sets)
-        : file_(path), root_(parse_file(path)), places_(path) {
+    Reader(const std::string& path, const std::string& text, const std::vector<std::string>& sets)
+        : file_(path), root_(parse_text(text, path)), places_(path) {
         for (const std::string& assignment : sets) apply_set(root_, assignment);
     }
 
@@ -190,7 +182,12 @@ class Reader {
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& sets,
                  const std::function<void(const Scene&)>& admit) {
-    return Reader(path, sets).read(admit);
+    return parse_scene(path, read_scene_file(path), sets, admit);
+}
+
+Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& sets,
+                  const std::function<void(const Scene&)>& admit) {
+    return Reader(path, text, sets).read(admit);
 }
 
 }  // namespace moraine

@@ -19,4 +19,8 @@ namespace moraine {
 Scene read_scene(const std::string& path, const std::vector<std::string>& sets = {},
                  const std::function<void(const Scene&)>& admit = {});
 
+/// The same of a text that has been read; `path` is what messages call it, and where its tables are. Not collective.
+Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& sets,
+                  const std::function<void(const Scene&)>& admit);
+
 }  // namespace moraine

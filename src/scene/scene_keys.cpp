@@ -91,7 +91,7 @@ std::string type_text(const SceneKey& key) {
         case KeyType::text:
             return "a string";
         case KeyType::name:
-            return "a name (letters, digits, _ and -)";
+            return "a name (at most 64 letters, digits, _ and -)";
         case KeyType::choice:
             return "one of " + listed(in_quotes(key.choices));
         case KeyType::real:

@@ -49,7 +49,8 @@ std::string suggestion_for(const std::string& name, const std::string& path, con
         return fmt::format("Did you mean {}{}?", prefix, near);
     std::vector<std::string> elsewhere;
     for (const SceneKey& key : all_scene_keys())
-        if (edit_distance(key.name, name) <= static_cast<int>(name.size()) / 4) elsewhere.push_back(full_name(key));
+        if (name.size() <= longest_guess && edit_distance(key.name, name) <= static_cast<int>(name.size()) / 4)
+            elsewhere.push_back(full_name(key));
     if (!elsewhere.empty()) return fmt::format("Did you mean {}?", elsewhere.front());
     return fmt::format("Use one of {}?", listed(valid));
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "io/input_error.hpp"
+#include "scene/scene_file.hpp"
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -81,6 +82,10 @@ void apply_set(toml::table& root, const std::string& assignment) {
         refuse(place, "no key", "must be KEY=VALUE", "Did you mean --set time.end=1?");
     const std::vector<std::string> parts = split(assignment.substr(0, equals));
     const std::string text = assignment.substr(equals + 1);
+    if (parts.size() > deepest_key)
+        refuse(place, "the key is too deep", fmt::format("more than {} levels", deepest_key),
+               "Is it a key of inputs/reference.toml?");
+    refuse_deep_keys(text, place);
 
     toml::table* table = &root;
     std::size_t next = 0;

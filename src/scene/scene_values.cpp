@@ -11,6 +11,8 @@
 namespace moraine {
 namespace {
 
+constexpr std::size_t longest_name = 64;  // of a link in a checkpoint 255 is the most, "structure_NAME" and more
+
 std::string text_of(const toml::node& node) {
     std::ostringstream out;
     node.visit([&](const auto& n) { out << n; });
@@ -82,6 +84,9 @@ std::string string(const toml::node& node, const KeyContext& c) {
 
 std::string name(const toml::node& node, const KeyContext& c) {
     std::string text = string(node, c);
+    if (text.size() > longest_name)
+        refuse(c.place, fmt::format("{} has {} characters", c.path, text.size()),
+               fmt::format("a name has at most {}", longest_name), "Shorten it?");
     const auto plain = [](unsigned char ch) { return std::isalnum(ch) || ch == '_' || ch == '-'; };
     if (text.empty() || !std::all_of(text.begin(), text.end(), plain))
         refuse(c.place, fmt::format("{} = {}", c.path, quote(text)), "must be letters, digits, _ and -", "Rename it?");

@@ -87,12 +87,26 @@ Columns read_csv(const std::string& path, const std::vector<std::string>& names,
     return data;
 }
 
+/// Throws H5Failure if a dataset of `rows` has no bytes for them in the file: a header alone may claim any number.
+void check_storage(hid_t file, hid_t set, hsize_t rows) {
+    hsize_t file_bytes = 0;
+    h5_check(H5Fget_filesize(file, &file_bytes), "it cannot be read");
+    const H5Id list(H5Dget_create_plist(set), H5Pclose, "it has no storage");
+    const H5Id type(H5Dget_type(set), H5Tclose, "it has no type");
+    const bool packed = H5Pget_nfilters(list) > 0;
+    const hsize_t stored = std::min(H5Dget_storage_size(set), file_bytes);
+    const hsize_t most = packed ? stored * 100000 : stored;  // a column of one value packs well
+    if (rows > most / H5Tget_size(type)) throw H5Failure(fmt::format("its {} rows are not in the file", rows));
+}
+
 std::vector<double> read_dataset(hid_t file, const std::string& name) {
     const H5Id set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, "it cannot be opened");
     const H5Id space(H5Dget_space(set), H5Sclose, "it has no extent");
     if (H5Sget_simple_extent_ndims(space) != 1) throw H5Failure("it must have one dimension");
-    std::vector<double> data(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
-    if (data.empty()) return data;
+    const auto rows = static_cast<hsize_t>(H5Sget_simple_extent_npoints(space));
+    if (rows == 0) return {};
+    check_storage(file, set, rows);
+    std::vector<double> data(rows);
     h5_check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "it cannot be read");
     return data;
 }
@@ -152,6 +166,9 @@ ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
     const std::vector<std::string>& names = column_names(scene.dimensions);
     const bool csv = path.ends_with(".csv");
     if (!csv && !path.ends_with(".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
+    std::error_code none;
+    if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
+        refuse(path, "the table cannot be read", "it is not a regular file", "Is body.file right?");
     std::vector<int> line_of;
     const Columns data = csv ? read_csv(path, names, line_of) : read_h5(path, names);
     check_columns(data, names, scene.dimensions, path);

@@ -36,6 +36,7 @@ TEST_CASE("a check creates nothing, a claim creates the directory") {
     CHECK(!fs::exists(folder / "runs"));
     comm.barrier();
     claim_run_directory(comm, folder / "runs/a", RunClaim::fresh);
+    comm.barrier();
     CHECK(fs::is_empty(folder / "runs/a"));
     CHECK(default_run_directory("slurry") == "runs/slurry");
 }
@@ -76,6 +77,37 @@ TEST_CASE("what a killed run left unfinished is gone after any claim, and nothin
         CHECK(std::distance(fs::directory_iterator(folder / "a"), {}) == 2);
         CHECK(fs::exists(folder / "a/notes.partial"));
         CHECK(fs::exists(folder / "a/checkpoint-000000012.h5.partial.mine"));
+        comm.barrier();
+    }
+}
+
+TEST_CASE("while one run holds a directory others are refused, and afterwards not") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    {
+        const RunLock held = claim_run_directory(comm, folder / "a", RunClaim::fresh);
+        for (const RunClaim claim : {RunClaim::fresh, RunClaim::overwrite, RunClaim::resume}) {
+            CHECK(refusal(comm, folder / "a", claim).find("another run writes into") != std::string::npos);
+            CHECK_THROWS_AS(check_run_directory(comm, folder / "a", claim), InputError);
+        }
+        const std::string mine = comm.broadcast(std::to_string(::getpid()));
+        CHECK(refusal(comm, folder / "a", RunClaim::fresh).find("(process " + mine + " on ") != std::string::npos);
+        comm.barrier();
+    }
+    comm.barrier();
+    CHECK(fs::is_empty(folder / "a"));
+    comm.barrier();
+}
+
+TEST_CASE("the lock that a killed run left holds nobody up") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    if (comm.is_root()) fs::create_directory(folder / "a");
+    for (const char* words : {"", "elsewhere 1\n", "damaged"}) {
+        if (comm.is_root()) set_content(folder / "a/run.lock", words);
+        comm.barrier();
+        CHECK(refusal(comm, folder / "a", RunClaim::fresh).empty());
+        CHECK(!fs::exists(folder / "a/run.lock"));
         comm.barrier();
     }
 }

@@ -65,7 +65,7 @@ TEST_CASE("what was written is read back, 16 bytes a block and 32 a rank") {
     CHECK(f.rows[0].particles == 60);
     CHECK(f.rows[2].owner == 1);
     CHECK_FALSE(reader.next(f));
-    CHECK(std::filesystem::file_size(path) == 160 + 2 * (56 + 2 * 32 + 3 * 16));
+    CHECK(std::filesystem::file_size(path) == 168 + 2 * (56 + 2 * 32 + 3 * 16));
 }
 
 TEST_CASE("a file that is cut anywhere but between frames is refused, and the last whole step is named") {
@@ -78,10 +78,10 @@ TEST_CASE("a file that is cut anywhere but between frames is refused, and the la
         if (comm.is_root()) std::filesystem::resize_file(path, size);
         comm.barrier();
         const auto [steps, message] = read_steps(path);
-        const bool between = size == 160 || size == 328;
+        const bool between = size == 168 || size == 336;
         CHECK((message.find("is truncated or damaged") != std::string::npos) == !between);
-        CHECK(steps == (size >= 328 ? Steps{0} : Steps{}));
-        if (size > 328) CHECK(message.find("--last-step 0?") != std::string::npos);
+        CHECK(steps == (size >= 336 ? Steps{0} : Steps{}));
+        if (size > 336) CHECK(message.find("--last-step 0?") != std::string::npos);
         if (size < 13) break;
     }
 }
@@ -90,7 +90,7 @@ TEST_CASE("a changed bit is seen") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
     const std::string path = folder / "block_loads.bin";
-    for (const std::streamoff at : {0, 180, 200, 250, 300, 319}) {
+    for (const std::streamoff at : {0, 8, 12, 40, 100, 130, 167, 188, 208, 258, 308, 327}) {
         write_frames(comm, path, {0, 50});
         if (comm.is_root()) {
             std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);

@@ -67,3 +67,13 @@ TEST_CASE("a resumed table keeps the rows up to the checkpoint and drops later a
     const CsvLog first(comm, folder / "new.csv", {"step"}, ResumeAfter{"step", 1});
     CHECK(content_of(folder / "new.csv") == "step\n");
 }
+
+TEST_CASE("a directory that is not there is not taken for a full disk") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    CHECK_THROWS_WITH_AS(CsvLog(comm, folder / "gone/h.csv", {"step"}),
+                         ("cannot open " + folder / "gone/h.csv.partial" +
+                          " (No such file or directory). Is the directory gone, or on a disk that not all hosts share?")
+                             .c_str(),
+                         MachineError);
+}

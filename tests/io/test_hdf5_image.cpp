@@ -61,6 +61,11 @@ std::string first_of_chunks(const std::string& path, const SeriesState& state) {
 
 }  // namespace
 
+TEST_CASE("a link's name fills one byte with its length, and a longer one is refused, not cut") {
+    CHECK_NOTHROW(group({{std::string(255, 'a'), 8}}, {}));
+    CHECK_THROWS_AS(group({{std::string(256, 'a'), 8}}, {}), std::length_error);
+}
+
 TEST_CASE("the HDF5 library finds every chunk of a long series, and none where none was written") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 #include "predict/capacity.hpp"
 #include "scene/scene_text.hpp"
@@ -63,11 +64,37 @@ TEST_CASE("of a run on devices the memory of the host beside them counts") {
 TEST_CASE("more particles than a rank can number are refused at once, whatever the memory") {
     const auto start = std::chrono::steady_clock::now();
     CHECK(said("0.001", {64, 1, 0}) ==
-          "slurry_runout_3d.toml: 1e+12 particles on 64 ranks (a rank numbers at most 4294967295). Use 257 ranks, or a "
-          "domain.cell of 0.0016 m?");
+          "slurry_runout_3d.toml: 1e+12 particles on 64 ranks (a rank numbers at most 2147483647). Use 513 ranks, or a "
+          "domain.cell of 0.002 m?");
     CHECK(said("0.001", {1, 1, 24e9}).find("on 1 rank (a rank numbers") != std::string::npos);
     CHECK(said("0.0001", {1, 1, 0}).find("body.reservoir spans 1e+15 particles (ids have space") != std::string::npos);
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+}
+
+TEST_CASE("the least limit of a control group and of those above it counts") {
+    const TestFolder folder;
+    const auto put = [&](const std::string& path, const std::string& text) {
+        std::filesystem::create_directories(std::filesystem::path(folder.file(path)).parent_path());
+        folder.write(path, text);
+    };
+    const auto allowed = [&](const std::string& words) {
+        return control_group_memory(folder.write("self", words), folder.file("mount"));
+    };
+    CHECK(allowed("") == 0);
+    CHECK(allowed("0::/\n") == 0);
+    put("mount/system.slice/memory.max", "max\n");
+    put("mount/system.slice/job_7/memory.max", "4000000000\n");
+    put("mount/system.slice/job_7/step_0/memory.max", "max\n");
+    CHECK(allowed("0::/system.slice/job_7/step_0\n") == 4e9);
+    CHECK(allowed("0::/system.slice\n") == 0);
+    put("mount/system.slice/memory.max", "3000000000\n");
+    CHECK(allowed("0::/system.slice/job_7/step_0\n") == 3e9);
+    put("mount/memory/slurm/job_8/memory.limit_in_bytes", "2000000000\n");
+    put("mount/memory/slurm/memory.limit_in_bytes", "9223372036854771712\n");
+    CHECK(allowed("5:cpu,cpuacct:/slurm/job_8\n4:memory:/slurm/job_8/task_0\n0::/\n") == 2e9);
+    put("mount/memory.max", "1000000000\n");  // of a container: all that is seen is the root
+    CHECK(allowed("0::/\n") == 1e9);
+    CHECK(allowed("nonsense\n") == 1e9);
 }
 
 TEST_CASE("this machine has memory") {

@@ -1,6 +1,7 @@
 """What a run writes: summary.json, history.csv, balance.csv, and how a restart goes on with them."""
 import math
 import re
+import resource
 import struct
 
 import moraine
@@ -43,6 +44,17 @@ class Outputs(moraine.ProgramTest):
                 "partitioner": "morton", "particles": 20000}
         self.assertEqual({key: found[key] for key in said}, said)
 
+    def test_a_limit_on_the_size_of_files_is_said_and_what_was_written_stays(self):
+        directory = self.folder / "limited"
+        job = moraine.Job("run", SCENE, "--output", directory, "--quiet", *sets(time__end=60, output__interval=END / 5),
+                          ranks=None)
+        self.addCleanup(job.stop)
+        job.wait_for(directory, "particles.vtkhdf")
+        resource.prlimit(job.started.pid, resource.RLIMIT_FSIZE, (1000, 1000))
+        line = self.assert_one_problem(job.end(), code=4)
+        self.assertRegex(line, r"cannot write .* \(File too large\)\. .*ulimit -f")
+        self.assertTrue((directory / "history.csv").exists())
+
     def test_numbers_of_a_summary_agree(self):
         found = summary(self.run_slurry())
         self.assertTrue(END <= found["simulated_time_s"] < END + 0.001)
@@ -80,7 +92,7 @@ class Outputs(moraine.ProgramTest):
         recorded = self.run_slurry(balance__interval=10, output__block_loads="on")
         self.assertEqual(summary(recorded)["state_hash"], summary(without)["state_hash"])
         data = (recorded / "block_loads.bin").read_bytes()
-        rows, at, seen, lost = table(recorded, "balance.csv"), 160, [], 0
+        rows, at, seen, lost = table(recorded, "balance.csv"), 168, [], 0
         while at < len(data):
             mark, step, _, loses, ranks, blocks, _ = struct.unpack_from("<8sqddqqQ", data, at)
             at += 56 + 32 * ranks

@@ -103,10 +103,10 @@ class Replay(moraine.ProgramTest):
         words = self.refused(self.run)
         self.assertRegex(words, r"is truncated or damaged \(the interval of step \d+ is cut off\)")
         self.replay("--ranks", "4", *words.split(", ")[-1].rstrip("?").split())
-        frame = (len(whole) - 160) // (len(table(self.run, "balance.csv")) + 1)
-        (self.run / "block_loads.bin").write_bytes(whole[:160 + 56 + 64])
+        frame = (len(whole) - 168) // (len(table(self.run, "balance.csv")) + 1)
+        (self.run / "block_loads.bin").write_bytes(whole[:168 + 56 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
-        (self.run / "block_loads.bin").write_bytes(whole[:160])
+        (self.run / "block_loads.bin").write_bytes(whole[:168])
         self.assertIn("holds 0 imbalance checks (a replay needs two). Run it for longer", self.refused(self.run))
         self.assertGreater(frame, 1000)
 

@@ -60,6 +60,7 @@ class Stop(moraine.ProgramTest):
         (left,) = checkpoints(self.folder / name)
         self.assertIn(str(left), line)
         stopped = summary(self.folder / name)
+        self.assertFalse((self.folder / name / "run.lock").exists())
         self.assertEqual(left.name, f"checkpoint-{stopped['steps']:09d}.h5")
         self.assertLess(stopped["simulated_time_s"], END)
         self.assert_goes_on(name, ranks=5 - ranks)
@@ -69,6 +70,51 @@ class Stop(moraine.ProgramTest):
 
     def test_sigusr1_to_mpirun_writes_a_checkpoint(self):
         self.check_stop("warned", lambda job: job.started.send_signal(signal.SIGUSR1), ranks=2)
+
+    def test_ctrl_c_of_a_run_without_mpirun_writes_a_checkpoint(self):
+        job = self.start("alone", ranks=None)
+        job.wait_for(self.folder / "alone", "history.csv")
+        job.started.send_signal(signal.SIGINT)
+        line = self.assert_one_problem(job.end(), code=5)
+        self.assertIn(str(checkpoints(self.folder / "alone")[0]), line)
+        self.assert_goes_on("alone", ranks=2)
+
+    def test_what_is_no_run_yet_ends_at_once(self):
+        os.mkfifo(self.folder / "fifo.toml")
+        for tell in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+            job = Job("check", self.folder / "fifo.toml", ranks=None)
+            self.addCleanup(job.stop)
+            time.sleep(0.5)
+            self.assertIsNone(job.started.poll())
+            job.started.send_signal(tell)
+            self.assertEqual(job.end(limit=10).code, -tell)
+
+    def test_a_second_run_into_a_directory_is_refused_until_the_first_has_ended_in_any_way(self):
+        directory = self.folder / "one"
+        first = self.start("one", *sets(time__end=60), ranks=2)
+        first.wait_for(directory, "history.csv")
+        words = ("run", SCENE, "--output", directory, "--quiet", "--overwrite", *KEYS)
+        for ranks in (None, 2):
+            line = self.assert_one_problem(moraine.call(*words, ranks=ranks))
+            self.assertIn(f"another run writes into {directory} (process {first.ranks()[0]} on ", line)
+        for pid in first.ranks():
+            os.kill(pid, signal.SIGKILL)
+        first.end()
+        ended = moraine.call(*words, *sets(time__end=END / 30))
+        self.assertEqual(ended.code, 0, ended)
+        self.assertFalse((directory / "run.lock").exists())
+
+    def test_overwriting_the_checkpoint_to_go_on_from_is_refused(self):
+        keys = sets(time__end=END / 10, output__checkpoint_interval=END / 20)
+        directory = self.run_scene(SCENE, "own", *keys)
+        link = self.folder / "link.h5"
+        link.symlink_to(checkpoints(directory)[0])
+        before = {path: path.read_bytes() for path in directory.iterdir()}
+        for source in (checkpoints(directory)[0], link):
+            ended = moraine.call("run", SCENE, "--output", directory, "--quiet", "--overwrite", "--restart", source, *keys)
+            self.assertIn("--overwrite would remove", self.assert_one_problem(ended))
+            self.assertEqual({path: path.read_bytes() for path in directory.iterdir()}, before)
+        self.run_scene(SCENE, "other", "--overwrite", "--restart", checkpoints(directory)[0], *keys)
 
 
 if __name__ == "__main__":

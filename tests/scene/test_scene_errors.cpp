@@ -1,5 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <chrono>
+#include <filesystem>
+
 #include "scene/scene_text.hpp"
 
 using namespace moraine;
@@ -99,6 +102,13 @@ TEST_CASE("two tables of one name are refused") {
     CHECK(said_of("name = \"disk\"", "name = \"a b\"").find("letters, digits") != std::string::npos);
 }
 
+TEST_CASE("a name has at most 64 characters") {
+    CHECK(said_of("name = \"disk\"", "name = \"" + std::string(64, 'd') + "\"").empty());
+    const std::string said = said_of("name = \"disk\"", "name = \"" + std::string(65, 'd') + "\"");
+    CHECK(said.starts_with("scene.toml:27: "));
+    CHECK(said.find(" has 65 characters (a name has at most 64). Shorten it?") != std::string::npos);
+}
+
 TEST_CASE("a structure without a shape is refused, and so is one of a name that is there twice") {
     CHECK(said_about(good_scene + "[[structure]]\nname = \"pipe\"\n").find("structure.pipe.shape is missing") !=
           std::string::npos);
@@ -115,6 +125,55 @@ TEST_CASE("a file that is not there is refused") {
                          "nowhere.toml: the scene cannot be read (No such file or directory). Is the path right?",
                          InputError);
     CHECK_THROWS_AS(read_scene(inputs_folder()), InputError);
+}
+
+TEST_CASE(
+    "keys too deep for the parser's stack are refused with their line, and points of numbers and strings are no "
+    "levels") {
+    std::string deep = "a";
+    for (int level = 1; level < 50000; ++level) deep += ".a";
+    for (const std::string& text : {"[" + deep + "]\n", deep + " = 1\n", "x = {" + deep + " = 1}\n"})
+        CHECK(said_about("title = \"\\\" # '\" # \"\n" + text) ==
+              "scene.toml:2: the key is too deep (more than 32 levels). Is it a key of inputs/reference.toml?");
+    CHECK(said_about("title = \"\"\"\n\n\"\"\"\n" + deep + " = 1\n").starts_with("scene.toml:4: the key is too deep"));
+    CHECK(said_of_set(deep + "=1").find("the key is too deep") != std::string::npos);
+    CHECK(said_of_set("time.end={" + deep + "=1}").find("the key is too deep") != std::string::npos);
+    const std::string dots(100, '.');
+    CHECK(said_of("cell = 0.1", "cell = 0.1 # \"" + dots).empty());
+    CHECK(said_about("x = \"" + dots + "\"\n").find("x is not a key") != std::string::npos);
+    std::string numbers = "0.5";
+    for (int k = 0; k < 100; ++k) numbers += ", 0.5";
+    CHECK(said_about("x = [" + numbers + "]\n").find("x is not a key") != std::string::npos);
+}
+
+TEST_CASE("a very long key is refused at once and quoted in part") {
+    const auto start = std::chrono::steady_clock::now();
+    const std::string said = said_about(std::string(1000000, 'x') + " = 1\n");
+    CHECK(said.starts_with("scene.toml:1: xxx"));
+    CHECK(said.find("x ... x") != std::string::npos);
+    CHECK(said.size() < 2000);
+    CHECK(said_about(std::string(5000000, 'x') + " = 1\n").find("it has more than 4 MiB") != std::string::npos);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+}
+
+TEST_CASE("control characters of a scene reach no terminal") {
+    CHECK(said_of("cell = 0.1", "\"ce\\u0000\\u001b[31m\\nll\" = 0.1")
+              .find("domain.ce\\u0000\\u001b[31m\\u000all is not a key") != std::string::npos);
+}
+
+TEST_CASE("what is no file with an end is refused") {
+    const TestFolder folder;
+    std::filesystem::create_symlink("loop.toml", folder.file("loop.toml"));
+    CHECK_THROWS_WITH_AS(read_scene(folder.file("loop.toml")),
+                         (folder.file("loop.toml") +
+                          ": the scene cannot be read (Too many levels of symbolic links). Is the path right?")
+                             .c_str(),
+                         InputError);
+    CHECK_THROWS_WITH_AS(
+        read_scene("/dev/zero"),
+        "/dev/zero: the scene cannot be read (it has more than 4 MiB). Is this a scene? Particles can be a "
+        "table, body.file?",
+        InputError);
 }
 
 TEST_CASE("a bad --set is refused") {

@@ -85,6 +85,60 @@ TEST_CASE("a table in .h5 gives the same") {
     CHECK(seeds[2].velocity == Triple{0, 0.5, 0});
 }
 
+TEST_CASE("a table that claims rows that its file does not hold is refused before memory is taken for them") {
+    const TestFolder folder;
+    for (const bool chunked : {false, true}) {
+        const hid_t file = H5Fcreate(folder.file("t.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+        const hsize_t rows = 1000000000000, chunk = 1000;
+        const hid_t space = H5Screate_simple(1, &rows, nullptr), list = H5Pcreate(H5P_DATASET_CREATE);
+        if (chunked) H5Pset_chunk(list, 1, &chunk);
+        for (const char* name : {"x", "y"})
+            H5Dclose(H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, list, H5P_DEFAULT));
+        H5Pclose(list);
+        H5Sclose(space);
+        H5Fclose(file);
+        CHECK_THROWS_WITH_AS(
+            scene_with(folder, "t.h5"),
+            (folder.file("t.h5") + ": dataset \"x\" (its 1000000000000 rows are not in the file). Write it "
+                                   "as a list of numbers?")
+                .c_str(),
+            InputError);
+    }
+}
+
+TEST_CASE("a packed table is read") {
+    const TestFolder folder;
+    const hid_t file = H5Fcreate(folder.file("t.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hsize_t rows = 20000;
+    const hid_t space = H5Screate_simple(1, &rows, nullptr), list = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(list, 1, &rows);
+    H5Pset_deflate(list, 9);
+    const std::vector<double> values(rows, 1.0);
+    for (const char* name : {"x", "y"}) {
+        const hid_t set = H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+        H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+        H5Dclose(set);
+    }
+    H5Pclose(list);
+    H5Sclose(space);
+    H5Fclose(file);
+    Scene scene;
+    scene.dimensions = 2;
+    scene.max = {2, 2, 0};
+    BodySpec body;
+    body.file = folder.file("t.h5");
+    CHECK(read_particle_table(scene, body).x.size() == rows);
+}
+
+TEST_CASE("a table that is no regular file is refused") {
+    const TestFolder folder;
+    std::filesystem::create_symlink("/dev/zero", folder.file("t.csv"));
+    CHECK_THROWS_WITH_AS(
+        scene_with(folder, "t.csv"),
+        (folder.file("t.csv") + ": the table cannot be read (it is not a regular file). Is body.file right?").c_str(),
+        InputError);
+}
+
 TEST_CASE("a bad .csv names file and line") {
     CHECK(said_of_csv("x,y\n2.0,1.0\n") == "");
     CHECK(said_of_csv("x,y\n2.0,abc\n") ==

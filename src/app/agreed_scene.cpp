@@ -1,0 +1,111 @@
+#include "app/agreed_scene.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+#include <span>
+
+#include "core/error.hpp"
+#include "core/hash.hpp"
+#include "records/version.hpp"
+#include "scene/read_scene.hpp"
+#include "scene/scene_file.hpp"
+#include "seeding/seed_table.hpp"
+
+namespace moraine {
+namespace {
+
+/// Something that every rank has of its own and that must be the same on all.
+struct Common {
+    std::string what;
+    std::uint64_t hash;
+    std::string remedy;
+};
+
+std::uint64_t hash_of(const std::string& text) {
+    const auto bytes = std::as_bytes(std::span(text));
+    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
+}
+
+/// Piece by piece: a table may be larger than what is kept of it.
+std::uint64_t hash_of_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t hash = 0;
+    for (std::string piece(1 << 20, '\0'); file;) {
+        file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+        hash = mix(hash ^ hash_of(piece.substr(0, static_cast<std::size_t>(file.gcount()))));
+    }
+    return hash;
+}
+
+/// Throws InputError that names the first thing of which rank 0 has another than others, and these. Collective.
+void agree_on(const Comm& comm, const std::string& scene, const std::vector<Common>& things) {
+    std::vector<std::uint64_t> mine;
+    for (const Common& thing : things) mine.push_back(thing.hash);
+    const std::vector<std::uint64_t> all = comm.all_gather(mine);
+    for (std::size_t k = 0; k < things.size(); ++k) {
+        std::vector<int> others;
+        for (int rank = 1; rank < comm.size(); ++rank)
+            if (all[static_cast<std::size_t>(rank) * things.size() + k] != all[k]) others.push_back(rank);
+        if (others.empty()) continue;
+        const std::size_t named = std::min<std::size_t>(others.size(), 8);
+        throw InputError(
+            fmt::format("{}: rank 0 and rank{} {}{} differ in {} (it must be the same on all ranks). {}", scene,
+                        others.size() == 1 ? "" : "s",
+                        fmt::join(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                        others.size() > named ? ", ..." : "", things[k].what, things[k].remedy));
+    }
+}
+
+/// Agrees on what is wrong with the input, if anything is; that memory ran out is no matter of the input. Collective.
+template <class Action>
+void agree_input(const Comm& comm, Action&& action) {
+    std::string wrong;
+    try {
+        action();
+    } catch (const InputError& error) {
+        wrong = error.what();
+    }
+    comm.agree_no_error<InputError>(wrong);
+}
+
+std::vector<std::string> all_sets(const Options& options) {
+    std::vector<std::string> sets = options.sets;
+    if (!options.partitioner.empty()) sets.push_back("balance.partitioner=\"" + options.partitioner + "\"");
+    return sets;
+}
+
+std::vector<Common> tables_of(const Scene& scene) {
+    std::vector<Common> tables;
+    for (const BodySpec& body : scene.bodies)
+        if (body.shape == BodyShape::table)
+            tables.push_back({"the bytes of " + body.file, hash_of_file(table_path(scene, body)),
+                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
+    return tables;
+}
+
+}  // namespace
+
+Scene read_agreed(const Comm& comm, const Options& options, const std::function<void(const Scene&)>& admit) {
+    const std::vector<std::string> sets = all_sets(options);
+    agree_on(comm, options.scene,
+             {{"the commit of the program", hash_of(commit_text), "Is one build installed on all hosts?"},
+              {"what --set says", hash_of(fmt::format("{}", fmt::join(sets, "\n"))),
+               "Start all ranks with the same words?"}});
+    std::string text;
+    agree_input(comm, [&] {
+        if (comm.is_root()) text = read_scene_file(options.scene);
+    });
+    text = comm.broadcast(text);
+    Scene scene;
+    std::vector<Common> tables;
+    agree_input(comm, [&] {
+        scene = parse_scene(options.scene, text, sets, admit);
+        tables = tables_of(scene);
+    });
+    agree_on(comm, options.scene, tables);
+    return scene;
+}
+
+}  // namespace moraine
