@@ -1,5 +1,5 @@
 #pragma once
-// The simulation: one rank's part of the run, and THE STEP. The one file that may know every folder.
+// The simulation: one rank's part of the run, and THE STEP (the last function below).
 //
 // Between steps the share of a rank is told by its lists; output, checkpoints and balancing read it
 // only in the binned state, and never change dt or the answer.
