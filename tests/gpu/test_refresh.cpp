@@ -119,11 +119,11 @@ TEST_CASE_TEMPLATE("every column of the host goes into rows at given slots and c
         CAPTURE(c.name);
         gpu::Array<std::byte> packed, back;
         packed.assign(c.data, n * c.row_bytes), back.resize(n * c.row_bytes);
-        const std::vector<gpu::Piece> pieces = gpu::pieces_of(rows.columns, c.name);
-        REQUIRE(!pieces.empty());
-        CHECK(pieces.size() <= 3);
-        for (const gpu::Piece& piece : pieces) gpu::unpack_rows(n, slot.data(), piece, packed.data(), nullptr);
-        for (const gpu::Piece& piece : pieces) gpu::pack_rows(n, slot.data(), piece, back.data(), nullptr);
+        const std::vector<gpu::RowPart> parts = gpu::parts_of(rows.columns, c.name);
+        REQUIRE(!parts.empty());
+        CHECK(parts.size() <= 3);
+        for (const gpu::RowPart& part : parts) gpu::unpack_rows(n, slot.data(), part, packed.data(), nullptr);
+        for (const gpu::RowPart& part : parts) gpu::pack_rows(n, slot.data(), part, back.data(), nullptr);
         CHECK(back.host() == packed.host());
     }
     const ParticleView<Real, C::dim> p = particles.view();
@@ -133,10 +133,10 @@ TEST_CASE_TEMPLATE("every column of the host goes into rows at given slots and c
     }
 }
 
-TEST_CASE("columns that a scene has not are made of no pieces") {
+TEST_CASE("columns that a scene has not are made of no parts") {
     const gpu::Columns<float, 3> none{};
     for (const char* name : {"affine", "left_strain", "log_stretch", "history_1", "unheard-of"})
-        CHECK(gpu::pieces_of(none, name).empty());
+        CHECK(gpu::parts_of(none, name).empty());
 }
 
 TEST_CASE("timing of a refresh, where MORAINE_TIMING asks for it") {
