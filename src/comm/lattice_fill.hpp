@@ -2,21 +2,16 @@
 // Particles of a lattice (core/lattice.hpp) into the host's columns: what begins as zero is made zero.
 
 #include "core/lattice.hpp"
-#include "core/material/left_stretch.hpp"
 #include "core/particles.hpp"
 
 namespace moraine {
 
-/// What no particle begins with.
+/// Every variable that no seed has is zero at the start; a law may change its own then (LawBatch::begin).
 template <class Real, int Dim>
 void clear_rest(const ParticleView<Real, Dim>& p, std::uint32_t slot) {
-    p.ln_J[slot] = Real(0);
-    for (Real* history : p.history)
-        if (history) history[slot] = Real(0);
-    if (p.affine) p.affine[slot] = zero_mat<Real, Dim>();
-    if (p.left_stretch) p.left_stretch[slot] = undeformed_stretch<Real, Dim>();
-    if (p.log_stretch) p.log_stretch[slot] = zero_vec<Real, Dim>();
-    if (p.body_force) p.body_force[slot] = zero_vec<Real, Dim>();
+    each_variable<Real, Dim>([&](const auto& variable) {
+        if (auto* column = variable.pointer(p); column && variable.starts == FirstValue::zero) column[slot] = {};
+    });
 }
 
 template <class Real, int Dim>

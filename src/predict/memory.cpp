@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "core/block.hpp"
-#include "core/material/laws.hpp"
 #include "core/method.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
@@ -13,22 +14,32 @@ namespace moraine {
 
 namespace {
 
-/// What the scene's materials and transfer ask to be remembered, in reals per particle.
-struct Remembered {
-    int stress, history = 0, stretch = 0, affine = 0, box = 0;
+/// What of the table of a particle's state (core/particle_state.hpp) a scene keeps.
+struct ParticleSize {
+    int reals = 0;    ///< of a particle on the host, besides its id and body
+    int widest = 0;   ///< variable [reals]
+    int rows = 0;     ///< of four reals on a device
+    int scalars = 0;  ///< there besides
 };
 
-Remembered remembered(const Scene& scene) {
-    const int d = scene.dimensions;
-    Remembered r{d == 2 ? 4 : 6};
-    for (const MaterialSpec& material : scene.materials) {
-        const LawInfo& law = *find_law(material.law);
-        r.history = std::max(r.history, law.history);
-        if (law.uses_left_stretch) r.stretch = r.stress;
-    }
-    if (scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic) r.affine = d * d;
-    if (scene.shape == Shape::gimp_contiguous) r.box = d;
-    return r;
+template <int Dim>
+ParticleSize size_of(const ColumnNeeds& needs) {
+    ParticleSize size;
+    bool row[row_groups][most_group_rows] = {};
+    each_variable<double, Dim>([&](const auto& v) {
+        if (std::is_integral_v<typename std::decay_t<decltype(v)>::Type>) return;  // id, body
+        if (!v.present(needs) || v.lives != Lifetime::run) return;
+        size.reals += v.components();
+        size.widest = std::max(size.widest, v.components());
+        size.scalars += v.places[0].lanes == 0;
+        for (const RowPlace& p : v.places)
+            if (p.lanes > 0 && !std::exchange(row[static_cast<int>(p.group)][p.row], true)) ++size.rows;
+    });
+    return size;
+}
+
+ParticleSize size_of(const Scene& scene) {
+    return scene.dimensions == 2 ? size_of<2>(needs_of(scene)) : size_of<3>(needs_of(scene));
 }
 
 double real_bytes(const Scene& scene) {
@@ -52,11 +63,9 @@ double node_block_bytes(const Scene& scene) {
 
 double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const int d = scene.dimensions;
-    const Remembered r = remembered(scene);
-    const int reals = 2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box;
     const double lists = 10;
     const double frame = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
-    const double particle = reals * real_bytes(scene) + 8 + 2 + lists + frame;
+    const double particle = size_of(scene).reals * real_bytes(scene) + 8 + 2 + lists + frame;
     const double mine = static_cast<double>(p.blocks) / ranks;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
     return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
@@ -65,13 +74,11 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
 
 namespace {
 
-/// Reals of a particle on the device: rows of four and one spare row, the second scalar and its spare.
-int device_reals(const Scene& scene, const Remembered& r) {
-    const int d = scene.dimensions;
-    int rows = (d == 3 ? 4 : 3) + 1 + (r.box > 0);
-    if (r.affine) rows += d == 3 ? 3 : 1;
-    if (r.stretch) rows += d == 3 ? 2 : 1;
-    return 4 * rows + (r.history > 1 ? 2 : 0) + (fuses(scene) ? 0 : d * d);
+/// Reals of a particle on the device: its rows and a spare one, further scalars and their spare.
+int device_reals(const Scene& scene) {
+    const ParticleSize size = size_of(scene);
+    const int d = scene.dimensions, scalars = size.scalars > 0 ? size.scalars + 1 : 0;
+    return 4 * (size.rows + 1) + scalars + (fuses(scene) ? 0 : d * d);
 }
 
 /// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
@@ -84,13 +91,12 @@ double device_tables(const Scene& scene, const Prediction& p) {
 }
 
 double bytes_of_one_device(const Scene& scene, const Prediction& p) {
-    const Remembered r = remembered(scene);
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
-    const double particle = device_reals(scene, r) * real_bytes(scene) + ids + lists;
+    const double particle = device_reals(scene) * real_bytes(scene) + ids + lists;
     const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
     // One column of a million particles on its way from or to the host.
-    const double staging = std::min(particles, 1048576.0) * std::max(r.stress, r.affine) * real_bytes(scene);
+    const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);
     const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
     return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
 }
@@ -110,9 +116,8 @@ double boundary_blocks(const Scene& scene, double blocks, int ranks) {
 
 /// What one of several devices needs besides its share: spare slots, the tiles of others, messages.
 double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
-    const Remembered r = remembered(scene);
     const auto particles = static_cast<double>(mine.particles), blocks = static_cast<double>(mine.blocks);
-    const double record = 16 + (device_reals(scene, r) - 4) * real_bytes(scene);
+    const double record = 16 + (device_reals(scene) - 4) * real_bytes(scene);
     const double boundary = boundary_blocks(scene, blocks, ranks);
     const double outgoing = 5.0 / 4 * 0.35 * boundary * particles / std::max(blocks, 1.0);  // of 64 cells 16 and more
     const double halo = boundary * tile_bytes(scene) * 0.4;  // of a face and some edges, without the unused sums
@@ -137,9 +142,7 @@ namespace {
 /// Of a scene whose particles are made on the host and uploaded: they, what of them travels at most both ways, and
 /// their order.
 double rows_on_host(const Scene& scene, const Prediction& p, int ranks) {
-    const Remembered r = remembered(scene);
-    const int d = scene.dimensions;
-    const double row = (2 * d + 3 + r.stress + r.history + r.affine + r.stretch + r.box) * real_bytes(scene) + 8 + 2;
+    const double row = size_of(scene).reals * real_bytes(scene) + 8 + 2;
     const double travels = 1 - 1.0 / ranks;
     return static_cast<double>(p.particles) / ranks * (row * (1 + 2 * travels) + 28) +
            static_cast<double>(p.blocks) / ranks * (tile_bytes(scene) + node_block_bytes(scene));

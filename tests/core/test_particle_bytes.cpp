@@ -12,7 +12,7 @@ namespace {
 ColumnNeeds every_column() {
     ColumnNeeds needs;
     needs.affine = needs.left_stretch = needs.log_stretch = true;
-    needs.history = 2;
+    needs.history = max_history;
     return needs;
 }
 

@@ -38,7 +38,7 @@ class Rows {
         for (int k = 0; k < gpu::affine_rows<Dim>; ++k) columns.affine[k] = make(affine_[k], n);
         for (int k = 0; k < gpu::stretch_rows<Dim>; ++k) columns.stretch[k] = make(stretch_[k], n);
         columns.log_stretch = make(log_stretch_, n);
-        columns.second_history = make(second_history_, n);
+        for (int k = 0; k < max_history - 1; ++k) columns.history[k] = make(history_[k], n);
         columns.id = make(id_, n), columns.body = make(body_, n);
     }
 
@@ -59,7 +59,7 @@ class Rows {
 
     gpu::Array<gpu::Row<Real>> core_[gpu::core_rows<Dim>], affine_[gpu::affine_rows<Dim>];
     gpu::Array<gpu::Row<Real>> stretch_[gpu::stretch_rows<Dim>], log_stretch_;
-    gpu::Array<Real> second_history_;
+    gpu::Array<Real> history_[max_history - 1];
     gpu::Array<std::uint64_t> id_;
     gpu::Array<std::uint16_t> body_;
 };
@@ -108,7 +108,7 @@ TEST_CASE_TEMPLATE("every column of the host goes into rows at given slots and c
     using Real = typename C::Real;
     const std::uint32_t n = 3001;
     std::mt19937_64 random(2);
-    Particles<Host, Real, C::dim> particles({true, true, true, 2, false});
+    Particles<Host, Real, C::dim> particles({true, true, true, max_history, false});
     particles.resize(n);
     for (const ColumnBytes& c : particles.columns()) fill_bytes(c.data, n * c.row_bytes, random);
     const Rows<Real, C::dim> rows(n);

@@ -3,7 +3,7 @@
 //
 // A law is a small struct template <class Real> with
 //   static constexpr const char* name;                  as in material.law
-//   static constexpr int history;                       scalars remembered per particle, 0 to 2
+//   static constexpr int history;                       scalars remembered per particle, 0 to max_history
 //   static constexpr const char* history_names[];       output names, when history > 0
 //   static constexpr bool uses_left_stretch;            needs b = F Fᵀ, kept as b - I
 //   static constexpr Parameter parameters[];            keys of [[material]], in the order of the constructor
@@ -24,7 +24,8 @@
 
 namespace moraine {
 
-inline constexpr int max_history = 2;
+/// Scalars that a law may keep; more is a compile error. Those that no law of a scene has cost it nothing.
+inline constexpr int max_history = 4;
 
 template <class Real, int Dim>
 struct PointState {

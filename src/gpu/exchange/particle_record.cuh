@@ -9,11 +9,12 @@ namespace moraine::gpu {
 __device__ __forceinline__ uint4 record_unit(const RecordLayout& r, int u, std::uint32_t slot) {
     const int k = (u - 1) / r.row_units, part = (u - 1) % r.row_units;
     if (k < r.rows) return r.row[k][std::size_t(slot) * r.row_units + part];
+    const void* scalar = r.scalar[u - 1 - r.rows * r.row_units];
     uint4 unit{};
     if (r.scalar_bytes == 4) {
-        unit.x = static_cast<const std::uint32_t*>(r.scalar)[slot];
+        unit.x = static_cast<const std::uint32_t*>(scalar)[slot];
     } else {
-        const std::uint64_t bits = static_cast<const std::uint64_t*>(r.scalar)[slot];
+        const std::uint64_t bits = static_cast<const std::uint64_t*>(scalar)[slot];
         unit.x = static_cast<std::uint32_t>(bits), unit.y = static_cast<std::uint32_t>(bits >> 32);
     }
     return unit;
@@ -29,12 +30,15 @@ __device__ __forceinline__ void set_record_unit(const RecordLayout& r, int u, st
         return;
     }
     const int k = (u - 1) / r.row_units, part = (u - 1) % r.row_units;
-    if (k < r.rows)
+    if (k < r.rows) {
         r.row[k][std::size_t(slot) * r.row_units + part] = unit;
-    else if (r.scalar_bytes == 4)
-        static_cast<std::uint32_t*>(r.scalar)[slot] = unit.x;
+        return;
+    }
+    void* scalar = r.scalar[u - 1 - r.rows * r.row_units];
+    if (r.scalar_bytes == 4)
+        static_cast<std::uint32_t*>(scalar)[slot] = unit.x;
     else
-        static_cast<std::uint64_t*>(r.scalar)[slot] = unit.x | std::uint64_t(unit.y) << 32;
+        static_cast<std::uint64_t*>(scalar)[slot] = unit.x | std::uint64_t(unit.y) << 32;
 }
 
 }  // namespace moraine::gpu

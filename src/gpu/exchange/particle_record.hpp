@@ -27,8 +27,9 @@ struct RecordLayout {
     std::uint16_t* body;
     uint4* row[most_rows];
     int rows;
-    int row_units;     ///< of 16 bytes
-    void* scalar;      ///< null: none
+    int row_units;                  ///< of 16 bytes
+    void* scalar[max_history - 1];  ///< columns of scalars, a unit each
+    int scalars;
     int scalar_bytes;  ///< 4 or 8
     int units;         ///< of a record
 
@@ -36,22 +37,24 @@ struct RecordLayout {
 };
 
 template <class Real, int Dim>
-RecordLayout record_layout(const Columns<Real, Dim>& columns) {
+RecordLayout record_layout(Columns<Real, Dim> columns) {
     RecordLayout r{};
     r.id = columns.id;
     r.body = columns.body;
-    const auto add = [&](Row<Real>* row) {
-        if (row) r.row[r.rows++] = reinterpret_cast<uint4*>(row);
-    };
-    for (Row<Real>* row : columns.core) add(row);
-    for (Row<Real>* row : columns.affine) add(row);
-    for (Row<Real>* row : columns.stretch) add(row);
-    add(columns.log_stretch);
+    each_row_of<Dim>([&](RowGroup group, int k, int) {
+        if (Row<Real>* row = columns.row(group, k)) r.row[r.rows++] = reinterpret_cast<uint4*>(row);
+    });
+    for (Real* column : columns.history)
+        if (column) r.scalar[r.scalars++] = column;
     r.row_units = sizeof(Row<Real>) / 16;
-    r.scalar = columns.second_history;
     r.scalar_bytes = sizeof(Real);
-    r.units = 1 + r.rows * r.row_units + (r.scalar ? 1 : 0);
+    r.units = 1 + r.rows * r.row_units + r.scalars;
     return r;
 }
+
+/// All rows that there can be fit.
+static_assert(rows_of<3>(RowGroup::core) + rows_of<3>(RowGroup::affine) + rows_of<3>(RowGroup::stretch) +
+                  rows_of<3>(RowGroup::box) <=
+              RecordLayout::most_rows);
 
 }  // namespace moraine::gpu

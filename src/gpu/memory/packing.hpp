@@ -7,6 +7,7 @@
 
 #include <cuda_runtime.h>
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,37 +31,29 @@ void pack_rows(std::uint32_t n, const std::uint32_t* slot, const RowPart& part, 
 void unpack_rows(std::uint32_t n, const std::uint32_t* slot, const RowPart& part, const void* packed,
                  cudaStream_t stream);
 
+/// A variable's own column on the device; null: it has none, or the scene has not.
+template <class Real, int Dim>
+void* own_column(const Columns<Real, Dim>& columns, std::string_view name) {
+    if (name == "id") return columns.id;
+    if (name == "body") return columns.body;
+    for (int k = 1; k < max_history; ++k)
+        if (name == "history_" + std::to_string(k)) return columns.history[k - 1];
+    return nullptr;
+}
+
 /// The host's columns by name (Particles::columns()) in terms of rows; none: the device has no such column.
 template <class Real, int Dim>
-std::vector<RowPart> parts_of(const Columns<Real, Dim>& columns, std::string_view name) {
-    using Core = CoreRows<Real, Dim>;
-    constexpr int size = sizeof(Real);
-    const auto lanes = [](Row<Real>* rows, int lane, int count, int stride, int offset = 0) {
-        return rows ? std::vector<RowPart>{{rows, size, 4, lane, count, stride, offset}} : std::vector<RowPart>{};
-    };
-    /// A symmetric tensor in one row of four, or in two of three.
-    const auto tensor = [&](Row<Real>* normal, Row<Real>* shear) {
-        if (Dim == 2) return lanes(normal, 0, 4, 4);
-        std::vector<RowPart> both = lanes(normal, 0, 3, 6);
-        if (shear) both.push_back(lanes(shear, 0, 3, 6, 3).front());
-        return both;
-    };
-    if (name == "id") return {{columns.id, 8, 1, 0, 1, 1, 0}};
-    if (name == "body") return {{columns.body, 2, 1, 0, 1, 1, 0}};
-    if (name == "position") return lanes(columns.core[Core::place], 0, Dim, Dim);
-    if (name == "mass") return lanes(columns.core[Core::place], Dim, 1, 1);
-    if (name == "velocity") return lanes(columns.core[Core::motion], 0, Dim, Dim);
-    if (name == "volume") return lanes(columns.core[Dim == 3 ? Core::motion : Core::place], 3, 1, 1);
-    if (name == "ln_J") return lanes(columns.core[Dim == 3 ? Core::normal : Core::motion], Dim == 3 ? 3 : 2, 1, 1);
-    if (name == "history_0") return lanes(columns.core[Dim == 3 ? Core::shear : Core::motion], 3, 1, 1);
-    if (name == "history_1" && columns.second_history) return {{columns.second_history, size, 1, 0, 1, 1, 0}};
-    if (name == "stress") return tensor(columns.core[Core::normal], columns.core[Core::shear]);
-    if (name == "left_strain") return tensor(columns.stretch[0], columns.stretch[stretch_rows<Dim> - 1]);
-    if (name == "log_stretch") return lanes(columns.log_stretch, 0, Dim, Dim);
-    std::vector<RowPart> all;
-    for (int k = 0; name == "affine" && columns.affine[0] && k < affine_rows<Dim>; ++k)
-        all.push_back(lanes(columns.affine[k], 0, Dim == 3 ? 3 : 4, Dim * Dim, Dim * k).front());
-    return all;
+std::vector<RowPart> parts_of(Columns<Real, Dim> columns, std::string_view name) {
+    std::vector<RowPart> parts;
+    each_variable<Real, Dim>([&](const auto& v) {
+        if (name != v.name) return;
+        const int scalar = static_cast<int>(v.scalar_bytes), components = v.components();
+        for (const RowPlace& p : v.places)
+            if (Row<Real>* rows = p.lanes > 0 ? columns.row(p.group, p.row) : nullptr)
+                parts.push_back({rows, scalar, 4, p.lane, p.lanes, components, p.first});
+        if (void* own = own_column(columns, name)) parts.push_back({own, scalar, 1, 0, components, components, 0});
+    });
+    return parts;
 }
 
 }  // namespace moraine::gpu

@@ -1,18 +1,14 @@
 #pragma once
 // A particle on the device: rows of four reals, one column each, so that a row is one or two 16-byte accesses and a
-// row of doubles one 32-byte sector: a particle read out of order costs no more bytes.
+// row of doubles one 32-byte sector: a particle read out of order costs no more bytes. Which lanes hold what is said
+// by the table of core/particle_state.hpp; what has no row there has a column of its own.
 //
-//   3-D   (x y z m)   (v V)             (sxx syy szz ln J)   (sxy syz szx h0)
-//   2-D   (x y m V)   (v ln J h0)       (sxx syy szz sxy)
-//   then, where the scene has them: C row by row (2-D: one row), b (3-D: normal, shear), ln stretch of a box
-//
-// x are the fixed-point places of core/position.hpp, h0 the material's first scalar. Bits of places are kept in
-// reals' clothes: a row is only copied.
+// x are the fixed-point places of core/position.hpp; their bits are kept in reals' clothes: a row is only copied.
 
 #include <cstdint>
 #include <cstring>
 
-#include "core/particles.hpp"
+#include "core/particle_state.hpp"
 
 namespace moraine::gpu {
 
@@ -21,20 +17,22 @@ struct alignas(4 * sizeof(Real)) Row {
     Real e[4];
 };
 
-/// Rows that every particle has.
+/// Rows that every particle has, and those of the others.
 template <int Dim>
-inline constexpr int core_rows = Dim == 3 ? 4 : 3;
+inline constexpr int core_rows = rows_of<Dim>(RowGroup::core);
 template <int Dim>
-inline constexpr int affine_rows = Dim == 3 ? 3 : 1;
+inline constexpr int affine_rows = rows_of<Dim>(RowGroup::affine);
 template <int Dim>
-inline constexpr int stretch_rows = Dim == 3 ? 2 : 1;
+inline constexpr int stretch_rows = rows_of<Dim>(RowGroup::stretch);
 
 /// The core rows by name. Which row a name lives in is known to the compiler: rows not used are not loaded.
 template <class Real, int Dim>
 struct CoreRows {
     Row<Real> row[core_rows<Dim>];
 
-    static constexpr int place = 0, motion = 1, normal = 2, shear = Dim == 3 ? 3 : 2;
+    static constexpr int place = place_of<Dim>("position").row, motion = place_of<Dim>("velocity").row;
+    static constexpr int normal = place_of<Dim>("stress").row,
+                         shear = Dim == 3 ? place_of<Dim>("stress", 1).row : normal;
 
     MORAINE_HD Coordinate<Real> coordinate(int a) const {
         Coordinate<Real> u;
@@ -43,19 +41,25 @@ struct CoreRows {
     }
     MORAINE_HD void set_coordinate(int a, Coordinate<Real> u) { std::memcpy(&row[place].e[a], &u, sizeof(u)); }
 
-    MORAINE_HD Real mass() const { return row[place].e[Dim]; }
-    MORAINE_HD Real& mass() { return row[place].e[Dim]; }
+    MORAINE_HD Real mass() const { return row[mass_row].e[mass_lane]; }
+    MORAINE_HD Real& mass() { return row[mass_row].e[mass_lane]; }
     MORAINE_HD Real velocity(int a) const { return row[motion].e[a]; }
     MORAINE_HD Real& velocity(int a) { return row[motion].e[a]; }
-    MORAINE_HD Real volume() const { return Dim == 3 ? row[motion].e[3] : row[place].e[3]; }
-    MORAINE_HD Real& volume() { return Dim == 3 ? row[motion].e[3] : row[place].e[3]; }
-    MORAINE_HD Real ln_J() const { return Dim == 3 ? row[normal].e[3] : row[motion].e[2]; }
-    MORAINE_HD Real& ln_J() { return Dim == 3 ? row[normal].e[3] : row[motion].e[2]; }
-    MORAINE_HD Real history() const { return Dim == 3 ? row[shear].e[3] : row[motion].e[3]; }
-    MORAINE_HD Real& history() { return Dim == 3 ? row[shear].e[3] : row[motion].e[3]; }
+    MORAINE_HD Real volume() const { return row[volume_row].e[volume_lane]; }
+    MORAINE_HD Real& volume() { return row[volume_row].e[volume_lane]; }
+    MORAINE_HD Real ln_J() const { return row[ln_J_row].e[ln_J_lane]; }
+    MORAINE_HD Real& ln_J() { return row[ln_J_row].e[ln_J_lane]; }
+    MORAINE_HD Real history() const { return row[history_row].e[history_lane]; }
+    MORAINE_HD Real& history() { return row[history_row].e[history_lane]; }
     /// Component k of Sym: xx yy zz xy (yz zx).
     MORAINE_HD Real stress(int k) const { return k < 3 ? row[normal].e[k] : row[shear].e[Dim == 3 ? k - 3 : k]; }
     MORAINE_HD Real& stress(int k) { return k < 3 ? row[normal].e[k] : row[shear].e[Dim == 3 ? k - 3 : k]; }
+
+  private:
+    static constexpr int mass_row = place_of<Dim>("mass").row, mass_lane = place_of<Dim>("mass").lane;
+    static constexpr int volume_row = place_of<Dim>("volume").row, volume_lane = place_of<Dim>("volume").lane;
+    static constexpr int ln_J_row = place_of<Dim>("ln_J").row, ln_J_lane = place_of<Dim>("ln_J").lane;
+    static constexpr int history_row = place_of<Dim>("history_0").row, history_lane = place_of<Dim>("history_0").lane;
 };
 
 /// Columns by row; null: the scene has no such row.
@@ -65,9 +69,42 @@ struct Columns {
     Row<Real>* affine[affine_rows<Dim>];
     Row<Real>* stretch[stretch_rows<Dim>];  ///< left stretch b
     Row<Real>* log_stretch;
-    Real* second_history;
+    Real* history[max_history - 1];  ///< history[k - 1] is the material's scalar k; the scalar 0 is in the core rows
     std::uint64_t* id;
     std::uint16_t* body;  ///< two to a word: there is space for an even number
+
+    /// Of row k of a group.
+    Row<Real>*& row(RowGroup group, int k) {
+        switch (group) {
+            case RowGroup::affine:
+                return affine[k];
+            case RowGroup::stretch:
+                return stretch[k];
+            case RowGroup::box:
+                return log_stretch;
+            default:
+                return core[k];
+        }
+    }
 };
+
+/// Calls f(group, row of the group, number of it) for every row that a particle can have, the core rows first.
+template <int Dim, class F>
+void each_row_of(const F& f) {
+    constexpr int rows[row_groups] = {rows_of<Dim>(RowGroup::core), rows_of<Dim>(RowGroup::affine),
+                                      rows_of<Dim>(RowGroup::stretch), rows_of<Dim>(RowGroup::box)};
+    int number = 0;
+    for (int g = 0; g < row_groups; ++g)
+        for (int k = 0; k < rows[g]; ++k) f(static_cast<RowGroup>(g), k, number++);
+}
+
+/// Whether a scene has a group's rows.
+template <int Dim>
+bool has_rows(const ColumnNeeds& needs, RowGroup group) {
+    bool any = false;
+    each_variable<double, Dim>(
+        [&](const auto& v) { any = any || (v.places[0].lanes > 0 && v.places[0].group == group && v.present(needs)); });
+    return any;
+}
 
 }  // namespace moraine::gpu

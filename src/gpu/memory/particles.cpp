@@ -23,11 +23,10 @@ void take_order(Array<T>& column, Array<T>& spare, const std::uint32_t* slot, st
 template <class Real, int Dim>
 Columns<Real, Dim> DeviceParticles<Real, Dim>::view() const {
     Columns<Real, Dim> v{};
-    for (int k = 0; k < core_rows<Dim>; ++k) v.core[k] = core_[k].data();
-    for (int k = 0; needs_.affine && k < affine_rows<Dim>; ++k) v.affine[k] = affine_[k].data();
-    for (int k = 0; needs_.left_stretch && k < stretch_rows<Dim>; ++k) v.stretch[k] = stretch_[k].data();
-    if (needs_.log_stretch) v.log_stretch = box_.data();
-    if (needs_.history > 1) v.second_history = second_history_.data();
+    each_row_of<Dim>([&](RowGroup group, int k, int) {
+        if (has_rows<Dim>(needs_, group)) v.row(group, k) = rows_[static_cast<int>(group)][k].data();
+    });
+    for (int k = 1; k < needs_.history; ++k) v.history[k - 1] = history_[k - 1].data();
     v.id = id_.data();
     v.body = body_.data();
     return v;
@@ -37,12 +36,16 @@ Columns<Real, Dim> DeviceParticles<Real, Dim>::view() const {
 template <class Real, int Dim>
 template <class F>
 void DeviceParticles<Real, Dim>::each_row(const F& f) {
-    for (Array<Row<Real>>& row : core_) f(row);
-    if (needs_.affine)
-        for (Array<Row<Real>>& row : affine_) f(row);
-    if (needs_.left_stretch)
-        for (Array<Row<Real>>& row : stretch_) f(row);
-    if (needs_.log_stretch) f(box_);
+    each_row_of<Dim>([&](RowGroup group, int k, int) {
+        if (has_rows<Dim>(needs_, group)) f(rows_[static_cast<int>(group)][k]);
+    });
+}
+
+/// And f(column) for those of the material's scalars that are in no row.
+template <class Real, int Dim>
+template <class F>
+void DeviceParticles<Real, Dim>::each_scalar(const F& f) {
+    for (int k = 1; k < needs_.history; ++k) f(history_[k - 1]);
 }
 
 /// Lanes without a meaning are copied too: all begin as zeros.
@@ -52,7 +55,7 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
         row.resize(n);
         check(cudaMemset(row.data(), 0, n * sizeof(Row<Real>)), "Clearing particles");
     });
-    if (needs_.history > 1) second_history_.resize(n), spare_scalar_.resize(n);
+    each_scalar([&](Array<Real>& column) { column.resize(n), spare_scalar_.resize(n); });
     id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
     spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
 }
@@ -60,7 +63,8 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::clear(std::size_t n) {
     resize(n);
-    if (needs_.history > 1) check(cudaMemset(second_history_.data(), 0, n * sizeof(Real)), "Clearing particles");
+    each_scalar(
+        [&](Array<Real>& column) { check(cudaMemset(column.data(), 0, n * sizeof(Real)), "Clearing particles"); });
     check(cudaDeviceSynchronize(), "Clearing particles");
 }
 
@@ -84,7 +88,7 @@ void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
     };
     spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();
     each_row([&](Array<Row<Real>>& row) { longer(row, most); });
-    if (needs_.history > 1) longer(second_history_, most), spare_scalar_.resize(most);
+    each_scalar([&](Array<Real>& column) { longer(column, most), spare_scalar_.resize(most); });
     longer(id_, most), longer(body_, most + most % 2);
     spare_.resize(most), spare_id_.resize(most), spare_body_.resize(most + most % 2);
 }
@@ -126,7 +130,7 @@ void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& column
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
     each_row([&](Array<Row<Real>>& row) { take_order(row, spare_, slot, n, stream); });
-    if (needs_.history > 1) take_order(second_history_, spare_scalar_, slot, n, stream);
+    each_scalar([&](Array<Real>& column) { take_order(column, spare_scalar_, slot, n, stream); });
     take_order(id_, spare_id_, slot, n, stream);
     take_order(body_, spare_body_, slot, n, stream);
 }

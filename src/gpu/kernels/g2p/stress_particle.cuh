@@ -30,13 +30,14 @@ __device__ __forceinline__ PointState<Real, Dim> state_of(const CoreRows<Real, D
     for (int k = 0; k < Sym<Real, Dim>::size; ++k) state.stress[k] = p.stress(k);
     state.ln_J = p.ln_J();
     state.history[0] = p.history();
-    if constexpr (Law::history > 1) state.history[1] = all.second_history[s];
+#pragma unroll
+    for (int k = 1; k < Law::history; ++k) state.history[k] = all.history[k - 1][s];
     if constexpr (Law::uses_left_stretch)
         for (int k = 0; k < Sym<Real, Dim>::size; ++k) state.left_stretch[k] = stretch_of<Real, Dim>(b, k);
     return state;
 }
 
-/// Updates p (with its new velocity) and b by dL; stores b and a second history. Returns bits of Fault.
+/// Updates p (with its new velocity) and b by dL; stores b and scalars beyond the first. Returns bits of Fault.
 template <class Law, class Real, int Dim>
 __device__ __forceinline__ std::uint32_t update_stress(const Law& law, Real inverse_density, const Mat<Real, Dim>& dL,
                                                        Real dt, const Columns<Real, Dim>& all, std::uint32_t s,
@@ -53,7 +54,8 @@ __device__ __forceinline__ std::uint32_t update_stress(const Law& law, Real inve
     p.ln_J() = state.ln_J;
     p.volume() = step.volume;
     if constexpr (Law::history > 0) p.history() = state.history[0];
-    if constexpr (Law::history > 1) all.second_history[s] = state.history[1];
+#pragma unroll
+    for (int k = 1; k < Law::history; ++k) all.history[k - 1][s] = state.history[k];
     if constexpr (Law::uses_left_stretch) {
         for (int k = 0; k < Sym<Real, Dim>::size; ++k) stretch_of<Real, Dim>(b, k) = state.left_stretch[k];
         for (int r = 0; r < stretch_rows<Dim>; ++r) store_row(all.stretch[r] + s, b[r]);
