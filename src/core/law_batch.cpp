@@ -30,6 +30,12 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
         }
     }
 
+    void begin(const BodyStart& start, const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
+        PointState<Real, Dim> state = load_point<Law>(p, slot);
+        begin_point(law_, start, state);
+        for (int k = 0; k < Law::history; ++k) p.history[k][slot] = state.history[k];
+    }
+
     double strain_energy(const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
         return static_cast<double>(law_.strain_energy(load_point<Law>(p, slot))) * static_cast<double>(p.volume[slot]);
     }

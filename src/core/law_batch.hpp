@@ -21,6 +21,8 @@ class LawBatch {
     /// Updates the particles whose material is `mine` according to material_of (null: all are).
     virtual void update(const ParticleView<Real, Dim>& p, const std::uint32_t* slots, const Mat<Real, Dim>* gradients,
                         int n, Real dt, const std::uint16_t* material_of, int mine, BlockOutcome& out) const = 0;
+    /// Gives a particle that has its stress the law's scalars of the start.
+    virtual void begin(const BodyStart& start, const ParticleView<Real, Dim>& p, std::uint32_t slot) const = 0;
     /// Stored elastic energy [J] and signal speed c + |v| [m/s] of one particle.
     virtual double strain_energy(const ParticleView<Real, Dim>& p, std::uint32_t slot) const = 0;
     virtual double signal(const ParticleView<Real, Dim>& p, std::uint32_t slot) const = 0;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/material/point.hpp"
+
 namespace moraine {
 
 using Triple = std::array<double, 3>;
@@ -71,6 +73,7 @@ struct BodySpec {
     bool geostatic = false;        ///< start from sigma_v = -rho g (surface - y), sigma_h = k0 sigma_v
     double geostatic_surface = 0;  ///< height of the free surface along -gravity's main axis [m]
     double geostatic_k0 = 1;
+    BodyStart start;  ///< of the law's scalars
 };
 
 /// How a structure moves (core/structure_motion.hpp).

@@ -17,6 +17,7 @@
 #include "predict/lattice_prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed.hpp"
+#include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 
 namespace moraine {
@@ -131,8 +132,11 @@ double norm(const Triple& v) {
     return std::hypot(v[0], v[1], v[2]);
 }
 
-double wave_speed(const MaterialSpec& material) {
-    return std::sqrt(find_law(material.law)->wave_modulus(material.parameters.data()) / material.density);
+double wave_speed(const Scene& scene, const BodySpec& body) {
+    const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
+    const LawInfo& law = *find_law(material.law);
+    return std::sqrt(law.wave_modulus(material.parameters.data(), body.start, deepest_stress(scene, body)) /
+                     material.density);
 }
 
 Prediction predict(const Scene& scene) {
@@ -149,8 +153,7 @@ Prediction predict(const Scene& scene) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const double speed =
             b < lattice.speed.size() ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
-        const MaterialSpec& material = scene.materials[static_cast<std::size_t>(scene.bodies[b].material)];
-        const double wave = wave_speed(material);
+        const double wave = wave_speed(scene, scene.bodies[b]);
         p.dt = std::min(p.dt, courant_number(scene) * scene.cell / (wave + speed));
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);

@@ -13,8 +13,8 @@
 
 namespace moraine {
 
-/// sqrt(M / density) of the unstrained material [m/s].
-double wave_speed(const MaterialSpec& material);
+/// sqrt(M / density) of the body's material at the start, where its stress is largest [m/s].
+double wave_speed(const Scene& scene, const BodySpec& body);
 
 double norm(const Triple& v);
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
+#include "core/material/laws.hpp"
 #include "predict/lattice_prediction.hpp"
 #include "scene/scene_check.hpp"
 #include "seeding/seed.hpp"
+#include "seeding/seed_state.hpp"
 
 namespace moraine {
 namespace {
@@ -139,6 +142,19 @@ void check_overlaps(const Scene& scene, const Places& places) {
             }
 }
 
+/// A law's scalars at the start, from the body's keys and stress.
+void check_start(const Scene& scene, const BodySpec& body, const Places& places) {
+    const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
+    const LawInfo& law = *find_law(material.law);
+    const std::string path = "body." + body.name, ratio = path + ".over_consolidation_ratio";
+    if (!law.has_initial_state && body.start.over_consolidation_ratio != 1)
+        refuse(places.of(ratio), ratio + " is not used", "law " + material.law + " keeps no preconsolidation pressure",
+               "Remove it?");
+    for (const Vec<double, 3>& stress : {Vec<double, 3>{}, deepest_stress(scene, body)})
+        if (const char* problem = law.problem_at_start(material.parameters.data(), body.start, stress))
+            throw InputError(fmt::format("{}: {}: {}", places.of(path), path, problem));
+}
+
 }  // namespace
 
 void check_polygon(const std::vector<Point>& points, const std::string& path, const Places& places) {
@@ -163,6 +179,7 @@ void check_bodies(const Scene& scene, const Places& places) {
             check_extent(scene, body, extent_of(body, scene.dimensions), places);
             check_lattice(scene, body, places);
         }
+        check_start(scene, body, places);
     }
 }
 

@@ -41,7 +41,7 @@ void check_time(const Scene& scene, const Places& places) {
     check_courant(scene, places);
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
-        const double wave = wave_speed(material);
+        const double wave = wave_speed(scene, body);
         const double by_cfl = courant_number(scene) * scene.cell / (wave + norm(body.velocity));
         if (scene.dt > 0) check_fixed(scene, places, wave, by_cfl);
         const double steps = scene.end / by_cfl;

@@ -85,6 +85,8 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic", b.geostatic);
         add(all, key + ".geostatic.surface", b.geostatic_surface);
         add(all, key + ".geostatic.k0", b.geostatic_k0);
+        if (b.start.over_consolidation_ratio != 1)
+            add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);
     }
 }
 

@@ -115,6 +115,13 @@ const std::vector<KeyRow<BodySpec>> bodies{
       .standard = "[0, 0, 0]",
       .meaning = "At the start; a table's own velocities are added."},
      [](B& b, const V& v) { b.velocity = v.triple(); }},
+    {{.table = "body",
+      .name = "over_consolidation_ratio",
+      .standard = "1.0",
+      .range = {1, infinite},
+      .meaning = "Of the preconsolidation pressure over that of a yield surface through the stress of the start; for "
+                 "laws that keep one."},
+     [](B& b, const V& v) { b.start.over_consolidation_ratio = v.real; }},
 
     {{.table = "body.wave",
       .name = "velocity",

@@ -9,7 +9,8 @@
 
 namespace moraine {
 
-/// Whether all bodies are boxes on a lattice, without jitter, that no structure takes particles from.
+/// Whether all bodies are boxes on a lattice, without jitter, that no structure takes particles from, of laws whose
+/// scalars begin as zeros.
 bool is_lattice(const Scene& scene);
 
 /// For a scene that is_lattice(). Not collective.

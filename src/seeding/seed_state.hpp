@@ -41,4 +41,11 @@ Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, double h
     return stress;
 }
 
+/// The normal components of the stress at a body's lowest point [Pa]; of a table's, at the domain's.
+inline Vec<double, 3> deepest_stress(const Scene& scene, const BodySpec& body) {
+    const auto up = static_cast<std::size_t>(up_axis(scene));
+    const Triple lower = body.shape == BodyShape::table ? scene.min : extent_of(body, scene.dimensions).lower;
+    return geostatic_stress<double>(scene, body, lower[up]);
+}
+
 }  // namespace moraine

@@ -72,6 +72,7 @@ Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
     const Vec<Real, 3> stress = geostatic_stress<Real>(scene_, body, height);
     for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
     clear_rest(p, slot);
+    method_.law_of(seed.body).begin(body.start, p, slot);
     return Morton<Dim>::encode(block);
 }
 

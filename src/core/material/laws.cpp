@@ -14,7 +14,8 @@ template <template <class> class Law>
 LawInfo describe(int position) {
     using L = Law<double>;
     static_assert(L::history <= max_history && std::size(L::parameters) <= max_parameters);
-    LawInfo info{L::name, L::parameters, L::history, {}, L::uses_left_stretch, position, {}};
+    LawInfo info{
+        L::name, L::parameters, L::history, {}, L::uses_left_stretch, position, {}, HasInitialState<L, double>};
     if constexpr (L::history > 0) {
         static_assert(std::size(L::history_names) == L::history);
         info.history_names = L::history_names;
@@ -46,6 +47,13 @@ const std::vector<LawInfo>& table() {
     return laws;
 }
 
+PointState<double, 3> undeformed(const Vec<double, 3>& stress) {
+    PointState<double, 3> state{};
+    state.left_stretch = undeformed_stretch<double, 3>();
+    for (int k = 0; k < 3; ++k) state.stress[k] = stress[k];
+    return state;
+}
+
 }  // namespace
 
 const LawInfo* find_law(const std::string& name) {
@@ -60,11 +68,19 @@ std::vector<std::string> law_names() {
     return names;
 }
 
-double LawInfo::wave_modulus(const double* values) const {
-    return with_law<double>(*this, values, [](const auto& law) {
-        PointState<double, 3> virgin{};
-        virgin.left_stretch = undeformed_stretch<double, 3>();
-        return law.wave_modulus(virgin);
+double LawInfo::wave_modulus(const double* values, const BodyStart& start, const Vec<double, 3>& stress) const {
+    return with_law<double>(*this, values, [&](const auto& law) {
+        PointState<double, 3> state = undeformed(stress);
+        begin_point(law, start, state);
+        return law.wave_modulus(state);
+    });
+}
+
+const char* LawInfo::problem_at_start(const double* values, const BodyStart& start,
+                                      const Vec<double, 3>& stress) const {
+    return with_law<double>(*this, values, [&](const auto& law) {
+        PointState<double, 3> state = undeformed(stress);
+        return begin_point(law, start, state);
     });
 }
 

@@ -38,9 +38,12 @@ struct LawInfo {
     bool uses_left_stretch;
     int position;                  ///< position in Laws
     std::span<const double> tail;  ///< values that the name fixes: they follow the parameters
+    bool has_initial_state;        ///< which is not zero and depends on stress and body
 
-    /// Initial elastic P-wave modulus K + 4G/3 [Pa].
-    double wave_modulus(const double* values) const;
+    /// P-wave modulus K + 4G/3 [Pa] at the start, under a stress of these normal components [Pa].
+    double wave_modulus(const double* values, const BodyStart& start = {}, const Vec<double, 3>& stress = {}) const;
+    /// nullptr, or why there is no state at the start under this stress.
+    const char* problem_at_start(const double* values, const BodyStart& start, const Vec<double, 3>& stress) const;
     /// nullptr, or what is wrong between values that are each within bounds.
     const char* problem(const double* values) const;
 };

@@ -12,6 +12,7 @@ struct LinearElastic {
     static constexpr const char* name = "linear-elastic";
     static constexpr int history = 0;
     static constexpr bool uses_left_stretch = false;
+    static constexpr DeviceBlocks device_blocks{.affine = 4};
     static constexpr Parameter parameters[] = {young_parameter, poisson_parameter};
     static const char* problem(const double*) { return nullptr; }
 

@@ -20,6 +20,7 @@ struct NeoHookean {
     static constexpr const char* name = "neo-hookean";
     static constexpr int history = 0;
     static constexpr bool uses_left_stretch = true;
+    static constexpr DeviceBlocks device_blocks{.affine = 4};
     static constexpr Parameter parameters[] = {young_parameter, poisson_parameter};
     static const char* problem(const double*) { return nullptr; }
 

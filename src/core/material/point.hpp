@@ -12,6 +12,10 @@
 //   Real wave_modulus(state) const;                     K + 4G/3 now: rho c^2               [Pa]
 //   Real strain_energy(state) const;                    stored elastic energy per current volume [J/m3]
 //   static const char* problem(const double* values);   nullptr, or what is wrong between parameters
+// and, where it wants them,
+//   const char* begin(const BodyStart&, PointState&) const;   host only: its scalars at the start, from the body's keys
+//                                                       and the initial stress; nullptr, or why there are none
+//   static constexpr DeviceBlocks device_blocks;        registers of its kernels (below)
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
 // its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller. A law may take
 // volume out of ln_J that its material does not fill (gap.hpp); what it leaves there is the particle's volume.
@@ -34,6 +38,44 @@ struct PointState {
     Real ln_J;                    ///< logarithm of the volume ratio [-]
     Real history[max_history];    ///< the law's own scalars
 };
+
+/// What the keys of a body tell a law of its particles at the start.
+struct BodyStart {
+    double over_consolidation_ratio = 1;  ///< [-]
+};
+
+/// Whether a law has a state at the start that is not zero.
+template <class Law, class Real>
+concept HasInitialState = requires(const Law& law, PointState<Real, 3>& state) {
+    law.begin(BodyStart{}, state);
+};
+
+/// The law's scalars at the start; the others of the state are set. nullptr, or why there are none. Host only.
+template <class Law, class Real, int Dim>
+const char* begin_point(const Law& law, const BodyStart& start, PointState<Real, Dim>& state) {
+    if constexpr (HasInitialState<Law, Real>) return law.begin(start, state);
+    return nullptr;
+}
+
+/// Thread blocks of a device's multiprocessor that leave the kernels with a law the registers they need: fewer blocks,
+/// more registers. A kernel that spills fails the build (scripts/kernel-table), which is where a law learns its
+/// numbers.
+struct DeviceBlocks {
+    int plain = 5;            ///< gather with stress, single precision
+    int averaged = 5;         ///< the same with means of cells (volumetric.hpp)
+    int affine = 5;           ///< APIC, TPIC
+    int affine_averaged = 4;  ///< both
+    int split = 5;            ///< stress in a kernel of its own
+    int double_fused = 3, double_split = 3;
+};
+
+template <class Law>
+constexpr DeviceBlocks device_blocks_of() {
+    if constexpr (requires { Law::device_blocks; })
+        return Law::device_blocks;
+    else
+        return {};
+}
 
 /// One key of a [[material]] table.
 struct Parameter {

@@ -140,10 +140,10 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
 template <class Real, class Law, bool Affine, bool Averages>
 constexpr int fused_blocks() {
-    if (sizeof(Real) == 8) return 3;
-    if (Averages && (Affine || std::is_base_of_v<Tresca<Real>, Law>)) return 4;
-    const bool elastic = std::is_same_v<Law, LinearElastic<Real>> || std::is_same_v<Law, NeoHookean<Real>>;
-    return Affine && elastic ? 4 : 5;
+    constexpr DeviceBlocks blocks = device_blocks_of<Law>();
+    if (sizeof(Real) == 8) return blocks.double_fused;
+    if (Affine) return Averages ? blocks.affine_averaged : blocks.affine;
+    return Averages ? blocks.averaged : blocks.plain;
 }
 
 template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>

@@ -82,8 +82,9 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, int Dim>
-inline constexpr int stress_blocks = sizeof(Real) == 4 ? 5 : 3;
+template <class Real, class Law>
+inline constexpr int stress_blocks = sizeof(Real) == 4 ? device_blocks_of<Law>().split
+                                                       : device_blocks_of<Law>().double_split;
 
 template <class Real, int Dim, class Law>
 class StressKernelOf final : public StressKernel<Real, Dim> {
@@ -91,7 +92,7 @@ class StressKernelOf final : public StressKernel<Real, Dim> {
     StressKernelOf(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(update_stresses<Real, Dim, Law, stress_blocks<Real, Dim>>, sizeof(StressShared<Real, Dim, Law>),
+          kernel_(update_stresses<Real, Dim, Law, stress_blocks<Real, Law>>, sizeof(StressShared<Real, Dim, Law>),
                   "Launching the stress update") {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const StressArgs<Real, Dim>& args,
