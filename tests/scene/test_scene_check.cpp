@@ -119,6 +119,20 @@ TEST_CASE("geostatic stress needs weight") {
     says(said_about(good_scene, {"gravity=[0, 0]", "body.block.geostatic.surface=1"}), "gravity is zero");
 }
 
+TEST_CASE("a state at the start that is not used, or cannot be, is refused") {
+    says(said_about(good_scene, {"body.disk.over_consolidation_ratio=2"}),
+         "body.disk.over_consolidation_ratio is not used (law von-mises keeps no preconsolidation pressure). Remove "
+         "it?");
+    std::string scene = good_scene;
+    const std::size_t from = scene.find("law = "), to = scene.find("[[body]]");
+    scene.replace(from, to - from,
+                  "law = \"modified-cam-clay\"\ndensity = 1600.0\ncompression_index = 0.2\nswelling_index = 0.04\n"
+                  "critical_state_ratio = 1.0\npoisson = 0.3\nreference_void_ratio = 0.3\n");
+    CHECK(said_about(scene, {"body.disk.over_consolidation_ratio=2"}).empty());
+    says(said_about(scene, {"body.block.geostatic.surface=1", "body.block.over_consolidation_ratio=2"}),
+         "body.block: the void ratio at the start is not above 0");
+}
+
 TEST_CASE("a step that is not stable with the method is refused, but 0.5 is taken with any") {
     CHECK(said_about(good_scene, {"time.cfl=0.86"}).empty());
     says(said_about(good_scene, {"time.cfl=0.87"}),

@@ -76,6 +76,34 @@ TEST_CASE("and steps on from there are the same, under any partitioner") {
     }
 }
 
+TEST_CASE("a law's state of the start is in every particle, and the steps from there are the same on any ranks") {
+    const Comm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = test::odd_boxes();
+    for (MaterialSpec& material : scene.materials)
+        material.law = "modified-cam-clay", material.parameters = {0.2, 0.04, 1.0, 0.3, 1.5, 1000};
+    scene.bodies[0].start.over_consolidation_ratio = 3;
+    scene.bodies[0].geostatic = true;
+    scene.bodies[0].geostatic_surface = scene.max[1];
+    scene.gravity[1] = -1000;
+    CHECK(!is_lattice(scene));
+    Simulation<double, 2> sim(scene, all);
+    sim.seed();
+    const ParticleView<double, 2> p = sim.patch().particles.view();
+    std::int64_t deep = 0, wrong = 0;
+    for (std::uint32_t s : sim.patch().binned().slot) {
+        const double mean = -p.stress[s].trace() / 3, from = std::max(mean, 1000.0);
+        const double q2 = 3 * invariants(p.stress[s]).j2, yield = (p.body[s] == 0 ? 3 : 1) * (from + q2 / from);
+        const double e = 1.5 - 0.2 * std::log(yield / 1000) + 0.04 * std::log(yield / from);
+        deep += mean > 2000;
+        wrong += std::fabs(p.history[0][s] / yield - 1) > 1e-12 || std::fabs(p.history[1][s] - e) > 1e-12;
+    }
+    CHECK(wrong == 0);
+    CHECK(all.sum(deep) > 50);
+    scene.balance.trigger = Trigger::every;
+    scene.balance.interval = 5;
+    CHECK(start_of(scene, false, all, true, 12) == start_of(scene, false, self, true, 12));
+}
+
 TEST_CASE("jitter, other shapes and structures that clear are left to the rows") {
     Scene scene = test::odd_boxes();
     CHECK(is_lattice(scene));

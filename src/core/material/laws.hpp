@@ -15,6 +15,7 @@
 #include "core/material/drucker_prager.hpp"
 #include "core/material/herschel_bulkley.hpp"
 #include "core/material/linear_elastic.hpp"
+#include "core/material/modified_cam_clay.hpp"
 #include "core/material/mu_i.hpp"
 #include "core/material/neo_hookean.hpp"
 #include "core/material/tresca.hpp"
@@ -25,7 +26,7 @@ namespace moraine {
 template <template <class> class... Law>
 struct LawList {};
 
-using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI>;
+using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay>;
 
 inline constexpr int max_parameters = 16;
 
