@@ -36,7 +36,8 @@ struct ModifiedCamClay {
         {"swelling_index", "-", required, 0, unbounded, true, "Kappa: slope of e over ln p, unloading"},
         {"critical_state_ratio", "-", required, 0, unbounded, true, "M: q / p at the critical state"},
         {"poisson", "-", required, -1, 0.5, true, "Poisson's ratio"},
-        {"reference_void_ratio", "-", required, 0, unbounded, true, "void ratio of virgin isotropic compression at 1 kPa"},
+        {"reference_void_ratio", "-", required, 0, unbounded, true,
+         "void ratio of virgin isotropic compression at 1 kPa"},
         {"pressure_floor", "Pa", 1000, 0, unbounded, true, "least mean pressure of moduli and yield surface"}};
 
     Real lambda, kappa;  ///< of ln p [-]
