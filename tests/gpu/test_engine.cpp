@@ -186,6 +186,11 @@ TEST_CASE("scenes with structures, fixed, moved and free, give the host's answer
     compare(input("reference", {}), 100, 1e-9);
 }
 
+TEST_CASE("a law of three scalars that begin by stress gives the host's answer, its stress fused or split") {
+    for (const char* method : {"numerics.transfer=flip", "numerics.transfer=apic", "numerics.stress_update=musl"})
+        compare(input("soft_clay_footing", {"domain.cell=0.25", method}), 100, 1e-8);
+}
+
 TEST_CASE("single precision on the device follows the host's") {
     for (const char* transfer : {"numerics.transfer=flip", "numerics.transfer=apic"}) {
         compare(input("slurry_runout", {"numerics.precision=single", transfer}), 50, 1e-4);
