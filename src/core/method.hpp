@@ -41,15 +41,6 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
     }
 }
 
-/// Whether a device has gather and stress update of the scene in one kernel (gpu/kernels/g2p/g2p.hpp).
-inline bool fuses(const Scene& scene) {
-    const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    const bool has_kernels =
-        scene.shape == moraine::Shape::quadratic ? plain || affine : scene.shape == moraine::Shape::linear && plain;
-    return has_kernels && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
-}
-
 template <class Space, class Real, int Dim>
 struct Method {
     explicit Method(const Scene& scene);

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comm/fused_gather.hpp"
 #include "core/block.hpp"
 #include "core/material/laws.hpp"
-#include "core/method.hpp"
+#include "core/shape.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 

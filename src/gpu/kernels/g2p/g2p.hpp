@@ -13,6 +13,7 @@
 
 #include <memory>
 
+#include "comm/fused_gather.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/scene_spec.hpp"
