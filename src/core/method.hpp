@@ -13,7 +13,10 @@
 
 namespace moraine {
 
-/// One round of a scheme: sums to the nodes, halo, nodes, gather.
+/// One round of a scheme: sums to the nodes, halo, nodes, gather. What particles are newly to do in a step, say a shift
+/// towards an even spacing, is one round more in the list of its scheme: a NodeTask says what the nodes make of their
+/// sums (nodes.hpp), a bit of Gather what particles take of it (particle_update.hpp). Halo and order know nothing of
+/// it.
 struct Round {
     NodeTask nodes;
     unsigned gather;
