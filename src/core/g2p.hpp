@@ -13,6 +13,7 @@
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
+#include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
 #include "core/stencil.hpp"
@@ -20,14 +21,6 @@
 #include "core/volumetric.hpp"
 
 namespace moraine {
-
-/// What a round of a scheme takes from the nodes (bits).
-enum Gather : unsigned {
-    gather_velocity = 1,      ///< v_p and C_p
-    gather_motion = 2,        ///< x_p, by the first quad
-    gather_gradient = 4,      ///< dL and stress, by the first quad
-    gather_second_motion = 8  ///< x_p, by the second quad (MUSL: the velocity of round one)
-};
 
 template <class Real, int Dim, class Shape, bool Affine, class Stress>
 struct GridToParticles {
@@ -99,7 +92,7 @@ struct GridToParticles {
     /// Ghost nodes behind walls follow the two nodes before them.
     MORAINE_HD void set_ghosts(int block, Q* nodes) const {
         int base[Dim];
-        for (int a = 0; a < Dim; ++a) base[a] = 4 * table.position[block][a] - Shape::origin;
+        for (int a = 0; a < Dim; ++a) base[a] = first_node<Shape>(table.position[block][a]);
         each_ghost(context.walls, base, side, [&](int ghost, int step) {
             for (int half = 0; half < 2; ++half) {
                 const Q* first = nodes + 2 * (ghost + step) + half;
@@ -112,23 +105,24 @@ struct GridToParticles {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
         const bool border = table.border[block] != 0;
-        bool folded[Dim];
-        for (int a = 0; a < Dim; ++a) {
-            const int base = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
-            folded[a] = border && context.walls.ghosts(a, base, width) != 0;
-        }
+        bool plain[Dim];  // C is the velocity gradient
+        for (int a = 0; a < Dim; ++a)
+            plain[a] = affine_is_gradient<Shape>(tpic, [&] {
+                return border &&
+                       reaches_ghost<Shape>(context.walls, a, table.position[block][a], cell_coordinate<Dim>(c, a));
+            });
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         const std::uint32_t begin = list.first[block] + bounds[0], end = list.first[block] + bounds[1];
         const bool averages = averaged && (gather & gather_gradient), crowded = end - begin > unsigned(batch);
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, folded);
+        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, plain);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
             const W n = stencil<Real, Dim, Shape>(context, p, s);
-            Gathered g = sum_nodes(n, nodes, folded);
+            Gathered g = sum_nodes(n, nodes, plain);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
                 scratch.gradient[filled] = increment_of(g);
@@ -138,8 +132,8 @@ struct GridToParticles {
                 if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
                 if (filled == batch) flush(scratch, filled, out);
             }
-            if (gather & (gather_motion | gather_second_motion))
-                move(block, s, k, c, gather & gather_motion ? g.velocity : g.change, border, out);
+            if (moves_particles(gather))
+                move(block, s, k, c, moving_velocity(gather, g.velocity, g.change), border, out);
         }
     }
 
@@ -153,11 +147,11 @@ struct GridToParticles {
 
     /// The means of a cell with more particles than a batch holds: they are gathered twice.
     MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
-                                                     const bool* folded) const {
+                                                     const bool* plain) const {
         VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
             const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
-            add_to_mean(mean, list.slot[k], increment_of(sum_nodes(n, nodes, folded)));
+            add_to_mean(mean, list.slot[k], increment_of(sum_nodes(n, nodes, plain)));
         }
         mean.finish();
         return mean;
@@ -181,12 +175,7 @@ struct GridToParticles {
     };
 
     /// dL of the step.
-    MORAINE_HD Mat<Real, Dim> increment_of(const Gathered& g) const {
-        Mat<Real, Dim> dL;
-        for (int a = 0; a < Dim; ++a)
-            for (int b = 0; b < Dim; ++b) dL(a, b) = dt * g.gradient[b][a];
-        return dL;
-    }
+    MORAINE_HD Mat<Real, Dim> increment_of(const Gathered& g) const { return tensor_of<Dim>(dt, g.gradient); }
 
     static MORAINE_HD Gathered sum_nodes_plain(const W& n, const Q* nodes, const Real (*slope)[width], Gathered g) {
         constexpr int layers = Dim == 2 ? 1 : width;
@@ -220,50 +209,31 @@ struct GridToParticles {
         return g;
     }
 
-    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes, const bool* folded) const {
+    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes, const bool* plain) const {
         Gathered g;
         g.velocity = g.change = Q::zero();
         for (int a = 0; a < Dim; ++a) g.gradient[a] = g.affine[a] = Q::zero();
         if constexpr (Affine) {
             Real slope[Dim][width];
-            for (int a = 0; a < Dim; ++a) affine_slopes(n, a, folded[a], slope[a]);
+            for (int a = 0; a < Dim; ++a)
+                affine_levers<Shape>(n.f[a], n.w[a], n.dw[a], context.inverse_cell, plain[a], slope[a]);
             return sum_nodes_plain(n, nodes, slope, g);
         } else {
             return sum_nodes_plain(n, nodes, nullptr, g);
         }
     }
 
-    /// w (x_i - x_p) / D along one axis [1/m], or the slopes themselves.
-    MORAINE_HD void affine_slopes(const W& n, int a, bool folded, Real* slope) const {
-        const bool plain = tpic || Shape::width == 2 || folded;
-        Real D = Real(0);
-        for (int i = 0; i < width; ++i) {
-            const Real d = Real(i) - n.f[a] - Shape::template reach<Real>;
-            slope[i] = n.w[a][i] * d;
-            D += slope[i] * d;
-        }
-        const Real scale = context.inverse_cell / D;
-        for (int i = 0; i < width; ++i) slope[i] = plain ? n.dw[a][i] : slope[i] * scale;
-    }
-
     MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {
-        using std::fma;
-        for (int a = 0; a < Dim; ++a) {
-            const Real full = p.velocity[s][a] + g.change[a];
-            p.velocity[s][a] = flip == Real(1) ? full : fma(flip, full - g.velocity[a], g.velocity[a]);
-        }
-        if constexpr (Affine)
-            for (int a = 0; a < Dim; ++a)
-                for (int b = 0; b < Dim; ++b) p.affine[s](a, b) = g.affine[b][a];
+        for (int a = 0; a < Dim; ++a)
+            p.velocity[s][a] = blended_velocity(flip, p.velocity[s][a], g.change[a], g.velocity[a]);
+        if constexpr (Affine) p.affine[s] = tensor_of<Dim>(Real(1), g.affine);
     }
 
     MORAINE_HD void stretch_box(std::uint32_t s, const Mat<Real, Dim>& dL, BlockOutcome& out) const {
-        using std::exp;
-        using std::log1p;
         bool held = false;
         for (int a = 0; a < Dim; ++a) {
-            p.log_stretch[s][a] += log1p(dL(a, a));
-            held = held || context.half_size[p.body[s]][a] * exp(p.log_stretch[s][a]) > Real(0.5);
+            p.log_stretch[s][a] = advanced_stretch(p.log_stretch[s][a], dL(a, a));
+            held = held || stretched_half(context.half_size[p.body[s]][a], p.log_stretch[s][a]) > Real(0.5);
         }
         if (held) ++out.clamped;
     }
@@ -282,7 +252,7 @@ struct GridToParticles {
         if (double(step.moved) > out.moved) out.moved = double(step.moved);
         moves[k] = step.move;
         if (move_code(step.move) != Block<Dim>::centre) ++outgoing_count[block];
-        if (step.move != encode_move(Block<Dim>::centre, from)) shuffled[block] = 1;
+        if (changes_cell<Dim>(step.move, from)) shuffled[block] = 1;
     }
 };
 

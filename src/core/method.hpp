@@ -13,7 +13,10 @@
 
 namespace moraine {
 
-/// One round of a scheme: sums to the nodes, halo, nodes, gather.
+/// One round of a scheme: sums to the nodes, halo, nodes, gather. What particles are newly to do in a step, say a shift
+/// towards an even spacing, is one round more in the list of its scheme: a NodeTask says what the nodes make of their
+/// sums (nodes.hpp), a bit of Gather what particles take of it (particle_update.hpp). Halo and order know nothing of
+/// it.
 struct Round {
     NodeTask nodes;
     unsigned gather;
@@ -39,15 +42,6 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
         default:
             return {{NodeTask::solve, gather_velocity | gather_motion | gather_gradient}};
     }
-}
-
-/// Whether a device has gather and stress update of the scene in one kernel (gpu/kernels/g2p/g2p.hpp).
-inline bool fuses(const Scene& scene) {
-    const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    const bool has_kernels =
-        scene.shape == moraine::Shape::quadratic ? plain || affine : scene.shape == moraine::Shape::linear && plain;
-    return has_kernels && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
 }
 
 template <class Space, class Real, int Dim>

@@ -55,7 +55,7 @@ struct ParticlesToGrid {
         for (int n = 0; n < 2 * stencil_nodes; ++n) sums[n] = Q::zero();
         int base[Dim];
         for (int a = 0; a < Dim; ++a)
-            base[a] = 4 * table.position[block][a] - Shape::origin + cell_coordinate<Dim>(c, a);
+            base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
         const bool border = table.border[block] != 0;
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
             p.fetch(list.ahead(block, k));
@@ -74,7 +74,7 @@ struct ParticlesToGrid {
     /// What ghost nodes behind walls were given goes to the nodes that they follow.
     MORAINE_HD void fold_ghosts(int block, Real* tile) const {
         int base[Dim];
-        for (int a = 0; a < Dim; ++a) base[a] = 4 * table.position[block][a] - Shape::origin;
+        for (int a = 0; a < Dim; ++a) base[a] = first_node<Shape>(table.position[block][a]);
         each_ghost(context.walls, base, side, [&](int ghost, int step) {
             for (int half = 0; half < 2; ++half) {
                 Real* from = tile + ghost * node_reals + half * quad;

@@ -31,6 +31,12 @@ constexpr MORAINE_HD int move_cell(std::uint16_t m) {
     return m & 63;
 }
 
+/// Whether a particle that moves so leaves the cell `from` of its block.
+template <int Dim>
+constexpr MORAINE_HD bool changes_cell(std::uint16_t move, int from) {
+    return move != encode_move(Block<Dim>::centre, from);
+}
+
 /// What a motion tells besides the new place.
 template <class Real>
 struct PlaceStep {

@@ -1,6 +1,7 @@
 #pragma once
 // The stencil of one particle: weights and slopes per axis.
 
+#include "core/particle_update.hpp"
 #include "core/particles.hpp"
 #include "core/position.hpp"
 #include "core/shape.hpp"
@@ -31,10 +32,8 @@ struct StencilContext {
 template <class Real, int Dim>
 MORAINE_HD Real gimp_half(const StencilContext<Real, Dim>& context, const ParticleView<Real, Dim>& p, std::uint32_t s,
                           int axis) {
-    using std::exp;
-    Real half = context.half_size[p.body[s]][axis];
-    if (p.log_stretch) half *= exp(p.log_stretch[s][axis]);
-    return half < Real(0.5) ? half : Real(0.5);
+    const Real half = context.half_size[p.body[s]][axis];
+    return held_half(p.log_stretch ? stretched_half(half, p.log_stretch[s][axis]) : half);
 }
 
 /// Weights of the particle in slot s.

@@ -24,17 +24,23 @@ MORAINE_HD Real trace(const Mat<Real, Dim>& dL) {
     return sum;
 }
 
+/// What each of N normal components takes where their sum is `sum` and `wanted` is wanted.
+template <int N, class Real>
+MORAINE_HD Real trace_step(Real wanted, Real sum) {
+    return (wanted - sum) * Real(1.0 / N);
+}
+
 /// Gives dL another trace and leaves its deviator (in plane strain: in the plane).
 template <class Real, int Dim>
 MORAINE_HD void set_trace(Mat<Real, Dim>& dL, Real wanted) {
-    const Real step = (wanted - trace(dL)) * Real(1.0 / Dim);
+    const Real step = trace_step<Dim>(wanted, trace(dL));
     for (int a = 0; a < Dim; ++a) dL(a, a) += step;
 }
 
 /// Gives a stress another trace and leaves its deviator.
 template <class Real, int Dim>
 MORAINE_HD void set_trace(Sym<Real, Dim>& stress, Real wanted) {
-    const Real step = (wanted - stress.trace()) * Real(1.0 / 3);
+    const Real step = trace_step<3>(wanted, stress.trace());
     for (int a = 0; a < 3; ++a) stress[a] += step;
 }
 

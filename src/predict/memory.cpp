@@ -5,8 +5,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "comm/fused_gather.hpp"
 #include "core/block.hpp"
 #include "core/method.hpp"
+#include "core/shape.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 

@@ -47,7 +47,7 @@ struct View {
     TileView<Real> grid;
     Columns<Real, Dim> p;
     StencilContext<Real, Dim> context;  ///< half_size on the device, one entry per body
-    std::uint16_t* moves;               ///< per list entry: encode_move (core/g2p.hpp)
+    std::uint16_t* moves;               ///< per list entry: encode_move (core/place_step.hpp)
     std::uint32_t* changed;  ///< bit per list entry: it changed its cell or block. Words of block b: first[b] / 32 + b
     Account<Dim>* accounts;  ///< account_parts
 };

@@ -5,7 +5,7 @@
 // Outgoing particles: a warp per occupied block. Only the changed entries, one in ten, are looked at: a rank within 32
 // and running totals in shared memory put them in order. Counts and places: a thread per own block.
 
-#include "core/g2p.hpp"
+#include "core/place_step.hpp"
 #include "gpu/kernels/cells/binning.hpp"
 #include "gpu/kernels/cells/changed_entries.cuh"
 

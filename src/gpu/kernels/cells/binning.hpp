@@ -56,7 +56,7 @@ template <int Dim>
 struct Binning {
     BlockTable<Dim> table;
     ListView<Dim> list;            ///< of the step that was
-    const std::uint16_t* moves;    ///< of all list entries: encode_move (core/g2p.hpp)
+    const std::uint16_t* moves;    ///< of all list entries: encode_move (core/place_step.hpp)
     const std::uint32_t* changed;  ///< bit per list entry: another cell or block. Words of block b: first[b] / 32 + b
     const std::uint8_t* boundary;  ///< own: 1 where some peer needs the tile, 0 elsewhere; for an epoch
     const std::uint64_t* guard_layer;  ///< own: bit per cell (comm/guard_layer.hpp)

@@ -13,7 +13,9 @@
 
 #include <memory>
 
-#include "core/g2p.hpp"
+#include "comm/fused_gather.hpp"
+#include "core/particle_update.hpp"
+#include "core/place_step.hpp"
 #include "core/scene_spec.hpp"
 #include "gpu/kernels/view.hpp"
 
@@ -28,7 +30,7 @@ struct Launch {
 template <class Real, int Dim>
 struct GatherArgs {
     DomainEnds<Real, Dim> ends;
-    unsigned gather;                ///< bits of Gather (core/g2p.hpp)
+    unsigned gather;                ///< bits of Gather (core/particle_update.hpp)
     bool tpic;                      ///< C_p is the velocity gradient
     Real flip;                      ///< share of FLIP [-]
     Real dt;                        ///< [s]
@@ -71,8 +73,9 @@ class StressKernel {
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages);
 
-/// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names (core/method.hpp).
-/// affine: of quadratic splines, whatever `shape` says; GatherArgs::flip is ignored then, for APIC and TPIC have none.
+/// Gather with the material's stress; ignores GatherArgs::gather. For scenes that fuses() names
+/// (comm/fused_gather.hpp). affine: of quadratic splines, whatever `shape` says; GatherArgs::flip is ignored then, for
+/// APIC and TPIC have none.
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
                                                            bool affine);

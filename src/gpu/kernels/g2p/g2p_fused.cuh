@@ -89,12 +89,7 @@ struct FusedGather {
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
             for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
-        Mat<Real, Dim> dL;
-        const Real scale = g.dt * v.context.inverse_cell;
-#pragma unroll
-        for (int i = 0; i < Dim; ++i)
-#pragma unroll
-            for (int j = 0; j < Dim; ++j) dL(i, j) = scale * sums.gradient[j][i];
+        const Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
         const std::uint32_t faults =
             step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
 #pragma unroll

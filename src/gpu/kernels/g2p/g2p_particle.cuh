@@ -1,6 +1,8 @@
 #pragma once
-// What both gather kernels do with a particle: its way through the list, its motion, its velocity.
+// What both gather kernels do with a particle: its way through the list, its motion, its velocity. The formulas are
+// those of core/particle_update.hpp and core/place_step.hpp; here is where its rows are.
 
+#include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/gather.cuh"
@@ -72,7 +74,7 @@ __device__ __forceinline__ PlaceStep<Real> move_particle(const View<Real, Dim>& 
     const PlaceStep<Real> step = advance_place(g.ends, v.table.position[work.block], v.table.border[work.block] != 0,
                                                velocity, g.dt, v.context.inverse_cell, u);
     v.moves[k] = step.move;
-    const bool changed = step.move != encode_move(Block<Dim>::centre, from);
+    const bool changed = changes_cell<Dim>(step.move, from);
     const std::uint32_t lane = threadIdx.x % 32, here = work.end - (k - lane);
     const unsigned bits = __ballot_sync(here >= 32 ? 0xffffffffu : (1u << here) - 1, changed);
     if (lane == 0) v.changed[work.begin / 32 + unsigned(work.block) + (k - work.begin) / 32] = bits;
@@ -82,33 +84,29 @@ __device__ __forceinline__ PlaceStep<Real> move_particle(const View<Real, Dim>& 
 template <class Real, int Dim, bool Affine>
 __device__ __forceinline__ void take_velocity(Real flip, const Gathered<Real, Dim, Affine>& g, CoreRows<Real, Dim>& p) {
 #pragma unroll
-    for (int a = 0; a < Dim; ++a) {
-        const Real full = p.velocity(a) + g.change[a];
-        p.velocity(a) = flip == Real(1) ? full : std::fma(flip, full - g.velocity[a], g.velocity[a]);
-    }
+    for (int a = 0; a < Dim; ++a) p.velocity(a) = blended_velocity(flip, p.velocity(a), g.change[a], g.velocity[a]);
 }
 
-/// Whether along axis a of a particle at u the affine field is the velocity gradient: TPIC, and next to walls
-/// (core/g2p.hpp).
+/// Whether along axis a of a particle at u the affine field is the velocity gradient.
 template <class Shape, class Real, int Dim>
 __device__ __forceinline__ bool takes_gradient(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
                                                const Vec<Coordinate<Real>, Dim>& u, int a) {
-    if (g.tpic) return true;
-    if (!v.table.border[block]) return false;
-    const int base = 4 * v.table.position[block][a] - Shape::origin + cell_of<Real>(u[a]);
-    return v.context.walls.ghosts(a, base, Shape::width) != 0;
+    return affine_is_gradient<Shape>(g.tpic, [&] {
+        return v.table.border[block] &&
+               reaches_ghost<Shape>(v.context.walls, a, v.table.position[block][a], cell_of<Real>(u[a]));
+    });
 }
 
 /// slopes: per cell, [axis][component], as Gathered has them.
 template <class Real, int Dim>
 __device__ __forceinline__ void store_affine(const View<Real, Dim>& v, const Real (&slopes)[Dim][Dim],
                                              std::uint32_t s) {
+    const Mat<Real, Dim> C = tensor_of<Dim>(v.context.inverse_cell, slopes);
     Row<Real> row[affine_rows<Dim>];
 #pragma unroll
     for (int i = 0; i < Dim; ++i)
 #pragma unroll
-        for (int j = 0; j < Dim; ++j)
-            row[Dim == 3 ? i : 0].e[Dim == 3 ? j : 2 * i + j] = v.context.inverse_cell * slopes[j][i];
+        for (int j = 0; j < Dim; ++j) row[Dim == 3 ? i : 0].e[Dim == 3 ? j : 2 * i + j] = C(i, j);
 #pragma unroll
     for (int i = 0; i < affine_rows<Dim>; ++i) {
         if (Dim == 3) row[i].e[3] = Real(0);

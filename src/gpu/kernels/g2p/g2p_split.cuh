@@ -40,11 +40,10 @@ struct SplitGather {
         return 0;
     }
 
-    /// Half-size of a particle's box along an axis [cells], as gimp_half of core/stencil.hpp.
+    /// Half-size of a particle's box along an axis [cells].
     static __device__ __forceinline__ Real half_size(const V& v, std::uint32_t body, const Row<Real>& stretch, int a) {
-        Real half = v.context.half_size[body][a];
-        if (v.p.log_stretch) half *= std::exp(stretch.e[a]);
-        return half < Real(0.5) ? half : Real(0.5);
+        const Real half = v.context.half_size[body][a];
+        return held_half(v.p.log_stretch ? stretched_half(half, stretch.e[a]) : half);
     }
 
     /// The nodes of the block, and where they are wanted the means of its cells.
@@ -80,12 +79,11 @@ struct SplitGather {
 
     static __device__ __forceinline__ void store_gradient(const V& v, const Args& g, const Sums& sums,
                                                           std::uint32_t k) {
-        const Real scale = g.dt * v.context.inverse_cell;
+        const Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
 #pragma unroll
         for (int i = 0; i < Dim; ++i)
 #pragma unroll
-            for (int j = 0; j < Dim; ++j)
-                g.gradient[std::uint64_t(Dim * i + j) * g.gradient_stride + k] = scale * sums.gradient[j][i];
+            for (int j = 0; j < Dim; ++j) g.gradient[std::uint64_t(Dim * i + j) * g.gradient_stride + k] = dL(i, j);
     }
 
     /// The box follows the stretch; true when it is held at half a cell.
@@ -94,8 +92,8 @@ struct SplitGather {
         bool held = false;
 #pragma unroll
         for (int a = 0; a < Dim; ++a) {
-            stretch.e[a] += std::log1p(g.dt * v.context.inverse_cell * sums.gradient[a][a]);
-            held = held || v.context.half_size[body][a] * std::exp(stretch.e[a]) > Real(0.5);
+            stretch.e[a] = advanced_stretch(stretch.e[a], g.dt * v.context.inverse_cell * sums.gradient[a][a]);
+            held = held || stretched_half(v.context.half_size[body][a], stretch.e[a]) > Real(0.5);
         }
         store_row(v.p.log_stretch + s, stretch);
         return held;
@@ -136,10 +134,10 @@ struct SplitGather {
                 if (!g.averaged || g.averaged[v.p.body[s]]) take_means(v, s, row(place), shared, sums);
             store_gradient(v, g, sums, k);
         }
-        if (g.gather & (gather_motion | gather_second_motion)) {
+        if (moves_particles(g.gather)) {
             Real velocity[Dim];
 #pragma unroll
-            for (int a = 0; a < Dim; ++a) velocity[a] = g.gather & gather_motion ? sums.velocity[a] : sums.change[a];
+            for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
             const PlaceStep<Real> step = move_particle(v, g, work, k, velocity, u);
             if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll

@@ -2,11 +2,12 @@
 // What one particle reads from its tile: nested sums over the stencil, along x, then y, then z.
 //
 //   velocity = sum w v'     change = sum w dv     gradient[b] = sum v' dw/d(x_b / h)
-//   affine[b] = sum w v' (x_i - x_p)_b / (h D_b)  where APIC is wanted (core/g2p.hpp says where it is the gradient)
+//   affine[b] = sum w v' (x_i - x_p)_b / (h D_b)  where APIC is wanted (or the gradient: core/particle_update.hpp)
 //
 // Nested: for quadratic 3-D 9 + 4 + 5/3 products of three per node instead of 18. Slopes are per cell here; whoever
 // uses a gradient multiplies by 1/h. The cell is the top bits of the place, so no cell list is read.
 
+#include "core/particle_update.hpp"
 #include "core/shape.hpp"
 #include "gpu/kernels/g2p/gather_tile.cuh"
 
@@ -32,18 +33,7 @@ template <class Shape, bool Affine, class Real>
 __device__ __forceinline__ AxisWeights<Real, Shape, Affine> axis_weights(Real f, Real half, bool plain) {
     AxisWeights<Real, Shape, Affine> n;
     Shape::weights(f, half, n.w, n.dw);
-    if constexpr (Affine) {
-        Real D = Real(0);
-#pragma unroll
-        for (int i = 0; i < Shape::width; ++i) {
-            const Real d = Real(i) - f - Shape::template reach<Real>;
-            n.lever[i] = n.w[i] * d;
-            D += n.lever[i] * d;
-        }
-        const Real scale = Real(1) / D;
-#pragma unroll
-        for (int i = 0; i < Shape::width; ++i) n.lever[i] = plain ? n.dw[i] : n.lever[i] * scale;
-    }
+    if constexpr (Affine) affine_levers<Shape>(f, n.w, n.dw, Real(1), plain, n.lever);
     return n;
 }
 

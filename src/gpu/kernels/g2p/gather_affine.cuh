@@ -19,6 +19,10 @@
 
 namespace moraine::gpu {
 
+// Apart from the levers of gather.cuh, which the split gather has for every shape and for both quads. With them the 18
+// fused kernels of 3-D in single precision (sm_90) grow by 159 to 196 instructions each (von Mises: 2922 to 3117),
+// three of them divisions, and the 7 that hold 96 registers spill 24 to 32 bytes, where now none does.
+
 /// A quadratic spline along one axis.
 template <class Real>
 struct SplineAxis {

@@ -31,14 +31,14 @@ struct CellMeans {
     /// Gives the gathered gradients of a particle in the cell its rate.
     template <bool Affine>
     __device__ __forceinline__ void put_rate(int cell, Gathered<Real, Dim, Affine>& sums) const {
-        const Real step = (rate[cell] - divergence_of(sums)) * Real(1.0 / Dim);
+        const Real step = trace_step<Dim>(rate[cell], divergence_of(sums));
 #pragma unroll
         for (int a = 0; a < Dim; ++a) sums.gradient[a][a] += step;
     }
 
     /// Gives the normal row of a particle in the cell the mean of its trace.
     __device__ __forceinline__ void put_stress(int cell, CoreRows<Real, Dim>& p) const {
-        const Real step = (stress[cell] - stress_trace(p)) * Real(1.0 / 3);
+        const Real step = trace_step<3>(stress[cell], stress_trace(p));
 #pragma unroll
         for (int a = 0; a < 3; ++a) p.stress(a) += step;
     }

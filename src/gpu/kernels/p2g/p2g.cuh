@@ -65,8 +65,8 @@ __device__ __forceinline__ Found find_cell(const View<typename Case::Real, Case:
         if (Case::affine && f.border) {
 #pragma unroll
             for (int a = 0; a < Case::dim; ++a) {
-                const int base =
-                    4 * v.table.position[f.block][a] - Case::Shape::origin + cell_coordinate<Case::dim>(int(c), a);
+                const int base = first_node<typename Case::Shape>(v.table.position[f.block][a]) +
+                                 cell_coordinate<Case::dim>(int(c), a);
                 f.ghosts |= v.context.walls.ghosts(a, base, Case::width) << (3 * a);
             }
             f.border = false;

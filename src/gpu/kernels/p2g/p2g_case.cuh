@@ -44,7 +44,9 @@ struct Axis {
 };
 
 /// Gimp (core/shape.hpp) around d = f - 1/2, the distance from the middle node: a box of half-size l, with
-/// quarter = 1 / (4 l), reaches both outer nodes where |d| < l, else the one on its side.
+/// quarter = 1 / (4 l), reaches both outer nodes where |d| < l, else the one on its side. Every thread of a cell makes
+/// these weights anew; those of core/shape.hpp divide, and have four branches per node: 1908 instructions instead of
+/// 1312 and 48 bytes of stack instead of none (3-D, single, FLIP, sm_90; with C 2014 instead of 1450).
 template <class Real>
 __device__ __forceinline__ void gimp_weights(Real f, Real half, Real quarter, Real* w, Real* dw) {
     const Real d = f - Real(0.5), up = half + d, down = half - d, u = up * quarter, v = down * quarter;

@@ -79,9 +79,7 @@ struct Record {
             if (v.p.log_stretch) l = read_row<half>(own);
 #pragma unroll
             for (int a = 0; a < Case::dim; ++a) {
-                Real h = (*size)[a];
-                if (v.p.log_stretch) h *= exp(l.e[a]);
-                l.e[a] = h < Real(0.5) ? h : Real(0.5);
+                l.e[a] = held_half(v.p.log_stretch ? stretched_half((*size)[a], l.e[a]) : (*size)[a]);
                 q.e[a] = Real(0.25) / l.e[a];
             }
             write_row<half>(l, own), write_row<quarter>(q, own);

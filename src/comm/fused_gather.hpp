@@ -1,0 +1,17 @@
+#pragma once
+// For which scenes a device has gather and stress update in one kernel (gpu/kernels/g2p/g2p.hpp). A fact about device
+// kernels, and yet plain C++ below gpu: a program without device code predicts a device's memory (predict/memory.cpp),
+// and only a gather apart from the stress keeps a velocity gradient per particle.
+
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+inline bool fuses(const Scene& scene) {
+    const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
+    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    const bool has_kernels = scene.shape == Shape::quadratic ? plain || affine : scene.shape == Shape::linear && plain;
+    return has_kernels && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
+}
+
+}  // namespace moraine
