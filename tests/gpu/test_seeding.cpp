@@ -38,7 +38,7 @@ void compare(const Scene& scene, const DeviceChoice& device) {
     CHECK(run<Real, Dim>(scene, comm, device, true, 30) == run<Real, Dim>(scene, comm, device, false, 30));
 }
 
-/// More than one piece of what the host looks at (gpu/engine_share.ipp).
+/// More than one piece of what the host looks at (gpu/engine_share.cpp).
 Scene large() {
     Scene s = test::without_jitter(test::column());
     s.max = {48, 48, 56};
