@@ -1,5 +1,7 @@
 #include "app/driver.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <filesystem>
 

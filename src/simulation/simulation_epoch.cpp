@@ -1,59 +1,18 @@
-// Epochs and balancing: who owns which block, and for how long that is known to all.
+// Between steps: who owns which block, and for how long that is known to all. A plan is rebalance.hpp's, what blocks
+// weigh measured_loads.hpp's, how long an epoch holds comm/epoch_lifetime.hpp's.
+
+#include <chrono>
+#include <utility>
+
+#include "comm/host_engine.hpp"
+#include "simulation/simulation.hpp"
 
 namespace moraine {
 
 template <class Real, int Dim>
-std::vector<BlockLoad> Simulation<Real, Dim>::loads_of(const BlockCounts& mine) const {
-    std::vector<BlockLoad> rows;
-    rows.reserve(mine.key.size());
-    for (std::size_t b = 0; b < mine.key.size(); ++b) {
-        const std::int64_t cells = mine.cells.empty() ? 0 : mine.cells[b];
-        rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
-    }
-    return rows;
-}
-
-/// Occupied blocks of all ranks, in key order.
-template <class Real, int Dim>
-std::vector<BlockLoad> Simulation<Real, Dim>::gather_loads(const BlockCounts& mine) const {
-    std::vector<std::int64_t> counts;
-    const std::vector<BlockLoad> all = comm_.all_gather(loads_of(mine), &counts);
-    return merged(in_key_order(all, counts));
-}
-
-/// Refines the weights by the computing time since the last imbalance check.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::calibrate(const BlockCounts& mine) {
-    const auto steps = static_cast<double>(clock_.step - checked_step_);
-    CostSample sample;
-    for (std::size_t b = 0; b < mine.key.size(); ++b) {
-        sample.particles += static_cast<double>(mine.count[b]);
-        sample.cells += static_cast<double>(mine.cells[b]);
-    }
-    sample.blocks = static_cast<double>(mine.key.size());
-    if (steps > 0) sample.seconds = (phases_.computing() - checked_seconds_) / steps;
-    checked_seconds_ = phases_.computing();
-    checked_step_ = clock_.step;
-    calibration_.add(comm_.all_gather(std::vector<CostSample>{sample}));
-    weight_.set_model(calibration_.model());
-}
-
-template <class Real, int Dim>
 std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
     bin();
-    return gather_loads(engine_->block_counts(weighs_cells()));
-}
-
-/// Of this rank's blocks, from the owners of all.
-inline std::vector<std::int32_t> owners_of(const BinnedBlocks& mine, const std::vector<BlockLoad>& loads,
-                                           const std::vector<std::int32_t>& owners) {
-    std::vector<std::int32_t> result;
-    for (Key key : mine.key) {
-        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
-                                         [](const BlockLoad& load, Key k) { return load.key < k; });
-        result.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
-    }
-    return result;
+    return loads_.gather(engine_->block_counts(loads_.weighs_cells()));
 }
 
 /// This rank's part of a topology made from what is occupied now; owners are the ranks that hold the blocks.
@@ -68,7 +27,7 @@ EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>&
 /// With particles that were put into the host's share.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_epoch(const BinnedBlocks& binned) {
-    engine_->adopt(next_epoch(gather_loads(counts_of(patch(), binned, false))), binned);
+    engine_->adopt(next_epoch(loads_.gather(counts_of(patch(), binned, false))), binned);
     engine_->refresh_memory(false);
 }
 
@@ -133,44 +92,19 @@ void Simulation<Real, Dim>::synchronize() {
     phases_.time(Phase::agree, [&] { engine_->synchronize(); });
 }
 
-/// By what the agreements say of the ranks, before anything is binned or sent: no plan is worth making. Costs may say
-/// otherwise, but only block by block.
-template <class Real, int Dim>
-bool Simulation<Real, Dim>::is_balanced(ImbalanceCheck& found) const {
-    if (weighs_cells()) return false;
-    found.terms.now = weight_.is_time() ? measured_cost_.load(comm_.size())
-                                        : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
-    found.reason = "balanced";
-    if (!trigger_.needs_plan(found.terms.now)) return true;
-    take_times(found.terms);
-    found.reason = "not worth it";
-    return !trigger_.may_pay(found.terms);
-}
-
-/// What steps took by the last agreement.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::take_times(TriggerInput& terms) const {
-    terms.step = clock_.step;
-    terms.last_repartition = last_repartition_;
-    terms.slowest = agreed_.seconds;
-    terms.loses = agreed_.seconds - agreed_.seconds_sum / comm_.size();
-    terms.lost = time_lost_;
-}
-
 /// The loads of now are on their way to all ranks, unless all is well without.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_check() {
     ImbalanceCheck found;
-    if (is_balanced(found)) return rebalance_.skip(std::move(found));
+    if (loads_.is_balanced(trigger_, clock_.step, found)) return rebalance_.skip(std::move(found));
     if (must_synchronize()) synchronize();
     phases_.time(Phase::balance, [&] {
-        const BlockCounts mine = engine_->block_counts(weighs_cells());
-        if (weighs_cells()) calibrate(mine);
-        if (weight_.is_time()) weight_.set_model({measured_cost_.picoseconds(weight_.model().a), 0, 0});
-        ImbalanceCheckInput input{{}, clock_.round, -comm_.max(-engine_->capacity()), weight_.seconds()};
-        take_times(input.times);
+        const BlockCounts mine = engine_->block_counts(loads_.weighs_cells());
+        loads_.refine(mine, clock_.step, phases_.computing());
+        ImbalanceCheckInput input{{}, clock_.round, -comm_.max(-engine_->capacity()), loads_.unit()};
+        loads_.take_times(clock_.step, input.times);
         keys_.finish();  // what would have been the next epoch
-        rebalance_.begin(clock_.step, loads_of(mine), std::move(input));
+        rebalance_.begin(clock_.step, loads_.of(mine), std::move(input));
         epoch_.begin_next();
     });
 }
@@ -200,11 +134,14 @@ void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     counts_.migrated_blocks += moved.blocks;
     ++counts_.repartitions;
     ++clock_.round;
-    last_repartition_ = clock_.step;
-    time_lost_ = 0;
-    measured_cost_.forget();
-    move_seconds_ = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    rebalance_.learn(move_seconds_);
+    loads_.begin_again(clock_.step);
+    const double seconds = comm_.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    rebalance_.learn(seconds);
 }
+
+template class Simulation<float, 2>;
+template class Simulation<float, 3>;
+template class Simulation<double, 2>;
+template class Simulation<double, 3>;
 
 }  // namespace moraine
