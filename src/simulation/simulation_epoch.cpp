@@ -10,6 +10,30 @@
 namespace moraine {
 
 template <class Real, int Dim>
+void Simulation<Real, Dim>::balance() {
+    rebalance_.want(clock_.step);
+    if (rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();
+    if (rebalance_.is_under_way()) continue_check();
+    if (rebalance_.is_under_way()) return;
+    const bool used_up = epoch_.is_used_up();
+    const bool wants_next = used_up || (async_ && epoch_.state() == EpochLifetime::State::in_guard_layer);
+    if (must_synchronize() && wants_next) synchronize();
+    phases_.time(Phase::balance, [&] {
+        const bool under_way = keys_.under_way() || next_epoch_.under_way();
+        start_next_epoch();
+        if (wants_next && (!under_way || epoch_.next_is_stale())) request_next_epoch();
+        if (used_up) start_next_epoch(), renew_epoch();
+    });
+}
+
+/// The binned state, with nothing under way.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::synchronize() {
+    bin();
+    phases_.time(Phase::agree, [&] { engine_->synchronize(); });
+}
+
+template <class Real, int Dim>
 std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
     bin();
     return loads_.gather(engine_->block_counts(loads_.weighs_cells()));
@@ -66,30 +90,6 @@ RunCounts Simulation<Real, Dim>::counts_so_far() const {
     counts.halo_bytes = traffic.halo_bytes;
     counts.crossed_particles = traffic.crossed_particles;
     return counts;
-}
-
-template <class Real, int Dim>
-void Simulation<Real, Dim>::balance() {
-    rebalance_.want(clock_.step);
-    if (rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();
-    if (rebalance_.is_under_way()) continue_check();
-    if (rebalance_.is_under_way()) return;
-    const bool used_up = epoch_.is_used_up();
-    const bool wants_next = used_up || (async_ && epoch_.state() == EpochLifetime::State::in_guard_layer);
-    if (must_synchronize() && wants_next) synchronize();
-    phases_.time(Phase::balance, [&] {
-        const bool under_way = keys_.under_way() || next_epoch_.under_way();
-        start_next_epoch();
-        if (wants_next && (!under_way || epoch_.next_is_stale())) request_next_epoch();
-        if (used_up) start_next_epoch(), renew_epoch();
-    });
-}
-
-/// The binned state, with nothing under way.
-template <class Real, int Dim>
-void Simulation<Real, Dim>::synchronize() {
-    bin();
-    phases_.time(Phase::agree, [&] { engine_->synchronize(); });
 }
 
 /// The loads of now are on their way to all ranks, unless all is well without.

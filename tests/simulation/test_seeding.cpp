@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "lattice_scenes.hpp"
+#include "seeding/lattice_seeds.hpp"
 #include "simulation/diagnostics.hpp"
 
 using namespace moraine;
