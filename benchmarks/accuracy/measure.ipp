@@ -1,4 +1,4 @@
-// One level of each problem; compiled once per precision.
+// One level of each problem. An .ipp: one source per precision includes it, so that both are compiled at once.
 
 #include "accuracy/cases.hpp"
 #include "verification/problem_bar.hpp"

@@ -19,7 +19,7 @@
 #include "benchmark_main.hpp"
 #include "device/cases.hpp"
 #include "machine.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
@@ -105,7 +105,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     for (std::size_t k = 0; k < Phases::count; ++k)  // of the rank that is longest in it
         phases += fmt::format("{}\"{}\": {:.4f}", k ? ", " : "", Phases::names[k],
                               comm.max(1e3 * (sim.phases().all()[k] - before[k]) / steps));
-    const std::uint64_t hash = c.hashed ? sim.state_hash() : 0;
+    const std::uint64_t hash = c.hashed ? state_hash(sim) : 0;
     if (!comm.is_root()) return;
     fmt::print(
         "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "

@@ -80,7 +80,7 @@ Found look(Simulation<double, 2>& sim, const Contrast& contrast) {
     Found now;
     const double face = margin + first;
     const ParticleView<double, 2> p = sim.patch().particles.view();
-    sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) {
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) {
         const double young = p.body[s] == 0 ? 1 : contrast.stiffness;
         const double kinetic = 0.5 * p.mass[s] * p.velocity[s][0] * p.velocity[s][0];
         const double strain = 0.5 * p.volume[s] * p.stress[s][0] * p.stress[s][0] / young;
@@ -98,7 +98,7 @@ Found look(Simulation<double, 2>& sim, const Contrast& contrast) {
 void start_pulse(Simulation<double, 2>& sim) {
     sim.seed();
     const ParticleView<double, 2> p = sim.patch().particles.view();
-    sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) {
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) {
         const double at = x[0] - (margin + first - away);
         const double v = std::fabs(at) < width / 2 ? amplitude * std::pow(std::cos(pi * at / width), 2) : 0;
         p.velocity[s][0] = v;

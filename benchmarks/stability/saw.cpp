@@ -69,7 +69,7 @@ struct Followed {
 enum class Steps { rule, saw, fixed };
 
 double centre(Simulation<double, 2>& sim, int axis) {
-    const Totals<2> all = sim.totals();
+    const Totals<2> all = totals_of(sim);
     return all.centre[static_cast<std::size_t>(axis)] / all.mass;
 }
 

@@ -45,7 +45,7 @@ double density_noise(Simulation<double, 2>& sim) {
                       static_cast<int>(std::lround(scene.max[1] / h)) + 3};
     std::vector<double> mass(static_cast<std::size_t>(n[0] * n[1]));
     const ParticleView<double, 2> p = sim.patch().particles.view();
-    sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) {
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) {
         double w[2][3], dw[3];
         int base[2];
         for (std::size_t a = 0; a < 2; ++a) {

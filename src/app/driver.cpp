@@ -1,8 +1,218 @@
 #include "app/driver.hpp"
 
-#include "app/driver.ipp"
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "records/checkpoint_state.hpp"
+#include "records/output_frame.hpp"
+#include "records/structure_record.hpp"
+#include "records/summary.hpp"
+#include "records/time_report.hpp"
 
 namespace moraine {
+
+namespace {
+
+double wall_clock() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Whether a checkpoint, or what a link to it leads to, lies in this directory.
+bool is_inside(const std::string& checkpoint, const std::string& directory) {
+    if (checkpoint.empty()) return false;
+    std::error_code none;
+    const auto lies_in = [&](const std::filesystem::path& path) {
+        const auto folder = path.parent_path();
+        return std::filesystem::equivalent(folder.empty() ? "." : folder, directory, none);
+    };
+    return lies_in(checkpoint) || lies_in(std::filesystem::weakly_canonical(checkpoint, none));
+}
+
+/// The first multiple of the interval that is still to come at time t; of intervals far below a step, none is passed.
+std::int64_t next_multiple(double interval, double t) {
+    if (!(interval > 0)) return 1;
+    const double most = 9007199254740992;  // 2^53: whole numbers are exact up to here
+    double k = std::max(1.0, std::floor(std::min(t / interval, most)));
+    while (k < most && k * interval <= t) ++k;
+    return static_cast<std::int64_t>(k);
+}
+
+}  // namespace
+
+template <class Real, int Dim>
+Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device)
+    : scene_(scene),
+      options_(options),
+      comm_(comm),
+      directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
+      device_message_(device.message),
+      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {}
+
+template <class Real, int Dim>
+double Driver<Real, Dim>::wall() const {
+    return wall_clock() - start_wall_;
+}
+
+/// Collective.
+template <class Real, int Dim>
+RunClaim Driver<Real, Dim>::claim() const {
+    const bool inside = comm_.max(std::int64_t(comm_.is_root() && is_inside(options_.restart, directory_))) != 0;
+    if (inside && options_.overwrite)
+        throw InputError(
+            fmt::format("--overwrite would remove {} (the run is to go on from it). Leave --overwrite "
+                        "out to go on in {}, or another --output?",
+                        options_.restart, directory_));
+    if (options_.overwrite) return RunClaim::overwrite;
+    return inside ? RunClaim::resume : RunClaim::fresh;
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::begin() {
+    start_wall_ = wall_clock();
+    const bool restarting = !options_.restart.empty();
+    const RunClaim claim = this->claim();
+    check_run_directory(comm_, directory_, claim);
+    if (restarting) {
+        const CheckpointReader file(comm_, options_.restart);
+        load(sim_, comm_, file, options_.restart);
+    } else {
+        sim_.seed();
+    }
+    if (comm_.is_root() && !options_.quiet && !sim_.trigger().notice().empty())
+        fmt::print(stderr, "{}\n", sim_.trigger().notice());
+    lock_ = claim_run_directory(comm_, directory_, claim);
+    catch_stop_signals();
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
+    const RunClock<Dim>& clock = sim_.clock();
+    open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
+    next_output_ = next_multiple(scene_.output.interval, clock.time);
+    next_structures_ = next_multiple(scene_.output.structure_interval, clock.time);
+    next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
+    progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
+                                           wall());
+    if (!restarting) output();
+    if (loads_) loads_->write();
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
+    std::optional<ResumeAfter> resume;
+    if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
+    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(), resume);
+    balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
+    if (!sim_.structures().empty())
+        structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
+    if (scene_.output.block_loads)
+        loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
+                                                         resume_time ? std::optional(resume_step) : std::nullopt);
+    if (options_.no_particles) return;
+    series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
+    if (resume_time) series_->truncate_to(*resume_time);
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::run() {
+    begin();
+    try {
+        while (sim_.clock().time < scene_.end) advance();
+        sim_.conclude();
+        if (last_output_step_ != sim_.clock().step) output();
+    } catch (const PhysicsError&) {
+        progress_->clear();
+        output();
+        finish();
+        throw;
+    }
+    finish();
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::advance() {
+    if (stop_requested()) sim_.ask(ask_stop);
+    const double due = scene_.output.checkpoint_wall_interval;
+    if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
+    const double before = wall_clock();
+    sim_.step();
+    sim_.balance();
+    stepping_ += wall_clock() - before;
+    after_step();
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::after_step() {
+    const RunClock<Dim>& clock = sim_.clock();
+    const double interval = scene_.output.interval;
+    const double checkpoint_interval = scene_.output.checkpoint_interval;
+    if (interval > 0 && clock.time >= static_cast<double>(next_output_) * interval) {
+        sim_.conclude();
+        output();
+    }
+    const double often = scene_.output.structure_interval;
+    if (structures_ && often > 0 && clock.time >= static_cast<double>(next_structures_) * often) {
+        sim_.conclude();
+        record_structures();
+    }
+    if (clock.step % scene_.balance.interval == 0) record_balance();
+    const bool due =
+        checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;
+    const std::uint32_t asked = sim_.agreement().stop;
+    if (due || asked) checkpoint();
+    if (asked & ask_stop) {
+        finish();
+        throw Stopped(fmt::format("Stopped by a signal at step {} (t = {:.6g} s). Go on with --restart {}/{}?",
+                                  clock.step, clock.time, directory_, checkpoint_name(clock.step)));
+    }
+    const double mean = static_cast<double>(sim_.agreement().count_sum) / comm_.size();
+    progress_->report({clock.step, clock.time, sim_.counts().particle_steps,
+                       mean > 0 ? static_cast<double>(sim_.agreement().count) / mean : 1},
+                      wall());
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::output() {
+    sim_.phases().time(Phase::output, [&] {
+        history_->row(observe(sim_, comm_).values());
+        if (structures_ && scene_.output.structure_interval == 0) record_structures();
+        if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
+    });
+    last_output_step_ = sim_.clock().step;
+    next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::checkpoint() {
+    if (last_checkpoint_step_ == sim_.clock().step) return;
+    sim_.phases().time(Phase::output, [&] {
+        sim_.conclude();
+        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step));
+    });
+    last_checkpoint_step_ = sim_.clock().step;
+    last_checkpoint_wall_ = wall();
+    next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, sim_.clock().time);
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::record_structures() {
+    sim_.phases().time(Phase::output, [&] { moraine::record_structures(sim_, *structures_); });
+    next_structures_ = next_multiple(scene_.output.structure_interval, sim_.clock().time);
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::record_balance() {
+    if (loads_) sim_.phases().time(Phase::output, [&] { loads_->write(); });
+    balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::finish() {
+    const RunClock<Dim>& clock = sim_.clock();
+    progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
+    const TimeReport times = time_report(sim_, comm_, wall());
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));
+    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}Results are in {}\n", times.text(), directory_);
+}
 
 namespace {
 

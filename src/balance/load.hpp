@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "comm/topology.hpp"
 #include "core/morton.hpp"
 
 namespace moraine {
@@ -36,6 +37,17 @@ struct Layout {
     std::array<bool, 3> periodic{};               ///< axes that close on themselves
     int width = 3;                                ///< of the stencil, in nodes per axis
 };
+
+/// width: of the stencil. Not collective.
+template <int Dim>
+Layout layout_of(const DomainBlocks<Dim>& domain, int width) {
+    Layout layout;
+    layout.dimensions = Dim;
+    layout.width = width;
+    std::copy(domain.periodic.begin(), domain.periodic.end(), layout.periodic.begin());
+    std::copy(domain.count.begin(), domain.count.end(), layout.blocks.begin());
+    return layout;
+}
 
 using Position = std::array<std::int32_t, 3>;  ///< of a block, from the domain's lower corner; 0 where no axis
 

@@ -26,6 +26,13 @@ struct CostModel {
     std::int64_t d;  ///< per block [ps]
 };
 
+/// On one core, from benchmark_step --costs: the cell term came out as nothing.
+inline constexpr CostModel host_costs{130000, 0, 8000000};
+/// On one H200 in single: least squares over benchmark_device's cases costs-* (benchmarks/device/results.md)
+/// with what a step takes whatever its share is (0.1 ms), which no cut changes; in double about twice that. Cuts depend
+/// on the ratio alone, and measured steps set the scale.
+inline constexpr CostModel device_costs{81, 296, 0};
+
 class BlockWeight {
   public:
     /// cells: of a block. Throws InputError if balance.weight is none of these. Not collective.

@@ -22,6 +22,10 @@ struct MigrationBound {
     }
 };
 
+/// What can be asked of all ranks, as bits of Agreement::stop.
+inline constexpr std::uint32_t ask_stop = 1;        ///< a signal: checkpoint and end
+inline constexpr std::uint32_t ask_checkpoint = 2;  ///< the wall clock: checkpoint
+
 struct Agreement {
     double signal = 0;                 ///< max: c + |v| [m/s]
     double moved = 0;                  ///< max: displacement of the last step [cells]
@@ -34,7 +38,7 @@ struct Agreement {
     std::uint32_t faults = 0;          ///< or: bits of Fault
     std::uint32_t in_guard_layer = 0;  ///< or: 1 some particle could leave the topology soon (comm/guard_layer.hpp)
     std::uint32_t making = 0;          ///< or: 1 the next epoch is still being made
-    std::uint32_t stop = 0;            ///< or: 1 a signal asked for the end, 2 time for a wall-clock checkpoint
+    std::uint32_t stop = 0;            ///< or: ask_stop, ask_checkpoint
 };
 
 /// One reduction at a time: start, other work, finish.

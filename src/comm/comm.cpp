@@ -55,6 +55,10 @@ std::int64_t Comm::sum(std::int64_t value) const {
     return reduce(*this, value, MPI_INT64_T, MPI_SUM);
 }
 
+std::uint64_t Comm::sum(std::uint64_t value) const {
+    return reduce(*this, value, MPI_UINT64_T, MPI_SUM);
+}
+
 void Comm::sum(std::span<std::int64_t> values) const {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_);
 }

@@ -41,6 +41,7 @@ class Comm {
     double sum(double value) const;
     std::int64_t max(std::int64_t value) const;
     std::int64_t sum(std::int64_t value) const;
+    std::uint64_t sum(std::uint64_t value) const;  ///< modulo 2^64
     void sum(std::span<std::int64_t> values) const;
     std::string broadcast(const std::string& text, int root = 0) const;
 
@@ -58,6 +59,19 @@ class Comm {
             for (auto& c : *counts) c /= static_cast<std::int64_t>(sizeof(T));
         }
         return all;
+    }
+
+    /// Over ranks, element by element, of sums whose order does not matter (core/exact_sum.hpp). Collective.
+    template <class Sum>
+    std::vector<Sum> exact_sums(const std::vector<Sum>& mine) const {
+        const std::vector<Sum> all = all_gather(mine);
+        std::vector<Sum> sums(mine.size());
+        for (std::size_t k = 0; k < all.size(); ++k) sums[k % mine.size()].add(all[k]);
+        return sums;
+    }
+    template <class Sum>
+    Sum exact_sum(const Sum& mine) const {
+        return exact_sums(std::vector<Sum>{mine}).front();
     }
 
     /// If any rank says something, every rank throws it: the words of the lowest such rank. Collective.

@@ -1,6 +1,7 @@
 #pragma once
 // The engine of the host: OpenMP threads over blocks, messages by MPI. The plain reference of every other engine.
 
+#include <bit>
 #include <memory>
 
 #include "comm/engine.hpp"
@@ -84,5 +85,3 @@ BlockCounts counts_of(Patch<Host, Real, Dim>& patch, const BinnedBlocks& binned,
 }
 
 }  // namespace moraine
-
-#include "comm/host_engine.ipp"

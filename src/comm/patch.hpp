@@ -79,7 +79,12 @@ class Patch {
     void refresh_memory(double share);
 
     /// Cell within its block of the particle in a slot.
-    int cell_of_slot(std::uint32_t slot);
+    int cell_of_slot(std::uint32_t slot) {
+        const auto& u = particles.view().position[slot];
+        int cell = 0;
+        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(u[a]);
+        return cell;
+    }
 
   private:
     void assign_storage();
@@ -108,5 +113,3 @@ class Patch {
 };
 
 }  // namespace moraine
-
-#include "comm/patch.ipp"

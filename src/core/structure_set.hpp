@@ -30,6 +30,14 @@ struct StructureState {
     StructureSums<Dim> reported;                              ///< felt at the last row of the records
 };
 
+/// The components that a scene of this dimension has.
+template <int Dim>
+Vec<double, Dim> vec_of(const Triple& t) {
+    Vec<double, Dim> v;
+    for (int a = 0; a < Dim; ++a) v[a] = t[static_cast<std::size_t>(a)];
+    return v;
+}
+
 template <int Dim>
 class StructureSet {
   public:
@@ -65,5 +73,3 @@ class StructureSet {
 };
 
 }  // namespace moraine
-
-#include "core/structure_set.ipp"

@@ -1,10 +1,5 @@
 #include "gpu/engine.hpp"
 
-#include <algorithm>
-#include <numeric>
-
-#include "gpu/memory/refresh.hpp"
-
 namespace moraine::gpu {
 
 namespace {
@@ -67,14 +62,6 @@ View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     v.accounts = accounts_.data();
     return v;
 }
-
-}  // namespace moraine::gpu
-
-#include "gpu/engine_epoch.ipp"
-#include "gpu/engine_share.ipp"
-#include "gpu/engine_step.ipp"
-
-namespace moraine::gpu {
 
 template class DeviceEngine<float, 2>;
 template class DeviceEngine<float, 3>;

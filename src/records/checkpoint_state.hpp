@@ -1,11 +1,14 @@
 #pragma once
 // A simulation to and from its checkpoint. Both collective.
 
+#include <fmt/format.h>
+
 #include <bit>
 
+#include "core/error.hpp"
 #include "io/checkpoint.hpp"
 #include "scene/scene_identity.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
@@ -104,8 +107,7 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
 
 /// One sum over ranks, as a checkpoint holds it. Collective.
 inline std::vector<std::int64_t> stored_sum(const Comm& comm, const ExactSum& mine) {
-    ExactSum sum;
-    for (const ExactSum& s : comm.all_gather(std::vector<ExactSum>{mine})) sum.add(s);
+    const ExactSum sum = comm.exact_sum(mine);
     return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
 }
 inline ExactSum sum_of_stored(const std::vector<std::int64_t>& words) {
@@ -155,7 +157,7 @@ template <class Real, int Dim>
 void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
     CheckpointHeader header = clock_header(sim.clock());
     header["scene"] = identity_text(sim.scene());
-    header["state_hash"] = std::bit_cast<std::int64_t>(sim.state_hash());
+    header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
     header["partitioner_state"] = sim.partitioner().state();
     Budget<Dim> budget = sim.budget();
@@ -200,7 +202,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     };
     sim.restore(keys, counts, clock_of<Dim>(file), budget, state, read);
     load_structures(sim, comm, file);
-    if (std::bit_cast<std::int64_t>(sim.state_hash()) != file.get<std::int64_t>("state_hash"))
+    if (std::bit_cast<std::int64_t>(state_hash(sim)) != file.get<std::int64_t>("state_hash"))
         throw InputError(
             fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "
                         "Restart from an earlier checkpoint?",

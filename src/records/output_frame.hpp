@@ -5,7 +5,7 @@
 
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
@@ -26,7 +26,7 @@ class OutputFrame {
             sim_.each_piece({"position"}, [&](const SharePiece<Real, Dim>& piece) {
                 for (int b = piece.begin; b < piece.end; ++b)
                     for (std::uint32_t s : piece.slots(b)) {
-                        const std::array<double, Dim> x = sim_.place_of(piece, b, s);
+                        const std::array<double, Dim> x = place_of(sim_, piece, b, s);
                         at = std::copy(x.begin(), x.end(), at);
                     }
             });

@@ -43,7 +43,7 @@ void record_structures(Simulation<Real, Dim>& sim, CsvLog& log) {
         felt.push_back(state.felt);
         before.push_back(state.reported);
     }
-    const auto now = sim.sum_of(felt), then = sim.sum_of(before);
+    const auto now = sim.comm().exact_sums(felt), then = sim.comm().exact_sums(before);
     const double time = sim.clock().time - set.reported_time;
     constexpr std::size_t sums = Dim + moments<Dim>;
     for (std::size_t k = 0; k < set.size(); ++k) {
@@ -69,7 +69,7 @@ template <class Real, int Dim>
 std::vector<StructureSums<Dim>> felt_by_structures(const Simulation<Real, Dim>& sim) {
     std::vector<StructureSums<Dim>> mine;
     for (std::size_t k = 0; k < sim.structures().size(); ++k) mine.push_back(sim.structures().state(k).felt);
-    return sim.sum_of(mine);
+    return sim.comm().exact_sums(mine);
 }
 
 /// Of summary.json, by name. After conclude() only. Collective.

@@ -10,7 +10,7 @@
 #include "records/time_report.hpp"
 #include "records/time_series.hpp"
 #include "records/version.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
@@ -130,7 +130,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     comm.sum(sums);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
-    const std::string hash = fmt::format("{:016x}", sim.state_hash());
+    const std::string hash = fmt::format("{:016x}", state_hash(sim));
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     Json::Named summary{
         {"version", version_text},

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
@@ -77,22 +77,22 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.step = clock.step;
     row.time = clock.time;
     row.dt = clock.dt;
-    row.totals = sim.totals();
+    row.totals = totals_of(sim);
     row.particles = comm.sum(sim.engine().census().particles);
     row.lost_particles = comm.sum(budget.lost_count);
-    row.lost_mass = sim.sum_of(budget.lost_mass);
-    row.front = front_of(sim.column_volumes(), scene);
-    row.potential = sim.potential_energy(row.totals);
-    row.dissipated = sim.sum_of(budget.work) - (row.totals.strain - clock.start_strain);
+    row.lost_mass = sum_of(sim, budget.lost_mass);
+    row.front = front_of(column_volumes(sim), scene);
+    row.potential = potential_energy(scene, row.totals);
+    row.dissipated = sum_of(sim, budget.work) - (row.totals.strain - clock.start_strain);
     std::vector<StructureSums<Dim>> felt;
     for (const StructureState<Dim>& state : sim.structures().states()) felt.push_back(state.felt);
-    felt = sim.sum_of(felt);
+    felt = comm.exact_sums(felt);
     for (std::size_t a = 0; a < Dim; ++a) {
-        row.wall_impulse[a] = sim.sum_of(budget.impulse[a]);
-        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - sim.sum_of(budget.lost_gravity_impulse[a]);
+        row.wall_impulse[a] = sum_of(sim, budget.impulse[a]);
+        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - sum_of(sim, budget.lost_gravity_impulse[a]);
         row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
-        row.momentum_error[a] = row.totals.momentum[a] + sim.sum_of(budget.lost_momentum[a]) - clock.start_momentum[a] -
-                                row.gravity_impulse[a] - row.wall_impulse[a];
+        row.momentum_error[a] = row.totals.momentum[a] + sum_of(sim, budget.lost_momentum[a]) -
+                                clock.start_momentum[a] - row.gravity_impulse[a] - row.wall_impulse[a];
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
     }
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;

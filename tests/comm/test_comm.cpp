@@ -2,6 +2,7 @@
 
 #include "comm/comm.hpp"
 #include "core/error.hpp"
+#include "core/exact_sum.hpp"
 
 using namespace moraine;
 
@@ -40,6 +41,20 @@ TEST_CASE("reductions are over all ranks") {
     CHECK(values[0] == n * (n - 1) / 2);
     CHECK(values[1] == n);
     CHECK(values[2] == -n * (n - 1) / 2);
+}
+
+TEST_CASE("sums of whole numbers wrap around, and exact sums carry") {
+    const Comm comm(MPI_COMM_WORLD);
+    const auto n = static_cast<std::uint64_t>(comm.size());
+    CHECK(comm.sum(~std::uint64_t(0)) == std::uint64_t(0) - n);
+    const ExactSum largest{0, ~std::uint64_t(0)};
+    const std::vector<ExactSum> sums = comm.exact_sums(std::vector<ExactSum>{largest, {comm.rank(), 0}});
+    REQUIRE(sums.size() == 2);
+    CHECK(sums[0].high == comm.size() - 1);
+    CHECK(sums[0].low == std::uint64_t(0) - n);
+    CHECK(sums[1].high == comm.size() * (comm.size() - 1) / 2);
+    CHECK(comm.exact_sum(largest).high == sums[0].high);
+    CHECK(comm.exact_sums(std::vector<ExactSum>{}).empty());
 }
 
 TEST_CASE("words of any rank reach all ranks") {

@@ -5,7 +5,7 @@
 #include "app/device.hpp"
 #include "sample_scenes.hpp"
 #include "scene/read_scene.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -26,7 +26,7 @@ std::vector<Values> values_of(Simulation<Real, Dim>& sim) {
     std::vector<Values> all;
     const auto* id = sim.patch().particles.view().id;
     Values places{"place", {}, 0};
-    sim.each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) {
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, Dim>& x) {
         places.of[id[s]].assign(x.begin(), x.end());
         for (double v : x) places.scale = std::max(places.scale, std::fabs(v));
     });
@@ -35,7 +35,7 @@ std::vector<Values> values_of(Simulation<Real, Dim>& sim) {
         if (c.name == "id" || c.name == "position" || c.name == "body") continue;
         // b - I of a body that nothing strains is rounding of about 1e-17: a microstrain is scale enough
         Values column{c.name, {}, c.name == "left_strain" ? 1e-6 : 0};
-        sim.each_particle([&](std::uint32_t s, const std::array<double, Dim>&) {
+        each_particle(sim, [&](std::uint32_t s, const std::array<double, Dim>&) {
             const auto* row = reinterpret_cast<const Real*>(c.data + s * c.row_bytes);
             for (std::size_t k = 0; k < c.row_bytes / sizeof(Real); ++k) {
                 column.of[id[s]].push_back(static_cast<double>(row[k]));
@@ -61,7 +61,7 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
     Simulation<Real, Dim> sim(scene, comm, on_device ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr);
     sim.seed();
     for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
-    Outcome out{values_of(sim), sim.state_hash(true), sim.clock().time, {}};
+    Outcome out{values_of(sim), state_hash(sim, true), sim.clock().time, {}};
     const Budget<Dim>& budget = sim.budget();
     for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
                               budget.lost_momentum[0], budget.lost_gravity_impulse[1]})

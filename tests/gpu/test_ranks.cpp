@@ -4,7 +4,7 @@
 #include "comm/transport_names.hpp"
 #include "gpu/transport/transport.hpp"
 #include "sample_scenes.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -30,9 +30,9 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
     counts.crossed_particles = comm.sum(counts.crossed_particles);
     counts.migrated_particles = comm.sum(counts.migrated_particles);
     counts.halo_bytes = comm.sum(counts.halo_bytes);
-    return {sim.state_hash(true),
-            {sim.sum_of(l.work), sim.sum_of(l.impulse[0]), sim.sum_of(l.impulse[1]), sim.sum_of(l.lost_mass),
-             sim.sum_of(l.lost_momentum[0]), lost},
+    return {state_hash(sim, true),
+            {sum_of(sim, l.work), sum_of(sim, l.impulse[0]), sum_of(sim, l.impulse[1]), sum_of(sim, l.lost_mass),
+             sum_of(sim, l.lost_momentum[0]), lost},
             counts};
 }
 

@@ -2,7 +2,7 @@
 
 #include "app/device.hpp"
 #include "lattice_scenes.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -25,8 +25,8 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, bo
     for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
     sim.conclude();
     const RunClock<Dim>& c = sim.clock();
-    return {sim.state_hash(true), sim.state_hash(), c.signal,       c.time,
-            c.start_mass,         c.start_strain,   c.start_energy, comm.sum(sim.engine().census().particles)};
+    return {state_hash(sim, true), state_hash(sim), c.signal,       c.time,
+            c.start_mass,          c.start_strain,  c.start_energy, comm.sum(sim.engine().census().particles)};
 }
 
 template <class Real, int Dim>
@@ -38,7 +38,7 @@ void compare(const Scene& scene, const DeviceChoice& device) {
     CHECK(run<Real, Dim>(scene, comm, device, true, 30) == run<Real, Dim>(scene, comm, device, false, 30));
 }
 
-/// More than one piece of what the host looks at (gpu/engine_share.ipp).
+/// More than one piece of what the host looks at (gpu/engine_share.cpp).
 Scene large() {
     Scene s = test::without_jitter(test::column());
     s.max = {48, 48, 56};

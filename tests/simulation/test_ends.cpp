@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sample_scenes.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -45,7 +45,7 @@ double disturbance(const Scene& scene) {
     CHECK(comm.sum(sim.patch().count()) == 64);
     const ParticleView<Real, 2> p = sim.patch().particles.view();
     double worst = 0, right = 0;
-    sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) {
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) {
         for (int k = 0; k < 4; ++k) worst = std::max(worst, std::fabs(double(p.stress[s][k])) / 1e5);
         worst = std::max({worst, std::fabs(double(p.velocity[s][0])), std::fabs(double(p.velocity[s][1]) - 1)});
         right = std::max(right, x[0]);
@@ -87,7 +87,7 @@ double place_error(const Scene& scene, const std::string& what) {
         sim.bin();
         places.clear();
         const ParticleView<double, 2> p = sim.patch().particles.view();
-        sim.each_particle([&](std::uint32_t s, const std::array<double, 2>& x) { places[p.id[s]] = x; });
+        each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) { places[p.id[s]] = x; });
     };
     try {
         for (int n = 0; n < 2000; ++n) {

@@ -1,7 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "lattice_scenes.hpp"
-#include "simulation/simulation.hpp"
+#include "seeding/lattice_seeds.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -24,8 +25,8 @@ Start start_of(const Scene& scene, const Comm& comm, bool in_place, int steps) {
     for (int n = 0; n < steps; ++n) sim.step(), sim.balance();
     sim.conclude();
     const RunClock<Dim>& c = sim.clock();
-    return {sim.state_hash(true),
-            sim.state_hash(),
+    return {state_hash(sim, true),
+            state_hash(sim),
             comm.sum(sim.engine().census().particles),
             c.signal,
             c.mass_cutoff,

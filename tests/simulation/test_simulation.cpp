@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "sample_scenes.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 using namespace moraine;
 
@@ -23,13 +23,13 @@ struct Result {
 /// What is left of the momentum balance, as a part of mass times reference speed.
 template <class Real, int Dim>
 double unexplained_momentum(Simulation<Real, Dim>& sim) {
-    const Totals<Dim> now = sim.totals();
+    const Totals<Dim> now = totals_of(sim);
     const RunClock<Dim>& clock = sim.clock();
     double worst = 0;
     for (std::size_t a = 0; a < Dim; ++a) {
-        const double gained = now.momentum[a] + sim.sum_of(sim.budget().lost_momentum[a]) - clock.start_momentum[a];
-        const double pulled = now.mass * clock.gravity_impulse[a] + sim.sum_of(sim.budget().lost_gravity_impulse[a]);
-        const double left = std::fabs(gained - pulled - sim.sum_of(sim.budget().impulse[a]));
+        const double gained = now.momentum[a] + sum_of(sim, sim.budget().lost_momentum[a]) - clock.start_momentum[a];
+        const double pulled = now.mass * clock.gravity_impulse[a] + sum_of(sim, sim.budget().lost_gravity_impulse[a]);
+        const double left = std::fabs(gained - pulled - sum_of(sim, sim.budget().impulse[a]));
         if (!(left <= worst)) worst = std::isnan(left) ? HUGE_VAL : left;
     }
     return worst / (clock.start_mass * clock.signal);
@@ -39,16 +39,16 @@ template <class Real, int Dim>
 Result run(const Scene& scene, const Comm& comm, int steps) {
     Simulation<Real, Dim> sim(scene, comm);
     sim.seed();
-    const double mass = sim.totals().mass;
+    const double mass = totals_of(sim).mass;
     for (int n = 0; n < steps; ++n) {
         sim.step();
         sim.balance();
     }
     sim.conclude();
-    CHECK(sim.totals().mass + sim.sum_of(sim.budget().lost_mass) == doctest::Approx(mass).epsilon(1e-14));
+    CHECK(totals_of(sim).mass + sum_of(sim, sim.budget().lost_mass) == doctest::Approx(mass).epsilon(1e-14));
     CHECK(unexplained_momentum(sim) <= (sizeof(Real) == 8 ? 1e-12 : 2e-6));
     return {
-        sim.state_hash(true),     sim.state_hash(), sim.clock().time, sim.clock().dt, comm.sum(sim.budget().lost_count),
+        state_hash(sim, true),    state_hash(sim), sim.clock().time, sim.clock().dt, comm.sum(sim.budget().lost_count),
         sim.counts().repartitions};
 }
 
@@ -98,7 +98,7 @@ Epochs run_epochs(const Scene& scene, const Comm& comm, int steps, bool async) {
     }
     sim.conclude();
     const RunCounts& counts = sim.counts();
-    return {sim.state_hash(true), counts.epochs, counts.repartitions, comm.sum(counts.migrated_particles)};
+    return {state_hash(sim, true), counts.epochs, counts.repartitions, comm.sum(counts.migrated_particles)};
 }
 
 /// Of each imbalance check that planned, the steps from its begin to its end; one every 40 steps where nothing is in

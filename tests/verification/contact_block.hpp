@@ -81,7 +81,7 @@ struct ContactRun {
     double impulse(const Triple& along) {
         std::vector<StructureSums<2>> felt;
         for (const StructureState<2>& s : run.sim.structures().states()) felt.push_back(s.felt);
-        const StructureSums<2> all = run.sim.sum_of(felt)[0];
+        const StructureSums<2> all = run.sim.comm().exact_sums(felt)[0];
         return run.sim.quantum().value(all.sum[0]) * along[0] + run.sim.quantum().value(all.sum[1]) * along[1];
     }
 

@@ -85,7 +85,7 @@ void ring(Run<Real>& run, const Bar& bar, const std::vector<double>& moments, co
             }
             before = amplitude;
             if (static_cast<double>(last - step) >= steps_per_period - 0.5) continue;
-            const auto totals = run.sim.totals();
+            const auto totals = totals_of(run.sim);
             energy += totals.kinetic + totals.strain - drift * totals.momentum[0] + 0.5 * drift * drift * totals.mass;
         }
         --step;

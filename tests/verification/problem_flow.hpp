@@ -70,7 +70,7 @@ inline Scene current_scene(const Choice& choice, int cells) {
 template <class Real>
 double front(Simulation<Real, 2>& sim, double ahead = 0.005) {
     std::vector<double> x;
-    sim.each_particle([&](std::uint32_t, const std::array<double, 2>& at) { x.push_back(at[0]); });
+    each_particle(sim, [&](std::uint32_t, const std::array<double, 2>& at) { x.push_back(at[0]); });
     if (x.empty()) return NAN;
     const double place = (1 - ahead) * static_cast<double>(x.size() - 1);
     const auto below = x.begin() + static_cast<std::ptrdiff_t>(place);

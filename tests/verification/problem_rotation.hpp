@@ -48,7 +48,7 @@ inline std::array<double, 2> angular_momentum(Run<>& run, double D) {
 
 /// Kinetic, affine part included, and elastic [J].
 inline double spin_energy(Run<>& run, double D) {
-    const auto totals = run.sim.totals();
+    const auto totals = totals_of(run.sim);
     return totals.kinetic + totals.strain + run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
         double square = 0;
         for (int a = 0; p.affine && a < 2; ++a)

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/simulation.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine::verification {
 
@@ -94,15 +94,14 @@ inline void make_periodic(Scene& scene, std::size_t axis) {
 
 /// Where each particle began, by id (one body). Collective.
 template <class Real, int Dim>
-std::vector<std::array<double, Dim>> places(const Simulation<Real, Dim>& sim, const Comm& comm) {
+std::vector<std::array<double, Dim>> places(Simulation<Real, Dim>& sim, const Comm& comm) {
     struct Row {
         std::uint64_t id;
         std::array<double, Dim> x;
     };
     std::vector<Row> rows;
-    auto& patch = const_cast<Simulation<Real, Dim>&>(sim).patch();
-    const ParticleView<Real, Dim> p = patch.particles.view();
-    sim.each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) { rows.push_back({p.id[s], x}); });
+    const ParticleView<Real, Dim> p = sim.patch().particles.view();
+    each_particle(sim, [&](std::uint32_t s, const std::array<double, Dim>& x) { rows.push_back({p.id[s], x}); });
     rows = comm.all_gather(rows);
     std::vector<std::array<double, Dim>> by_id;
     for (const Row& row : rows) {
@@ -136,7 +135,7 @@ class Run {
     template <class F>
     void start_with(const F& f) {
         const View p = view();
-        sim.each_particle([&](std::uint32_t s, const Point&) { f(p, s, X_[p.id[s]]); });
+        each_particle(sim, [&](std::uint32_t s, const Point&) { f(p, s, X_[p.id[s]]); });
         sim.refresh_signal();
     }
 
@@ -155,7 +154,7 @@ class Run {
     double sum(const F& f) {
         const View p = view();
         double sum = 0;
-        sim.each_particle([&](std::uint32_t s, const Point& x) { sum += f(p, s, X_[p.id[s]], x); });
+        each_particle(sim, [&](std::uint32_t s, const Point& x) { sum += f(p, s, X_[p.id[s]], x); });
         return comm_.sum(sum);
     }
 
@@ -164,7 +163,7 @@ class Run {
     double largest(const F& f) {
         const View p = view();
         double most = 0;
-        sim.each_particle([&](std::uint32_t s, const Point& x) { most = std::max(most, f(p, s, X_[p.id[s]], x)); });
+        each_particle(sim, [&](std::uint32_t s, const Point& x) { most = std::max(most, f(p, s, X_[p.id[s]], x)); });
         return comm_.max(most);
     }
 

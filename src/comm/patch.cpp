@@ -1,6 +1,12 @@
-// Definitions of comm/patch.hpp.
+#include "comm/patch.hpp"
+
+#include <bit>
+
+#include "core/host.hpp"
 
 namespace moraine {
+
+namespace {
 
 /// Capacity for n elements whose content does not matter: the old ones are given back before new ones are taken.
 template <class Array>
@@ -11,6 +17,8 @@ void renew(Array& array, std::size_t n) {
     }
     array.resize(n);
 }
+
+}  // namespace
 
 template <class Space, class Real, int Dim>
 BlockTable<Dim> Patch<Space, Real, Dim>::table() const {
@@ -84,14 +92,6 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlock
     moves_.resize(slot_.size());
     Space::launch(own(), [this](int block) { count_cells(block); });
     assign_storage();
-}
-
-template <class Space, class Real, int Dim>
-int Patch<Space, Real, Dim>::cell_of_slot(std::uint32_t slot) {
-    const auto& u = particles.view().position[slot];
-    int cell = 0;
-    for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(u[a]);
-    return cell;
 }
 
 /// The list is sorted by cell already: only the bounds are missing.
@@ -215,5 +215,10 @@ void Patch<Space, Real, Dim>::refresh_memory(double share) {
     free_.clear();
     reordered_ = 0;
 }
+
+template class Patch<Host, float, 2>;
+template class Patch<Host, float, 3>;
+template class Patch<Host, double, 2>;
+template class Patch<Host, double, 3>;
 
 }  // namespace moraine

@@ -1,9 +1,16 @@
 // The engine's parts of a step, in the order in which the simulation calls them.
 
+#include <algorithm>
+#include <bit>
+
+#include "gpu/engine.hpp"
+
 namespace moraine::gpu {
 
-constexpr int refresh_interval =
-    12;  ///< steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md)
+namespace {
+
+/// Steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md).
+constexpr int refresh_interval = 12;
 
 template <int Dim>
 Budget<Dim> budget_of(const Account<Dim>& a) {
@@ -18,6 +25,8 @@ Budget<Dim> budget_of(const Account<Dim>& a) {
     l.lost_count = static_cast<std::int64_t>(a.lost_count);
     return l;
 }
+
+}  // namespace
 
 /// Incoming particles, then the next lists; the report of the step before goes to the host.
 template <class Real, int Dim>
@@ -223,5 +232,10 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     if (++steps_since_refresh_ >= refresh_interval) refresh();
     return report;
 }
+
+template class DeviceEngine<float, 2>;
+template class DeviceEngine<float, 3>;
+template class DeviceEngine<double, 2>;
+template class DeviceEngine<double, 3>;
 
 }  // namespace moraine::gpu

@@ -1,11 +1,12 @@
 // The engine's share without the memory of the host: particles that begin on the device, and are looked at in pieces.
 
+#include "gpu/engine.hpp"
 #include "gpu/memory/lattice_seeding.hpp"
 
 namespace moraine::gpu {
 
 /// Particles of a piece: some 80 to 200 MB on the host.
-inline constexpr std::uint32_t piece_particles = 1 << 20;
+constexpr std::uint32_t piece_particles = 1 << 20;
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
@@ -58,5 +59,10 @@ void DeviceEngine<Real, Dim>::each_piece(const PieceReader& f, const std::vector
         f(SharePiece<Real, Dim>{epoch_, begin, end, first.data(), slots.data(), rows.view(), columns});
     }
 }
+
+template class DeviceEngine<float, 2>;
+template class DeviceEngine<float, 3>;
+template class DeviceEngine<double, 2>;
+template class DeviceEngine<double, 3>;
 
 }  // namespace moraine::gpu

@@ -1,5 +1,12 @@
 // The engine between steps: epochs, capacity, and whole blocks.
 
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+#include "gpu/engine.hpp"
+#include "gpu/memory/refresh.hpp"
+
 namespace moraine::gpu {
 
 template <class Real, int Dim>
@@ -267,5 +274,10 @@ void DeviceEngine<Real, Dim>::refresh_and_grow(std::size_t most) {
     lists_.grow(most);
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
 }
+
+template class DeviceEngine<float, 2>;
+template class DeviceEngine<float, 3>;
+template class DeviceEngine<double, 2>;
+template class DeviceEngine<double, 3>;
 
 }  // namespace moraine::gpu

@@ -1,10 +1,65 @@
-// The parts of Simulation::step(), in the order in which it calls them.
+// The step: Simulation::step() is the first function below, and every message between ranks is visible in it.
+//
+//   * bin: incoming particles of the last step join; the list of each block is binned by cell
+//   * for each round of the scheme (USL has one, USF and MUSL two, FMPM(k) k; core/method.hpp):
+//       - P2G of the blocks that other ranks need; their tiles are sent, unsummed, while P2G of the interior runs
+//       - first round: dt, faults and requests of all ranks in one reduction that overlaps with P2G; it needs no dt
+//       - first round: what free structures felt in the last step moves them, by one exact sum
+//       - nodes: the tiles in fixed order, gravity, damping, walls, contact
+//       - G2P: velocity, position, strain and stress; who leaves its block
+//   * outgoing particles are sent; the next step takes them in
+//   * time and structures go on by dt
+//
+// The work is the engine's (comm/engine.hpp); here are the order, dt, and what all must agree on. A device queues the
+// work and is waited for once, where the agreement starts. Balancing is between steps: simulation_epoch.cpp.
+
+#include "simulation/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
 template <class Real, int Dim>
+void Simulation<Real, Dim>::step() {
+    bin();  // incoming particles of the last step; each block's list is binned by cell
+    apply_body_force();
+    for (const Round& round : method_.rounds) {
+        const bool first = &round == &method_.rounds.front();
+        phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });
+        if (first) start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
+        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        phases_.time(Phase::p2g, [&] { engine_->sum_interior(); });
+        if (first) agree_on_dt();
+        if (first && structures_.any_free()) agree_on_forces();  // what they felt: one exact sum
+        if (first) structures_.begin_step(clock_.time, clock_.dt, forces_, quantum());
+        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
+        phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
+    }
+    phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
+    report_pending_ = true;
+    clock_.time += clock_.dt;
+    structures_.end_step(clock_.time, clock_.dt);
+    ++clock_.step;
+}
+
+template <class Real, int Dim>
 void Simulation<Real, Dim>::bin() {
     phases_.time(Phase::migrate, [&] { engine_->bin(); });
+}
+
+template <class Real, int Dim>
+void Simulation<Real, Dim>::apply_body_force() {
+    if (!body_force_) return;
+    const ParticleView<Real, Dim> p = patch().particles.view();
+    each_particle(*this, [&](std::uint32_t s, const std::array<double, Dim>& x) {
+        const Vec<double, Dim> b = body_force_(p.id[s], x, clock_.time);
+        for (int a = 0; a < Dim; ++a) p.body_force[s][a] = static_cast<Real>(b[a]);
+    });
 }
 
 /// Takes what the last step tells into the budget and into what the next agreement must know.
@@ -50,20 +105,8 @@ void Simulation<Real, Dim>::agree_on_dt() {
     }
     clock_.signal = agreed_.signal;
     epoch_.step(agreed_.in_guard_layer != 0, agreed_.moved);
-    const double mean = static_cast<double>(agreed_.count_sum) / comm_.size();
-    const double imbalance = mean > 0 ? static_cast<double>(agreed_.count) / mean : 1;
-    counts_.imbalance_sum += imbalance;
-    counts_.imbalance_max = std::max(counts_.imbalance_max, imbalance);
-    const double mean_seconds = agreed_.seconds_sum / comm_.size();
-    counts_.imbalance_time_sum += mean_seconds > 0 ? agreed_.seconds / mean_seconds : 1;
-    time_lost_ += agreed_.seconds - mean_seconds;
-    counts_.seconds_lost += agreed_.seconds - mean_seconds;
-    if (weight_.is_time())
-        measured_cost_.add({own_.seconds, agreed_.seconds, agreed_.seconds_sum,
-                            weight_.with_blocks(own_.count, own_.blocks),
-                            weight_.with_blocks(agreed_.count_sum, agreed_.blocks)});
-    ++counts_.steps;
-    counts_.particle_steps += static_cast<double>(agreed_.count_sum);
+    counts_.add(agreed_, comm_.size());
+    loads_.add(agreed_, own_);
     if (scene_.dt > 0)
         clock_.dt = scene_.dt;
     else if (clock_.signal > 0)
@@ -81,9 +124,15 @@ void Simulation<Real, Dim>::agree_on_forces() {
     phases_.time(Phase::agree, [&] {
         std::vector<StructureSums<Dim>> mine;
         for (const StructureState<Dim>& state : structures_.states()) mine.push_back(state.pending);
-        forces_ = sum_of(mine);
+        forces_ = comm_.exact_sums(mine);
         structures_.forget_pending();
     });
+}
+
+template <class Real, int Dim>
+StepScales<Dim> Simulation<Real, Dim>::scales() const {
+    return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.gravity_impulse,
+            structures_.empty() ? nullptr : &structures_};
 }
 
 /// A run that would not see its end: something grew without bound, and no one particle is to blame. Scenes that need
@@ -98,13 +147,17 @@ void Simulation<Real, Dim>::check_step() {
                     clock_.step, clock_.dt, clock_.time, clock_.signal));
 }
 
+namespace {
+
 /// What happened, and what may help: of the worst of several faults.
-inline std::pair<const char*, const char*> message_of(std::uint32_t faults) {
+std::pair<const char*, const char*> message_of(std::uint32_t faults) {
     if (faults & fault_nan) return {"is not a number", "Try a smaller time.cfl?"};
     if (faults & fault_inverted) return {"was turned inside out (det(I + dL) <= 0)", "Try a smaller time.cfl?"};
     if (faults & fault_left) return {"left the closed domain", "Give that face a wall, or open it?"};
     return {"moved a whole cell or more in one step", "Try a smaller time.cfl?"};
 }
+
+}  // namespace
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::report_faults() const {
@@ -119,13 +172,18 @@ void Simulation<Real, Dim>::report_faults() const {
 }
 
 template <class Real, int Dim>
-void Simulation<Real, Dim>::apply_body_force() {
-    if (!body_force_) return;
-    const ParticleView<Real, Dim> p = engine_->share().particles.view();
-    each_particle([&](std::uint32_t s, const std::array<double, Dim>& x) {
-        const Vec<double, Dim> b = body_force_(p.id[s], x, clock_.time);
-        for (int a = 0; a < Dim; ++a) p.body_force[s][a] = static_cast<Real>(b[a]);
-    });
+void Simulation<Real, Dim>::conclude() {
+    bin();
+    record_step();
+    reduction_.start(own_);
+    const Agreement all = reduction_.finish();
+    if (all.faults) report_faults();
+    clock_.signal = all.signal;
 }
+
+template class Simulation<float, 2>;
+template class Simulation<float, 3>;
+template class Simulation<double, 2>;
+template class Simulation<double, 3>;
 
 }  // namespace moraine

@@ -1,16 +1,110 @@
 // How a simulation begins: from the scene's bodies, or from a checkpoint.
 
+#include <algorithm>
+#include <limits>
+
+#include "comm/host_engine.hpp"
+#include "seeding/lattice_seeds.hpp"
+#include "seeding/seed_state.hpp"
+#include "seeding/structure_seeds.hpp"
+#include "simulation/diagnostics.hpp"
+
 namespace moraine {
 
-template <int Dim>
-Layout layout_of(const DomainBlocks<Dim>& domain, int width) {
-    Layout layout;
-    layout.dimensions = Dim;
-    layout.width = width;
-    std::copy(domain.periodic.begin(), domain.periodic.end(), layout.periodic.begin());
-    std::copy(domain.count.begin(), domain.count.end(), layout.blocks.begin());
-    return layout;
+namespace {
+
+/// The state of one seed, in its slot.
+template <class Real, int Dim>
+Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const DomainBlocks<Dim>& domain,
+               const ParticleView<Real, Dim>& p, const Seed& seed, std::uint32_t slot) {
+    const BodySpec& body = scene.bodies[static_cast<std::size_t>(seed.body)];
+    BlockPosition<Dim> block{};
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        const Place<Real> at = place_along(scene, method, a, seed.x[i]);
+        block[i] = at.block;
+        p.position[slot][a] = at.u;
+        p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
+    }
+    domain.wrap(block);
+    p.id[slot] = seed.id;
+    p.body[slot] = static_cast<std::uint16_t>(seed.body);
+    p.mass[slot] = static_cast<Real>(seed.mass);
+    p.volume[slot] = static_cast<Real>(seed.mass / scene.materials[static_cast<std::size_t>(body.material)].density);
+    p.stress[slot] = zero_sym<Real, Dim>();
+    const double height = seed.x[static_cast<std::size_t>(up_axis(scene))];
+    const Vec<Real, 3> stress = geostatic_stress<Real>(scene, body, height);
+    for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
+    clear_rest(p, slot);
+    method.law_of(seed.body).begin(body.start, p, slot);
+    return Morton<Dim>::encode(block);
 }
+
+/// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
+/// so that a seed needs memory only until it is a particle.
+template <class Real, int Dim>
+BinnedBlocks seed_share(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
+                        const DomainBlocks<Dim>& domain, Patch<Host, Real, Dim>& share) {
+    std::vector<std::pair<Key, std::uint32_t>> placed;
+    std::vector<Seed> seeds;
+    for (int body = 0; body < static_cast<int>(scene.bodies.size()); ++body) {
+        const BodySeeds part(scene, body);
+        const std::int64_t first = part.rows() * comm.rank() / comm.size();
+        const std::int64_t last = part.rows() * (comm.rank() + 1) / comm.size();
+        const std::int64_t mine = part.count(first, last);
+        const std::int64_t total = comm.sum(mine);
+        share.particles.reserve(placed.size() + static_cast<std::size_t>(mine));
+        placed.reserve(placed.size() + static_cast<std::size_t>(mine));
+        const std::int64_t step = std::max<std::int64_t>(1, (last - first) / 32);
+        for (std::int64_t row = first; row < last; row += step) {
+            seeds.clear();
+            part.fill(row, std::min(row + step, last), total, seeds);
+            clear_structures(scene, seeds);
+            const std::vector<std::uint32_t> slots = share.take_slots(seeds.size());
+            for (std::size_t k = 0; k < seeds.size(); ++k)
+                placed.emplace_back(place_seed(scene, method, domain, share.particles.view(), seeds[k], slots[k]),
+                                    slots[k]);
+        }
+    }
+    std::sort(placed.begin(), placed.end());
+    BinnedBlocks binned;
+    binned.slot.reserve(placed.size());
+    for (const auto& [key, slot] : placed) {
+        if (binned.key.empty() || binned.key.back() != key) {
+            binned.key.push_back(key);
+            binned.count.push_back(0);
+        }
+        ++binned.count.back();
+        binned.slot.push_back(slot);
+    }
+    return binned;
+}
+
+/// The initial order: (block, cell, id).
+template <class Real, int Dim>
+void sort_blocks(Patch<Host, Real, Dim>& share, BinnedBlocks& binned) {
+    const ParticleView<Real, Dim> p = share.particles.view();
+    const auto rank_of = [&](std::uint32_t s) { return std::pair(share.cell_of_slot(s), p.id[s]); };
+    auto first = binned.slot.begin();
+    for (std::uint32_t count : binned.count) {
+        std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
+        first += count;
+    }
+}
+
+/// Of this rank's blocks, from the owners of all.
+std::vector<std::int32_t> owners_of(const BinnedBlocks& mine, const std::vector<BlockLoad>& loads,
+                                    const std::vector<std::int32_t>& owners) {
+    std::vector<std::int32_t> result;
+    for (Key key : mine.key) {
+        const auto at = std::lower_bound(loads.begin(), loads.end(), key,
+                                         [](const BlockLoad& load, Key k) { return load.key < k; });
+        result.push_back(owners[static_cast<std::size_t>(at - loads.begin())]);
+    }
+    return result;
+}
+
+}  // namespace
 
 template <class Real, int Dim>
 Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const EngineMaker& make_engine)
@@ -20,8 +114,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       domain_(scene),
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm)),
       trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
-      weight_(scene.balance, make_engine ? device_costs : host_costs, Block<Dim>::cells),
-      calibration_(make_engine ? device_costs : host_costs),
+      loads_(scene.balance, comm, make_engine ? device_costs : host_costs, Block<Dim>::cells),
       reduction_(comm),
       structures_(scene),
       next_epoch_(
@@ -43,101 +136,29 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
 }
 
 template <class Real, int Dim>
+void Simulation<Real, Dim>::make_epochs_async(bool async) {
+    async_ = async;
+    rebalance_.set_async(async);
+}
+
+template <class Real, int Dim>
 void Simulation<Real, Dim>::set_body_force(Acceleration acceleration) {
     body_force_ = std::move(acceleration);
     method_.needs.body_force = true;
     engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
 }
 
-/// The state of one seed, in its slot.
-template <class Real, int Dim>
-Key Simulation<Real, Dim>::place_seed(const Seed& seed, std::uint32_t slot) {
-    const ParticleView<Real, Dim> p = engine_->share().particles.view();
-    const BodySpec& body = scene_.bodies[static_cast<std::size_t>(seed.body)];
-    BlockPosition<Dim> block{};
-    for (int a = 0; a < Dim; ++a) {
-        const auto i = static_cast<std::size_t>(a);
-        const Place<Real> at = place_along(scene_, method_, a, seed.x[i]);
-        block[i] = at.block;
-        p.position[slot][a] = at.u;
-        p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
-    }
-    domain_.wrap(block);
-    p.id[slot] = seed.id;
-    p.body[slot] = static_cast<std::uint16_t>(seed.body);
-    p.mass[slot] = static_cast<Real>(seed.mass);
-    p.volume[slot] = static_cast<Real>(seed.mass / scene_.materials[static_cast<std::size_t>(body.material)].density);
-    p.stress[slot] = zero_sym<Real, Dim>();
-    const double height = seed.x[static_cast<std::size_t>(up_axis(scene_))];
-    const Vec<Real, 3> stress = geostatic_stress<Real>(scene_, body, height);
-    for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
-    clear_rest(p, slot);
-    method_.law_of(seed.body).begin(body.start, p, slot);
-    return Morton<Dim>::encode(block);
-}
-
-/// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
-/// so that a seed needs memory only until it is a particle.
-template <class Real, int Dim>
-BinnedBlocks Simulation<Real, Dim>::seed_share() {
-    std::vector<std::pair<Key, std::uint32_t>> placed;
-    std::vector<Seed> seeds;
-    for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
-        const BodySeeds part(scene_, body);
-        const std::int64_t first = part.rows() * comm_.rank() / comm_.size();
-        const std::int64_t last = part.rows() * (comm_.rank() + 1) / comm_.size();
-        const std::int64_t mine = part.count(first, last);
-        const std::int64_t total = comm_.sum(mine);
-        patch().particles.reserve(placed.size() + static_cast<std::size_t>(mine));
-        placed.reserve(placed.size() + static_cast<std::size_t>(mine));
-        const std::int64_t step = std::max<std::int64_t>(1, (last - first) / 32);
-        for (std::int64_t row = first; row < last; row += step) {
-            seeds.clear();
-            part.fill(row, std::min(row + step, last), total, seeds);
-            clear_structures(scene_, seeds);
-            const std::vector<std::uint32_t> slots = patch().take_slots(seeds.size());
-            for (std::size_t k = 0; k < seeds.size(); ++k)
-                placed.emplace_back(place_seed(seeds[k], slots[k]), slots[k]);
-        }
-    }
-    std::sort(placed.begin(), placed.end());
-    BinnedBlocks binned;
-    binned.slot.reserve(placed.size());
-    for (const auto& [key, slot] : placed) {
-        if (binned.key.empty() || binned.key.back() != key) {
-            binned.key.push_back(key);
-            binned.count.push_back(0);
-        }
-        ++binned.count.back();
-        binned.slot.push_back(slot);
-    }
-    return binned;
-}
-
-/// The initial order: (block, cell, id).
-template <class Real, int Dim>
-void Simulation<Real, Dim>::sort_blocks(BinnedBlocks& binned) const {
-    Share& share = engine_->share();
-    const ParticleView<Real, Dim> p = share.particles.view();
-    const auto rank_of = [&](std::uint32_t s) { return std::pair(share.cell_of_slot(s), p.id[s]); };
-    auto first = binned.slot.begin();
-    for (std::uint32_t count : binned.count) {
-        std::sort(first, first + count, [&](std::uint32_t a, std::uint32_t b) { return rank_of(a) < rank_of(b); });
-        first += count;
-    }
-}
-
 /// Every rank makes rows of the bodies, whoever will own them, and blocks travel to their owners.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::seed_rows() {
-    const BinnedBlocks share = seed_share();
-    std::vector<BlockLoad> loads = gather_loads(counts_of(patch(), share, weighs_cells()));
+    const BinnedBlocks share = seed_share(scene_, comm_, method_, domain_, patch());
+    std::vector<BlockLoad> loads = loads_.gather(counts_of(patch(), share, loads_.weighs_cells()));
     for (BlockLoad& load : loads) load.owner = -1;
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     BlockMoveCount not_counted;
     BinnedBlocks binned = move_blocks(comm_, patch(), share, owners_of(share, loads, owners), not_counted);
-    sort_blocks(binned);
+    sort_blocks(patch(), binned);
     begin_epoch(binned);
     engine_->refresh_memory(true);
 }
@@ -148,8 +169,8 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::seed_lattice() {
     const LatticeTables<Real, Dim> lattice = lattice_tables(scene_, method_, domain_);
     std::vector<BlockLoad> loads;
-    for (const LatticeBlock& b : lattice_blocks(lattice, weighs_cells()))
-        loads.push_back({b.key, b.particles, weight_(b.particles, b.cells), -1});
+    for (const LatticeBlock& b : lattice_blocks(lattice, loads_.weighs_cells()))
+        loads.push_back({b.key, b.particles, loads_.weight(b.particles, b.cells), -1});
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     for (std::size_t b = 0; b < loads.size(); ++b) loads[b].owner = owners[b];
@@ -164,11 +185,11 @@ void Simulation<Real, Dim>::seed() {
         seed_rows();
     set_scales();
     refresh_signal();
-    const Totals<Dim> start = totals();
+    const Totals<Dim> start = totals_of(*this);
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
     clock_.start_strain = start.strain;
-    clock_.start_energy = start.kinetic + start.strain + potential_energy(start);
+    clock_.start_energy = start.kinetic + start.strain + potential_energy(scene_, start);
 }
 
 /// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.
@@ -190,12 +211,24 @@ void Simulation<Real, Dim>::set_scales() {
 }
 
 template <class Real, int Dim>
+void Simulation<Real, Dim>::refresh_signal() {
+    double signal = 0;
+    each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+        const std::span<const std::uint32_t> slots = piece.slots();
+#pragma omp parallel for schedule(static) reduction(max : signal)
+        for (std::size_t k = 0; k < slots.size(); ++k)
+            signal = std::max(signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]));
+    });
+    own_.signal = clock_.signal = comm_.max(signal);
+}
+
+template <class Real, int Dim>
 void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts,
                                     const RunClock<Dim>& clock, const Budget<Dim>& budget,
                                     const std::vector<std::int64_t>& partitioner_state, const ReadRows& read) {
     std::vector<BlockLoad> loads;
     for (std::size_t b = 0; b < keys.size(); ++b) {
-        const std::int64_t weight = weight_(counts[b], std::min<std::int64_t>(counts[b], Block<Dim>::cells));
+        const std::int64_t weight = loads_.weight(counts[b], std::min<std::int64_t>(counts[b], Block<Dim>::cells));
         loads.push_back({keys[b], counts[b], weight, -1});
     }
     clock_ = clock;
@@ -217,7 +250,12 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     begin_epoch(binned);
     if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
-    last_repartition_ = clock_.step;
+    loads_.resume(clock_.step);
 }
+
+template class Simulation<float, 2>;
+template class Simulation<float, 3>;
+template class Simulation<double, 2>;
+template class Simulation<double, 3>;
 
 }  // namespace moraine

@@ -1,4 +1,7 @@
-// Definitions of comm/host_engine.hpp.
+#include "comm/host_engine.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace moraine {
 
@@ -187,5 +190,10 @@ template <class Real, int Dim>
 StepReport<Dim> HostEngine<Real, Dim>::take_report() {
     return std::exchange(report_, StepReport<Dim>{});
 }
+
+template class HostEngine<float, 2>;
+template class HostEngine<float, 3>;
+template class HostEngine<double, 2>;
+template class HostEngine<double, 3>;
 
 }  // namespace moraine

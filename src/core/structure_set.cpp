@@ -1,17 +1,13 @@
-// Definitions of core/structure_set.hpp.
+#include "core/structure_set.hpp"
+
+#include <cmath>
 
 namespace moraine {
 
-template <int Dim>
-Vec<double, Dim> vec_of(const Triple& t) {
-    Vec<double, Dim> v;
-    for (int a = 0; a < Dim; ++a) v[a] = t[static_cast<std::size_t>(a)];
-    return v;
-}
+namespace {
 
 /// The middle of a polygon's box, and its corners about it, counter-clockwise.
-inline Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points,
-                                      std::vector<Vec<double, 2>>& corners) {
+Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points, std::vector<Vec<double, 2>>& corners) {
     Vec<double, 2> low{{points[0][0], points[0][1]}}, high = low;
     double twice_area = 0;
     for (std::size_t i = 0, j = points.size() - 1; i < points.size(); j = i++) {
@@ -73,6 +69,8 @@ Structure<Dim> structure_of(const StructureSpec& spec, std::vector<Vec<double, 2
     }
     return s;
 }
+
+}  // namespace
 
 template <int Dim>
 StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(scene.structures.size()) {
@@ -167,5 +165,8 @@ ContactField<Dim> StructureSet<Dim>::field() const {
     }
     return f;
 }
+
+template class StructureSet<2>;
+template class StructureSet<3>;
 
 }  // namespace moraine

@@ -1,0 +1,124 @@
+#include "simulation/diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/hash.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// Of one block, in list order.
+template <class Real, int Dim>
+Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real, Dim>& piece, int block) {
+    Totals<Dim> sums;
+    for (std::uint32_t s : piece.slots(block))
+        add_particle<Real, Dim>(sums, piece.p, s, place_of(sim, piece, block, s), sim.method().law_of(piece.p.body[s]));
+    return sums;
+}
+
+}  // namespace
+
+template <class Real, int Dim>
+Totals<Dim> totals_of(const Simulation<Real, Dim>& sim) {
+    const Quantum quantum = sim.quantum();
+    std::array<ExactSum, Totals<Dim>::sums> sums{};
+    Totals<Dim> extremes;
+    sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel
+        {
+            std::array<ExactSum, Totals<Dim>::sums> mine{};
+            Totals<Dim> widest;
+#pragma omp for schedule(dynamic, 64) nowait
+            for (int b = piece.begin; b < piece.end; ++b) {
+                const Totals<Dim> block = block_totals(sim, piece, b);
+                const auto parts = block.additive();
+                for (std::size_t q = 0; q < parts.size(); ++q) mine[q].add(quantum.of(parts[q]));
+                widest.widen(block);
+            }
+#pragma omp critical
+            {
+                for (std::size_t q = 0; q < sums.size(); ++q) sums[q].add(mine[q]);
+                extremes.widen(widest);
+            }
+        }
+    });
+    std::array<double, Totals<Dim>::sums> whole{};
+    for (std::size_t q = 0; q < sums.size(); ++q) whole[q] = sum_of(sim, sums[q]);
+    extremes.set_additive(whole);
+    extremes.max_speed = sim.comm().max(extremes.max_speed);
+    extremes.max_J = sim.comm().max(extremes.max_J);
+    extremes.min_J = sim.comm().min(extremes.min_J);
+    extremes.max_x = sim.comm().max(extremes.max_x);
+    return extremes;
+}
+
+template <int Dim>
+double potential_energy(const Scene& scene, const Totals<Dim>& totals) {
+    double energy = 0;
+    for (std::size_t a = 0; a < Dim; ++a) energy -= scene.gravity[a] * (totals.centre[a] - totals.mass * scene.min[a]);
+    return energy;
+}
+
+template <class Real, int Dim>
+std::vector<double> column_volumes(const Simulation<Real, Dim>& sim) {
+    const Scene& scene = sim.scene();
+    const double cell_volume = std::pow(scene.cell, Dim);
+    const double quanta = std::ldexp(1.0, 30);  // per cell volume: 2^33 full cells fit in a column
+    std::vector<std::int64_t> columns(static_cast<std::size_t>(DomainBlocks<Dim>(scene).nodes[0]) + 1, 0);
+    const auto add = [&](std::vector<std::int64_t>& to, double x, double volume) {
+        const double at = std::floor((x - scene.min[0]) / scene.cell);
+        const auto column = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(to.size() - 1)));
+        if (volume / cell_volume < 1e6) to[column] += std::llround(volume / cell_volume * quanta);
+    };
+    sim.each_piece({"position", "volume"}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel
+        {
+            std::vector<std::int64_t> mine(columns.size(), 0);
+#pragma omp for schedule(dynamic, 64) nowait
+            for (int b = piece.begin; b < piece.end; ++b)
+                for (std::uint32_t s : piece.slots(b))
+                    add(mine, place_of(sim, piece, b, s)[0], static_cast<double>(piece.p.volume[s]));
+#pragma omp critical
+            for (std::size_t c = 0; c < columns.size(); ++c) columns[c] += mine[c];
+        }
+    });
+    sim.comm().sum(columns);
+    std::vector<double> volumes;
+    for (std::int64_t c : columns) volumes.push_back(static_cast<double>(c) / quanta * cell_volume);
+    return volumes;
+}
+
+template <class Real, int Dim>
+std::uint64_t state_hash(const Simulation<Real, Dim>& sim, bool with_lists) {
+    std::uint64_t sum = 0;
+    sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : sum)
+        for (int b = piece.begin; b < piece.end; ++b) {
+            std::uint64_t place = 0;
+            for (std::uint32_t s : piece.slots(b)) {
+                std::uint64_t h = mix(piece.tables.own[static_cast<std::size_t>(b)]);
+                if (with_lists) h = mix(h ^ place++);
+                for (const ColumnBytes& c : piece.columns) h = mix_bytes(h, c.data + s * c.row_bytes, c.row_bytes);
+                sum += h;
+            }
+        }
+    });
+    return sim.comm().sum(sum);
+}
+
+template double potential_energy(const Scene&, const Totals<2>&);
+template double potential_energy(const Scene&, const Totals<3>&);
+
+/// Of one precision and dimension.
+#define MORAINE_DIAGNOSTICS(Real, Dim)                                         \
+    template Totals<Dim> totals_of(const Simulation<Real, Dim>&);              \
+    template std::vector<double> column_volumes(const Simulation<Real, Dim>&); \
+    template std::uint64_t state_hash(const Simulation<Real, Dim>&, bool);
+MORAINE_DIAGNOSTICS(float, 2)
+MORAINE_DIAGNOSTICS(float, 3)
+MORAINE_DIAGNOSTICS(double, 2)
+MORAINE_DIAGNOSTICS(double, 3)
+
+}  // namespace moraine
