@@ -30,7 +30,7 @@ struct ModifiedCamClay {
     static constexpr const char* history_names[] = {"preconsolidation_pressure", "void_ratio", "plastic_shear_strain"};
     static constexpr bool uses_left_stretch = false;
     static constexpr DeviceBlocks device_blocks{
-        .plain = 4, .averaged = 3, .affine = 3, .affine_averaged = 3, .split = 4};
+        .plain = 4, .averaged = 3, .affine = 3, .affine_averaged = 3, .split = 4, .double_fused = 2, .double_split = 2};
     static constexpr Parameter parameters[] = {
         {"compression_index", "-", required, 0, unbounded, true, "Lambda: slope of e over ln p, virgin compression"},
         {"swelling_index", "-", required, 0, unbounded, true, "Kappa: slope of e over ln p, unloading"},
