@@ -1,10 +1,10 @@
 #pragma once
 // The watchdog: a run that stands still is ended, and every rank says where it waits.
 //
-// MPI over TCP waits for a lost host without an error, so no rank would ever know. A thread per rank looks now and
+// MPI over TCP waits for a lost host without an error, so no rank would ever know. A thread per rank checks now and
 // then whether a step was finished. Output, checkpoints and plans may take long (a slow disk, a serial partitioner),
 // but a link can be lost in them as well: their time counts a tenth. Time in which the process itself was stopped (a
-// suspended job) shows as a gap between two looks, and does not count. The last checkpoint is whole: it got its name
+// suspended job) shows as a gap between two checks, and does not count. The last checkpoint is whole: it got its name
 // after its bytes.
 
 #include <atomic>
@@ -20,10 +20,10 @@ namespace moraine {
 /// Adds up the time since the last finished step. Knows no clock.
 class StallTimer {
   public:
-    /// Of a gap between two looks, at most `longest_gap` counts. All in [s].
+    /// Of a gap between two checks, at most `longest_gap` counts. All in [s].
     StallTimer(double limit, double longest_gap, double now);
 
-    /// Once no step was finished for the limit. `share`: of the time since the last look that counts.
+    /// Once no step was finished for the limit. `share`: of the time since the last check that counts.
     bool expired(double now, std::int64_t step, double share);
 
   private:
