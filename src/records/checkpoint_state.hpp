@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "io/checkpoint.hpp"
+#include "io/input_error.hpp"
 #include "scene/scene_identity.hpp"
 #include "simulation/simulation.hpp"
 
@@ -205,7 +206,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
     if (!difference.empty())
         throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
-                                     path, difference));
+                                     path, printable(difference, 500)));  // its bytes are of a file
     std::vector<Key> keys;
     std::vector<std::int64_t> counts;
     for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);
