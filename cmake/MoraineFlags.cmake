@@ -10,6 +10,10 @@ endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(MORAINE_SANITIZE "Address and undefined behaviour sanitizers" OFF)
+option(MORAINE_WERROR "Warnings are errors: for developers, not for compilers that nobody has tried" OFF)
+if(DEFINED ENV{MORAINE_WERROR})
+    set(MORAINE_WERROR $ENV{MORAINE_WERROR} CACHE BOOL "Warnings are errors" FORCE)
+endif()
 option(MORAINE_CHECK_HEADERS "Compile every header alone (target all_verify_interface_header_sets)" OFF)
 
 # x86-64-v3 (AVX2, FMA: any server of the last ten years) where this machine has it, else the compiler's own.
@@ -31,14 +35,18 @@ function(moraine_host_options)
         target_compile_options(moraine_flags INTERFACE $<$<COMPILE_LANGUAGE:C,CXX>:${option}>)
     endforeach()
 endfunction()
-moraine_host_options(-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -Werror -ffp-contract=off
+moraine_host_options(-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -ffp-contract=off
     -fno-math-errno)
 if(MORAINE_MARCH)
     moraine_host_options(-march=${MORAINE_MARCH})
 endif()
 # Device code: no -march (a register of the host is no type of the device); what its files do on the host keeps the rules.
 target_compile_options(moraine_flags INTERFACE
-    $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Werror=all-warnings -Xcompiler=-Wall,-ffp-contract=off,-fopenmp>)
+    $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Xcompiler=-Wall,-ffp-contract=off,-fopenmp>)
+if(MORAINE_WERROR)
+    moraine_host_options(-Werror)
+    target_compile_options(moraine_flags INTERFACE $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings>)
+endif()
 if(MORAINE_SANITIZE)
     moraine_host_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(moraine_flags INTERFACE -fsanitize=address,undefined)

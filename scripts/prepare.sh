@@ -63,8 +63,20 @@ require_packages() {
     install_packages "$@" || fail 4 "stopped (packages are missing)."
 }
 
-# build_preset PRESET TARGET [CMake option...]: configures when there is a reason to, then builds.
+# build_preset PRESET TARGET [CMake option...]: configures when there is a reason to, then builds. One at a time in a folder:
+# ninja and CMake know nothing of each other's second copies.
 build_preset() {
+    mkdir -p "$root/build"
+    (
+        if command -v flock >/dev/null && ! flock -n 9; then
+            say "another build into build/$1 is under way; waiting for it"
+            flock 9
+        fi
+        build_alone "$@" 9>&-
+    ) 9>"$root/build/$1.lock" || exit
+}
+
+build_alone() {
     local preset=$1 target=$2 ninja=$root/build/$1/build.ninja
     shift 2
     if [[ $# -gt 0 || ! -e $ninja || $root/CMakePresets.json -nt $ninja ]]; then

@@ -8,6 +8,12 @@ import struct
 import numpy
 
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
+NUMBERS = ("step", "time_s", "imbalance", "halo_bytes", "migrated_particles", "repartitioned", "planned_imbalance")
+WORDS = ("reason", "plan", "kind", "partitioner", "trigger")
+SUMMARY_NUMBERS = ("ranks", "threads", "particles", "steps", "wall_s", "particle_steps_per_s", "imbalance_mean",
+                   "imbalance_max", "imbalance_time_mean", "repartitions", "migrated_particles", "halo_bytes")
+SUMMARY_WORDS = ("version", "commit", "scene", "title", "device", "precision", "partitioner", "state_hash")
+CAUSES = ("computing", "lost_to_imbalance", "exchange", "balancing", "output", "rest")
 HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
 FRAME = struct.Struct("<8sqddqqQ")
 ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
@@ -48,9 +54,34 @@ def table(path):
     columns = {}
     for k, name in enumerate(names):
         values = [number(row[k]) for row in rows]
-        words = any(isinstance(value, str) for value in values)
+        words = name in WORDS or any(isinstance(value, str) for value in values)
         columns[name] = [row[k] for row in rows] if words else numpy.array(values, dtype=float)
     return columns
+
+
+def check_numbers(path, columns, names):
+    """Columns of a run's records that must be there, of finite numbers."""
+    for name in names:
+        if name not in columns:
+            raise Wrong(f"{path} has no column {name} (it is not of this version, or damaged). Run it again?")
+        if isinstance(columns[name], list) or not numpy.isfinite(columns[name]).all():
+            raise Wrong(f"{path} is damaged (not all of column {name} are numbers). Run it again?")
+
+
+def check_summary(path, summary):
+    """What the page needs of summary.json is there, and of the kind that a run writes."""
+    if not isinstance(summary, dict) or not isinstance(summary.get("times_s"), dict):
+        raise Wrong(f"{path} is no summary of a run (times_s is missing). Run it again?")
+    for group, names in ((summary, SUMMARY_NUMBERS), (summary["times_s"], CAUSES)):
+        for name in names:
+            value = group.get(name)
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not -1e300 < value < 1e300:
+                raise Wrong(f"{path} is damaged ({name} is no number). Run it again?")
+    if summary["ranks"] < 1 or summary["particles"] < 0 or summary["wall_s"] <= 0:
+        raise Wrong(f"{path} is damaged (ranks, particles or wall_s cannot be). Run it again?")
+    for name in SUMMARY_WORDS:
+        if not isinstance(summary.get(name), str):
+            raise Wrong(f"{path} is damaged ({name} is missing). Run it again?")
 
 
 def gather_bits(key, start, stride, bits):
@@ -129,10 +160,12 @@ class Run:
                 raise Wrong(f"{directory} is not a finished run (it has no {name}). Is the path right?")
         try:
             self.summary = json.loads((self.path / "summary.json").read_text())
+            check_summary(self.path / "summary.json", self.summary)
             self.balance = table(self.path / "balance.csv")
+            check_numbers(self.path / "balance.csv", self.balance, NUMBERS)
             self.ranks, self.partitioner = self.summary["ranks"], self.summary["partitioner"]
             self.times = self.summary["times_s"]
-        except (ValueError, IndexError, KeyError) as error:
+        except (ValueError, IndexError, KeyError, csv.Error) as error:
             raise Wrong(f"{directory} cannot be read ({type(error).__name__}: {error}). Run it again?") from None
         loads = self.path / "block_loads.bin"
         self.loads = Loads(loads) if loads.exists() else None

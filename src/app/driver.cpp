@@ -115,6 +115,7 @@ void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int
 template <class Real, int Dim>
 void Driver<Real, Dim>::run() {
     begin();
+    watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases());
     try {
         while (sim_.clock().time < scene_.end) advance();
         sim_.conclude();
@@ -137,6 +138,7 @@ void Driver<Real, Dim>::advance() {
     sim_.step();
     sim_.balance();
     stepping_ += wall_clock() - before;
+    watchdog_->step_finished(sim_.clock().step);
     after_step();
 }
 

@@ -12,6 +12,7 @@
 #include "app/run_directory.hpp"
 #include "app/run_lock.hpp"
 #include "app/stop_signals.hpp"
+#include "app/watchdog.hpp"
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/load_record.hpp"
@@ -53,8 +54,9 @@ class Driver {
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
     std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
-    double start_wall_ = 0;  ///< [s]
-    double stepping_ = 0;    ///< wall time of the steps alone [s]
+    std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made
+    double start_wall_ = 0;               ///< [s]
+    double stepping_ = 0;                 ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv

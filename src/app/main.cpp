@@ -20,6 +20,7 @@
 #include "app/report_page.hpp"
 #include "comm/comm.hpp"
 #include "core/error.hpp"
+#include "io/input_error.hpp"
 #include "predict/capacity.hpp"
 #include "predict/prediction.hpp"
 #include "records/version.hpp"
@@ -31,9 +32,11 @@ namespace {
 
 enum Exit { done = 0, internal_error = 1, input_wrong = 2, physics_wrong = 3, machine_failed = 4, stopped = 5 };
 
+constexpr std::size_t longest_message = 2000;
+
 /// What one error must do: an exit code, and its message, once.
 int tell(const Comm& comm, int code, const std::string& message) {
-    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", message);
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", printable(message, longest_message));
     return code;
 }
 
@@ -97,7 +100,7 @@ int run_program(int argc, char** argv) {
         return machine_failed;
     } catch (const std::exception& e) {
         // Not the same on all ranks: nobody may wait for this one.
-        fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), e.what());
+        fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), printable(e.what(), longest_message));
         MPI_Abort(MPI_COMM_WORLD, internal_error);
         return internal_error;
     }

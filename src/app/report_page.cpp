@@ -18,7 +18,7 @@ int become_report(int argc, char** argv) {
     const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
     const std::string script = (program.parent_path() / "report").string();
     if (failed || !std::filesystem::exists(script + "/__main__.py")) {
-        fmt::print(stderr, "moraine: the report's script is not async the program (no {}). Build it again?\n", script);
+        fmt::print(stderr, "moraine: the report's script is not beside the program (no {}). Build it again?\n", script);
         return machine_failed;
     }
     const char* chosen = std::getenv("MORAINE_PYTHON");

@@ -103,6 +103,11 @@ RunLock claim_it(const fs::path& path, RunClaim claim) {
 }  // namespace
 
 std::string default_run_directory(const std::string& scene_name) {
+    if (scene_name == "." || scene_name == "..")
+        throw InputError(
+            fmt::format("a scene called {0}.toml has no directory of its own (runs/{0} is another). Give it another "
+                        "name, or --output?",
+                        scene_name));
     return "runs/" + scene_name;
 }
 

@@ -19,7 +19,7 @@ enum class RunClaim {
     resume,     ///< go on with the run that it holds, or start there
 };
 
-/// "runs/<scene name>"
+/// "runs/<scene name>"; InputError where that would not be a directory in runs.
 std::string default_run_directory(const std::string& scene_name);
 
 /// Throws InputError on all ranks if the directory would be refused. Creates nothing. Collective.

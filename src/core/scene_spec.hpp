@@ -152,6 +152,7 @@ struct Scene {
     OutputSpec output;
     BalanceSpec balance;
     std::uint64_t seed = 1;
+    double watchdog = 0;  ///< [s of wall time] without a finished step that end a run; 0: none
 };
 
 }  // namespace moraine

@@ -60,6 +60,9 @@ class CheckpointReader {
     /// Ranges ascend. Collective.
     void read_rows(const Column& shape, std::span<const RowRange> mine, std::byte* rows) const;
 
+    /// Throws InputError that names the file. What the file holds is the same on all ranks, so this is.
+    [[noreturn]] void refuse(const std::string& why) const;
+
   private:
     void read_tables();
     [[noreturn]] void missing(const std::string& what) const;

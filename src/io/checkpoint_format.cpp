@@ -93,7 +93,10 @@ void seal(const std::string& path, std::vector<Region> rows) {
 }
 
 void check_seal(const std::string& path) {
-    if (!std::filesystem::is_regular_file(path)) throw std::runtime_error("there is no such file");
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(path, unknown))
+        throw std::runtime_error(unknown && unknown != std::errc::no_such_file_or_directory ? unknown.message()
+                                                                                            : "there is no such file");
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
     constexpr const char* damaged = "it is truncated or damaged, or no checkpoint of this program";
     if (size < 32) throw std::runtime_error(damaged);

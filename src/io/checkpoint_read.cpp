@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "core/error.hpp"
 #include "io/checkpoint.hpp"
@@ -131,6 +132,8 @@ Column read_shape(hid_t group, const std::string& name, std::int64_t rows) {
     throw H5Failure(fmt::format("column {} has an unknown type", name));
 }
 
+constexpr std::int64_t most_of_block = std::numeric_limits<std::int32_t>::max();
+
 std::string damaged(const std::string& path, const std::string& why) {
     return fmt::format("cannot restart from {} ({}). Use an older checkpoint?", path, why);
 }
@@ -139,13 +142,13 @@ std::string damaged(const std::string& path, const std::string& why) {
 
 CheckpointReader::CheckpointReader(const Comm& comm, const std::string& path) : comm_(comm), path_(path) {
     const H5Quiet quiet;
-    const auto refuse = [&](const std::string& message) {
+    const auto agree = [&](const std::string& message) {
         comm.agree_no_error<InputError>(message.empty() ? message : damaged(path, message));
     };
-    refuse(message_of([&] {
+    agree(message_of([&] {
         if (comm.is_root()) checkpoint::check_seal(path);
     }));
-    refuse(message_of([&] { read_tables(); }));
+    agree(message_of([&] { read_tables(); }));
 }
 
 /// Everything but the rows.
@@ -161,15 +164,23 @@ void CheckpointReader::read_tables() {
     const auto keys = read_list<Key>(open_dataset(table, "key"), H5T_NATIVE_UINT64);
     const auto counts = read_list<std::int64_t>(open_dataset(table, "count"), H5T_NATIVE_INT64);
     if (keys.size() != counts.size()) throw H5Failure("its table of blocks is damaged");
-    for (std::size_t k = 0; k < keys.size(); ++k) blocks_.push_back({keys[k], counts[k]});
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        if (counts[k] < 0 || counts[k] > most_of_block || (k > 0 && keys[k] <= keys[k - 1]))
+            throw H5Failure(fmt::format("block {} of its table cannot be", k));
+        blocks_.push_back({keys[k], counts[k]});
+    }
     starts_.assign(1, 0);
     for (const BlockRow& block : blocks_) starts_.push_back(starts_.back() + block.count);
     const H5Id particles = open_group(file, "particles");
     for (const std::string& name : names_in(particles)) columns_.push_back(read_shape(particles, name, starts_.back()));
 }
 
+void CheckpointReader::refuse(const std::string& why) const {
+    throw InputError(damaged(path_, why));
+}
+
 void CheckpointReader::missing(const std::string& what) const {
-    throw InputError(damaged(path_, fmt::format("it has no {}", what)));
+    refuse("it has no " + what);
 }
 
 void CheckpointReader::read_rows(const Column& shape, std::span<const RowRange> mine, std::byte* rows) const {

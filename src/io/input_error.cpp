@@ -27,28 +27,39 @@ bool is_inside_character(char c) {
 /// Beginning and end of a text of more than `most` bytes.
 std::string cut(const std::string& text, std::size_t most) {
     if (text.size() <= most) return text;
-    std::size_t first = most - 100, second = text.size() - 80;
+    std::size_t first = most / 2, second = text.size() - (most / 2 - 5);
     while (first > 0 && is_inside_character(text[first])) --first;
     while (second < text.size() && is_inside_character(text[second])) ++second;
     return text.substr(0, first) + " ... " + text.substr(second);
 }
 
-std::string shown(const std::string& text, std::size_t most = 500) {
-    std::string out;
-    for (const char c : cut(text, most))
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-            out += fmt::format("\\u{:04x}", static_cast<int>(c));
-        else
-            out += c;
-    return out;
+/// 0x80 to 0x9f, which terminals obey as well, are two bytes of UTF-8.
+bool is_second_control(const std::string& text, std::size_t at) {
+    return at > 0 && static_cast<unsigned char>(text[at - 1]) == 0xc2 && static_cast<unsigned char>(text[at]) < 0xa0 &&
+           is_inside_character(text[at]);
 }
 
 }  // namespace
 
+std::string printable(const std::string& text, std::size_t most) {
+    std::string out;
+    for (std::size_t k = 0; k < text.size(); ++k) {
+        const auto c = static_cast<unsigned char>(text[k]);
+        const bool second = is_second_control(text, k);
+        if (second) out.pop_back();
+        if (c < 0x20 || c == 0x7f || second)
+            out += fmt::format("\\u{:04x}", static_cast<int>(c));
+        else
+            out += text[k];
+    }
+    return cut(out, most);
+}
+
 void refuse(const std::string& place, const std::string& problem, const std::string& why,
             const std::string& suggestion) {
-    throw InputError(fmt::format("{}: {} ({}). {}", shown(place), shown(problem), shown(why),
-                                 shown(suggestion, 1000)));  // valid names
+    constexpr std::size_t most = 500;
+    throw InputError(fmt::format("{}: {} ({}). {}", printable(place, most), printable(problem, most),
+                                 printable(why, most), printable(suggestion, 2 * most)));  // valid names
 }
 
 int edit_distance(const std::string& a, const std::string& b) {

@@ -28,8 +28,11 @@ class Places {
 /// Words longer than this are not compared with valid names: nobody meant one, and it would take long.
 constexpr std::size_t longest_guess = 64;
 
-/// Throws InputError "place: problem (why). suggestion". Control characters, which names and values may bring to a
-/// terminal, are shown escaped, and what is long is cut in the middle.
+/// As a message may show it: control characters escaped, which names and values may bring to a terminal, and more than
+/// `most` bytes cut in the middle.
+std::string printable(const std::string& text, std::size_t most);
+
+/// Throws InputError "place: problem (why). suggestion", each part printable.
 [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& why,
                          const std::string& suggestion);
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <numeric>
 
@@ -59,6 +60,15 @@ std::string partial_name(const std::string& path) {
     return path + ".partial";
 }
 
+/// The first bytes of a file, which say where all else is; fewer where it has no more.
+std::vector<std::byte> head_of(const std::string& path) {
+    std::vector<std::byte> head(hdf5::superblock_bytes);
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    return head;
+}
+
 }  // namespace
 
 ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm), path_(std::move(path)) {
@@ -66,6 +76,7 @@ ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm)
         if (!comm.is_root() || !std::filesystem::exists(path_)) return;
         try {
             state_ = vtkhdf::read_state(path_);
+            head_ = head_of(path_);
         } catch (const H5Failure& failure) {
             throw InputError(fmt::format("cannot continue {} ({}). Another --output?", path_, failure.what()));
         }
@@ -174,9 +185,21 @@ void ParticleSeries::commit(vtkhdf::SeriesState next, Address from, const std::s
     DiskFile file(path, DiskFile::Mode::append);
     file.write(bytes, static_cast<std::int64_t>(at));
     file.sync();
-    file.write(hdf5::superblock(root, next.end), 0);
+    const auto head = hdf5::superblock(root, next.end);
+    file.write(head, 0);
     file.sync();
+    head_.assign(head.begin(), head.end());
     state_ = std::move(next);
+}
+
+/// Where locks do not reach (a file system without flock), another run may have begun the file anew: rows at our places
+/// would then spoil both.
+void ParticleSeries::check_ours() const {
+    if (!std::filesystem::exists(path_) || head_of(path_) == head_) return;
+    throw MachineError(
+        fmt::format("{} is not what this run left there (another wrote into it). Give every run a directory of its "
+                    "own, and restart from the last checkpoint?",
+                    path_));
 }
 
 void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
@@ -196,7 +219,11 @@ void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, co
 
     const Plan where = plan(order.rows);
     comm_.agree_no_error<MachineError>(message_of([&] {
-        if (where.first && comm_.is_root()) DiskFile(partial_name(path_), DiskFile::Mode::create);
+        if (!comm_.is_root()) return;
+        if (where.first)
+            DiskFile(partial_name(path_), DiskFile::Mode::create);
+        else
+            check_ours();
     }));
     write_rows(where, RowOrder(comm_, order.mine, order.rows), columns, order.rows);
     comm_.agree_no_error<MachineError>(message_of([&] {

@@ -39,12 +39,14 @@ class ParticleSeries {
 
     Plan plan(std::int64_t rows) const;
     void write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns, std::int64_t rows) const;
+    void check_ours() const;
     void record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns);
     void commit(vtkhdf::SeriesState next, vtkhdf::Address from, const std::string& path);
 
     const Comm& comm_;
     std::string path_;
-    vtkhdf::SeriesState state_;  ///< rank 0's is the true one
+    vtkhdf::SeriesState state_;    ///< rank 0's is the true one
+    std::vector<std::byte> head_;  ///< the superblock as this run found or left it; rank 0's
 };
 
 }  // namespace moraine

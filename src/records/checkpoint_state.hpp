@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 
 #include "core/error.hpp"
 #include "io/checkpoint.hpp"
+#include "io/input_error.hpp"
 #include "scene/scene_identity.hpp"
 #include "simulation/diagnostics.hpp"
 
@@ -88,6 +92,27 @@ CheckpointHeader clock_header(const RunClock<Dim>& c) {
     return h;
 }
 
+/// What no run can have written, if anything is: a file can be forged, and the seal is no signature.
+template <int Dim>
+std::string clock_problem(const RunClock<Dim>& c, bool has_particles) {
+    const auto finite = [](double x) { return std::isfinite(x); };
+    const auto counts = [](std::int64_t n) { return n >= 0 && n < std::int64_t(1) << 53; };
+    int exponent = 0;
+    if (!counts(c.step) || !counts(c.round)) return fmt::format("step {}, round {}", c.step, c.round);
+    if (!finite(c.time) || c.time < 0) return fmt::format("time {} s", c.time);
+    if (!finite(c.dt) || c.dt < 0) return fmt::format("a step of {} s", c.dt);
+    if (!finite(c.signal) || c.signal < 0 || (has_particles && c.signal == 0))
+        return fmt::format("a signal speed of {} m/s", c.signal);
+    if (has_particles && !(c.mass_cutoff >= 0 && c.mass_cutoff <= 1e-12 * c.start_mass))
+        return fmt::format("nodes that count from {} kg on", c.mass_cutoff);
+    if (std::frexp(c.quantum_scale, &exponent) != 0.5) return fmt::format("sums in units of 1/{}", c.quantum_scale);
+    const auto all_finite = [&](const auto& list) { return std::all_of(list.begin(), list.end(), finite); };
+    if (!all_finite(std::array{c.start_strain, c.start_mass, c.start_energy}) || !all_finite(c.gravity_impulse) ||
+        !all_finite(c.start_momentum))
+        return "a start that is not a number";
+    return {};
+}
+
 template <int Dim>
 RunClock<Dim> clock_of(const CheckpointReader& file) {
     RunClock<Dim> c;
@@ -97,11 +122,13 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     const auto& pull = file.get<std::vector<double>>("pull");
     const auto& momentum = file.get<std::vector<double>>("start_momentum");
     if (clock.size() != 8 || pull.size() != Dim || momentum.size() != Dim)
-        throw InputError("The checkpoint does not hold a run of this many dimensions. Is it of another scene?");
+        file.refuse("it is of another number of dimensions");
     c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
     c.start_strain = clock[5], c.start_mass = clock[6], c.start_energy = clock[7];
     std::copy(pull.begin(), pull.end(), c.gravity_impulse.begin());
     std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());
+    const std::string problem = clock_problem(c, file.starts().back() > 0);
+    if (!problem.empty()) file.refuse("no run has " + problem);
     return c;
 }
 
@@ -110,8 +137,10 @@ inline std::vector<std::int64_t> stored_sum(const Comm& comm, const ExactSum& mi
     const ExactSum sum = comm.exact_sum(mine);
     return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
 }
-inline ExactSum sum_of_stored(const std::vector<std::int64_t>& words) {
-    return words.size() == 2 ? ExactSum{words[0], std::bit_cast<std::uint64_t>(words[1])} : ExactSum{};
+inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
+    const auto& words = file.get<std::vector<std::int64_t>>(name);
+    if (words.size() != 2) file.refuse(fmt::format("header/{} is no sum", name));
+    return {words[0], std::bit_cast<std::uint64_t>(words[1])};
 }
 
 /// Collective.
@@ -136,12 +165,13 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     StructureSet<Dim>& set = sim.structures();
     if (set.empty()) return;
     each_structure_sum(set, [&](const std::string& name, ExactSum& mine) {
-        const ExactSum all = sum_of_stored(file.get<std::vector<std::int64_t>>("structure_" + name));
+        const ExactSum all = sum_of_stored(file, "structure_" + name);
         mine = comm.is_root() ? all : ExactSum{};
     });
     const auto& motion = file.get<std::vector<double>>("structure_motion");
-    if (motion.size() != 1 + 3 * Dim * set.size())
-        throw InputError("The checkpoint does not hold these structures. Is it of another scene?");
+    if (motion.size() != 1 + 3 * Dim * set.size() ||
+        !std::all_of(motion.begin(), motion.end(), [](double x) { return std::isfinite(x); }))
+        file.refuse("it does not hold these structures");
     set.reported_time = motion[0];
     auto from = motion.begin() + 1;
     for (StructureState<Dim>& state : set.states()) {
@@ -178,15 +208,15 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
     if (!difference.empty())
         throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
-                                     path, difference));
+                                     path, printable(difference, 500)));  // its bytes are of a file
     std::vector<Key> keys;
     std::vector<std::int64_t> counts;
     for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);
     Budget<Dim> budget;
     budget.lost_count = file.get<std::int64_t>("lost_count");
-    each_budget_entry(budget, [&](const std::string& name, ExactSum& entry) {
-        entry = sum_of_stored(file.get<std::vector<std::int64_t>>("ledger_" + name));
-    });
+    if (budget.lost_count < 0) file.refuse(fmt::format("no run has lost {} particles", budget.lost_count));
+    each_budget_entry(budget,
+                      [&](const std::string& name, ExactSum& entry) { entry = sum_of_stored(file, "ledger_" + name); });
     std::vector<std::int64_t> state;
     if (file.get<std::string>("partitioner") == sim.partitioner().name())
         state = file.get<std::vector<std::int64_t>>("partitioner_state");

@@ -40,7 +40,7 @@ class Reader {
         refuse_unknown_keys(root_, file_);
         scene_.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
-        for (const char* section : {"", "domain", "time", "numerics", "balance", "output"}) {
+        for (const char* section : {"", "domain", "time", "numerics", "balance", "output", "run"}) {
             const std::string name = section;
             read_table(name.empty() ? &root_ : section_table(root_, name), name, name, scene_rows(), scene_);
         }

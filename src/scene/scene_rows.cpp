@@ -1,4 +1,4 @@
-// Keys of the tables that are written once: the scene itself, its domain, time, numerics, balance, output.
+// Keys of the tables that are written once: the scene itself, its domain, time, numerics, balance, output, run.
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -220,6 +220,16 @@ const std::vector<KeyRow<Scene>> rows{
       .choices = {"off", "on"},
       .meaning = "Particles and owner of every block at each balance interval (16 bytes a block), for moraine replay."},
      [](S& s, const V& v) { s.output.block_loads = v.text == "on"; }},
+
+    {{.table = "run",
+      .name = "watchdog",
+      .unit = "s",
+      .standard = "1800.0",
+      .range = from_zero,
+      .meaning =
+          "Wall time without a finished step after which a run ends with exit code 4 (a link or a host is lost); "
+          "in output, checkpoints and plans ten times that; 0: never."},
+     [](S& s, const V& v) { s.watchdog = v.real; }},
 };
 
 }  // namespace

@@ -39,6 +39,9 @@ TEST_CASE("a check creates nothing, a claim creates the directory") {
     comm.barrier();
     CHECK(fs::is_empty(folder / "runs/a"));
     CHECK(default_run_directory("slurry") == "runs/slurry");
+    CHECK_THROWS_AS(default_run_directory(".."), InputError);
+    CHECK_THROWS_AS(default_run_directory("."), InputError);
+    CHECK(default_run_directory("...") == "runs/...");
 }
 
 TEST_CASE("a directory that holds a run is refused, and overwritten only of a run's files") {

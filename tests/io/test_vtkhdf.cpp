@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "core/error.hpp"
@@ -130,6 +131,25 @@ TEST_CASE("a file that is no series is refused and left alone") {
     comm.barrier();
     CHECK_THROWS_AS(ParticleSeries(comm, folder / "p.vtkhdf"), InputError);
     CHECK(content_of(folder / "p.vtkhdf") == "mine");
+}
+
+TEST_CASE("a series that another run has begun anew is left alone") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    ParticleSeries first(comm, path);
+    for (int k = 0; k < 3; ++k) append_sample(comm, first, k, 200);
+    if (comm.is_root()) std::filesystem::remove(path);
+    comm.barrier();
+    ParticleSeries second(comm, path);
+    append_sample(comm, second, 0, 300);
+    const std::string before = content_of(path);
+    comm.barrier();
+    CHECK_THROWS_AS(append_sample(comm, first, 3, 200), MachineError);
+    CHECK(content_of(path) == before);
+    comm.barrier();
+    append_sample(comm, second, 1, 300);
+    if (comm.is_root()) CHECK(last_output_is(path, 2, rows_of(300)));
 }
 
 TEST_CASE("a series that cannot be written fails on all ranks") {

@@ -183,8 +183,12 @@ class ProgramTest(unittest.TestCase):
         return ended.lines[0]
 
 
-def main():
+def allow_root():
     os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
     os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+
+
+def main():
+    allow_root()
     sys.stdout.reconfigure(line_buffering=True)
     unittest.main(verbosity=2)

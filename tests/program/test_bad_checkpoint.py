@@ -1,4 +1,7 @@
 """A checkpoint that is not whole, or of another scene, is refused with exit code 2 and nothing is left behind."""
+import struct
+
+import damage
 import moraine
 from moraine import SMALL_SCENE, call, checkpoints, sets, summary
 
@@ -63,6 +66,35 @@ class BadCheckpoint(moraine.ProgramTest):
             with self.subTest(offset):
                 on = (None, 3) if n % 9 == 0 else (None,)
                 self.assert_refused(self.damaged(bytes(flipped)), says=["damaged.h5"], on=on)
+
+    def place(self, form, fits):
+        """Where the checkpoint has the one list of this form that fits."""
+        data = damage.parts(self.good.read_bytes())[0]
+        (at,) = [at for at in range(len(data) - struct.calcsize(form)) if fits(struct.unpack_from(form, data, at))]
+        return at
+
+    def assert_forgery_refused(self, at, form, *values, says):
+        self.assert_refused(self.damaged(damage.forged(self.good.read_bytes(), at, form, *values)),
+                            says=["damaged.h5", says], on=(None, 3) if values[0] == 1 << 40 else (None,))
+
+    def test_values_that_no_run_has_are_refused_behind_a_new_seal_as_well(self):
+        clock = self.place("<3d", lambda v: 0.05 <= v[0] < 0.06 and 1e-6 < v[1] < 0.05 and v[2] > 1)
+        nan, infinite = float("nan"), float("inf")
+        self.assertEqual(self.restart(self.damaged(damage.forged(self.good.read_bytes(), clock + 40, "<d", 0))).code, 0)
+        (self.folder / "new").rename(self.folder / "old")
+        for k, name, values in ((0, "time", (nan, infinite, -1)), (1, "step", (nan, -1)), (2, "signal", (nan, 0, -1)),
+                                (3, "nodes", (nan, -1, infinite)), (4, "sums", (nan, 0, 3)), (6, "start", (nan,))):
+            for value in values:
+                with self.subTest(name, value=value):
+                    self.assert_forgery_refused(clock + 8 * k, "<d", value, says=name)
+
+    def test_counts_of_blocks_that_cannot_be_are_refused_behind_a_new_seal_as_well(self):
+        # 8 x 8 particles across a corner of four blocks
+        counts = self.place("<4q", lambda v: sum(v) == 64 and min(v) > 0 and v[0] * v[3] == v[1] * v[2])
+        for value in (1 << 40, -(1 << 40), -1, (1 << 32) + 4):
+            with self.subTest(value):
+                self.assert_forgery_refused(counts, "<q", value, says="block 0")
+                self.assert_forgery_refused(counts, "<2q", value, 64 - value, says="block 0")
 
     def test_one_of_another_scene_is_refused_by_the_key(self):
         for key, value in (("material.jelly.density", "1200"), ("domain.cell", "0.5"), ("gravity", "[0, -9]"),

@@ -93,6 +93,16 @@ class BadInput(moraine.ProgramTest):
             with self.subTest(words):
                 self.assert_refused(*words, says=[str(words[-1])] if len(words) > 1 else [])
 
+    def test_what_a_terminal_obeys_is_escaped_and_what_is_long_is_cut(self):
+        scene = self.write(SMALL_SCENE)
+        for word in ("no\x1b[31m.h5", "no\nsuch\n.h5", "\u009b31m.h5", "\x07" * 200 + ".h5", "long" * 1500, "ä" * 3000):
+            for words in (("--restart", word), ("--output", f"no-file/{word}/x"), ("--set", word), ("--partitioner", word)):
+                (self.folder / "no-file").write_text("")
+                with self.subTest(word[:20], option=words[0]):
+                    line = self.assert_one_problem(call("run", scene, "--quiet", *words, folder=self.folder))
+                    self.assertLess(len(line.encode()), 2100)
+                    self.assertTrue(line.isprintable(), line)
+
     def test_a_scene_that_cannot_fit_or_end_is_refused_at_once(self):
         scene = INPUTS / "slurry_runout_3d.toml"
         for command in ("run", "check"):

@@ -1,8 +1,10 @@
 """What a run writes: summary.json, history.csv, balance.csv, and how a restart goes on with them."""
 import math
+import os
 import re
 import resource
 import struct
+import subprocess
 
 import moraine
 from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
@@ -225,6 +227,18 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual([r["step"] for r in table(fresh, "balance.csv")], [r["step"] for r in rows if r["step"] > at])
         self.assertEqual({summary(d)["state_hash"] for d in (directory, fresh)}, {hash_})
         self.assertEqual({summary(d)["steps"] for d in (directory, fresh)}, {whole[-1]["step"]})
+
+    def test_the_cores_of_ranks_that_are_bound_to_their_own_are_counted_together(self):
+        cores = sorted(os.sched_getaffinity(0))[:2]
+        scene, directory = self.write(SMALL_SCENE), self.folder / "bound"
+        words = moraine.command(["run", scene, "--output", directory, "--quiet"], ranks=1)
+        at = words.index(moraine.PROGRAM)
+        ranks = [[*words[at - 2:at], "taskset", "-c", str(core), *words[at:]] for core in cores]
+        parts = [part for rank in ranks for part in (":", *rank)][1:]
+        done = subprocess.run([*words[:at - 2], *parts], env=moraine.environment(), capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual(summary(directory)["ranks"], len(cores))
+        self.assertRegex(summary(directory)["machine"], rf", {len(cores)} cores?$")
 
 
 if __name__ == "__main__":

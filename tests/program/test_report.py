@@ -1,5 +1,6 @@
 """moraine report: one page about runs that opens offline, its plots as files, and what it refuses."""
 import csv
+import json
 import os
 import re
 import subprocess
@@ -126,6 +127,25 @@ class Report(moraine.ProgramTest):
     def test_wrong_use_is_refused(self):
         for words in ([], ["nowhere"], [self.folder], ["nowhere", "--output", "page.pdf"], ["nowhere", "--times", "a"]):
             self.assert_one_problem(call("report", *words, folder=self.folder))
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_damaged_records_are_refused_and_named(self):
+        run = self.run_scene(SCENE, "plain", *sets(time__end=END, balance__interval=10))
+        header, first, *rest = (run / "balance.csv").read_text().splitlines()
+        values = first.split(",")
+        for name, value in (("repartitioned", "nan"), ("step", "inf"), ("halo_bytes", "many"), ("time_s", "nan")):
+            values[header.split(",").index(name)] = value
+            (run / "balance.csv").write_text("\n".join([header, ",".join(values), *rest]) + "\n")
+            with self.subTest(name):
+                self.assertIn("balance.csv", self.assert_one_problem(call("report", run, folder=self.folder)))
+            values = first.split(",")
+        (run / "balance.csv").write_text("\n".join([header, first, *rest]) + "\n")
+        good = json.loads((run / "summary.json").read_text())
+        for name, value in (("ranks", None), ("ranks", 0), ("wall_s", "long"), ("times_s", []), ("scene", 7)):
+            (run / "summary.json").write_text(json.dumps({**good, name: value}))
+            with self.subTest(name):
+                self.assertIn("summary.json", self.assert_one_problem(call("report", run, folder=self.folder)))
+        self.assertFalse((self.folder / "report.html").exists())
 
     def test_without_matplotlib_it_says_what_to_install(self):
         python = self.folder / "python"

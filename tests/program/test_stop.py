@@ -71,6 +71,28 @@ class Stop(moraine.ProgramTest):
     def test_sigusr1_to_mpirun_writes_a_checkpoint(self):
         self.check_stop("warned", lambda job: job.started.send_signal(signal.SIGUSR1), ranks=2)
 
+    def test_a_run_of_which_a_rank_is_lost_ends_by_its_watchdog(self):
+        name, limit = "lost", 4 if moraine.SLOW else 1
+        job = self.start(name, *sets(run__watchdog=limit, output__checkpoint_interval=END / 30), ranks=3)
+        job.wait_for(self.folder / name, "checkpoint-*.h5")
+        os.kill(job.ranks()[1], signal.SIGSTOP)  # its peers see what a dead link shows: nothing comes
+        ended = job.end(limit=60)
+        self.assertEqual(ended.code, 4, ended)
+        for rank in (0, 2):
+            self.assertRegex(ended.err, rf"rank {rank}: no step was finished for {limit} s "
+                                        r"\(it is (in [a-z0-9]+|between phases), after step \d+\)\. Is .+\?")
+        self.assert_goes_on(name, ranks=2)
+
+    def test_a_suspended_run_is_not_ended_by_its_watchdog(self):
+        job = self.start("suspended", *sets(run__watchdog=1), ranks=2)
+        job.wait_for(self.folder / "suspended", "history.csv")
+        ranks = job.ranks()
+        for tell, pause in ((signal.SIGSTOP, 2), (signal.SIGCONT, 0)):
+            for pid in ranks:
+                os.kill(pid, tell)
+            time.sleep(pause)
+        self.assertEqual(job.end(limit=60).code, 0)
+
     def test_ctrl_c_of_a_run_without_mpirun_writes_a_checkpoint(self):
         job = self.start("alone", ranks=None)
         job.wait_for(self.folder / "alone", "history.csv")

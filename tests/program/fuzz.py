@@ -1,0 +1,186 @@
+"""Random damage to scenes, checkpoints, records and tables: what the program must bear. By test_fuzz.py.
+
+A case is a word, "scene:17": its kind and the seed of its random numbers, so that any case can be had again by
+`python3 tests/program/test_fuzz.py --case scene:17`. A finding is a text; no finding is None.
+"""
+import pathlib
+import random
+import re
+import shutil
+import signal
+import subprocess
+
+import damage
+import moraine
+from moraine import INPUTS, SMALL_SCENE, sets, summary
+
+LIMIT = 120 if moraine.SLOW else 30  # [s]
+VALUES = ["0", "-1", "1e400", "nan", "-inf", "1e-320", "9223372036854775808", "-9223372036854775808", "0.1", "true", '""', "[]",
+          "[1,2,3,4]", "{}", '"x"', "2021-01-01", "[[0,0],[1,0]]", "1_0", "0x7fffffff", '"\\u0000"', "''", "1e308", '"../x"']
+WORDS = ["\n[[body]]\n", "[", "]]", '"""', "\\u001b", "=", ".", "#", "\x00", "\x1b[31m", "\xff", "a.b.c=1\n", "{", "\r", "é", "e9"]
+TABLE = 'dimensions = 2\n[domain]\nmin = [0, 0]\nmax = [4, 2]\ncell = 0.25\n[time]\nend = 0.001\n[[material]]\nname = "m"\n' \
+    'law = "linear-elastic"\ndensity = 1000\nyoung = 1e5\npoisson = 0.3\n[[body]]\nname = "b"\nmaterial = "m"\n' \
+    'shape = "table"\nfile = "t.csv"\n'
+KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table")
+
+
+def mutated_text(text, pick):
+    """A text with some changes that a hand, a script or a bad disk could have made."""
+    for _ in range(pick.choice((1, 1, 1, 2, 4))):
+        lines = text.split("\n")
+        k = pick.randrange(len(lines))
+        at = pick.randrange(len(text) + 1)
+        way = pick.randrange(9)
+        if way <= 3 and "=" in lines[k]:
+            lines[k] = lines[k].split("=")[0] + "= " + pick.choice(VALUES)
+        elif way == 4:
+            lines.insert(pick.randrange(len(lines)), lines[k])
+        elif way == 5:
+            del lines[k]
+        elif way == 6:
+            number = re.search(r"[0-9.]+", lines[k])
+            if number:
+                lines[k] = lines[k].replace(number.group(), pick.choice(VALUES), 1)
+        elif way == 7:
+            lines = (text[:at] + pick.choice(WORDS) * pick.choice((1, 1, 300)) + text[at:]).split("\n")
+        else:
+            lines = (text[:at] + text[at + pick.randrange(1, 40):]).split("\n")
+        text = "\n".join(lines)
+    return text
+
+
+def mutated_bytes(data, pick):
+    """Bits flipped, bytes set, a piece zeroed, cut off, swapped or added."""
+    data = bytearray(data)
+    for _ in range(pick.choice((1, 1, 2, 5))):
+        at, size = pick.randrange(len(data)), pick.choice((1, 8, 8, 64, 512))
+        way = pick.randrange(7)
+        if way <= 2:
+            data[at] ^= 1 << pick.randrange(8)
+        elif way == 3:
+            data[at:at + 8] = pick.choice((b"\0" * 8, b"\xff" * 8, b"\xff" * 7 + b"\x7f", b"\0\0\0\0\0\1\0\0"))
+        elif way == 4:
+            data[at:at + size] = bytes(len(data[at:at + size]))
+        elif way == 5:
+            other = pick.randrange(len(data))
+            data[at:at + size], data[other:other + size] = data[other:other + size], data[at:at + size]
+        else:
+            data = data[:at + 1] if pick.random() < 0.5 else data + bytes(pick.randrange(1, 99))
+    return bytes(data)
+
+
+class Fuzzer:
+    """Runs cases in a folder of its own; `seed` files come from one good run."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.scene = self.folder / "scene.toml"
+        self.scene.write_text(SMALL_SCENE)
+        self.good = self.folder / "good"
+        keys = sets(output__checkpoint_interval=0.05, output__interval=0.02, output__block_loads="on", balance__interval=2)
+        ended = moraine.call("run", self.scene, "--output", self.good, "--quiet", *keys, ranks=2)
+        assert ended.code == 0, ended
+        self.checkpoint = moraine.checkpoints(self.good)[0]
+        self.hash = summary(self.good)["state_hash"]
+
+    def case(self, word):
+        """What is wrong with the program's answer to this case."""
+        kind, number = word.split(":")
+        pick, place = random.Random(word), self.folder / word.replace(":", "-")
+        place.mkdir()
+        try:
+            return getattr(self, "try_" + kind)(pick, place)
+        finally:
+            shutil.rmtree(place)
+
+    def ask(self, words, place, codes=(0, 2)):
+        """Starts the program; its exit code, and what is wrong."""
+        process = subprocess.Popen(moraine.command(words), cwd=place, env=moraine.environment(), stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, stdin=subprocess.DEVNULL)
+        try:
+            _, err = process.communicate(timeout=LIMIT)
+        except subprocess.TimeoutExpired:
+            if 5 not in codes:
+                process.kill()
+                return None, f"no end in {LIMIT} s"
+            process.send_signal(signal.SIGTERM)
+            _, err = process.communicate(timeout=LIMIT)
+        text = err.decode(errors="replace")
+        if process.returncode not in codes:
+            return process.returncode, f"exit code {process.returncode}: {text[:500]}"
+        return process.returncode, self.wrong_words(process.returncode, text)
+
+    def wrong_words(self, code, text):
+        lines = text.splitlines()
+        if code == 0:
+            return None
+        if len(lines) != 1 or len(text.encode()) > 2200 or not re.fullmatch(moraine.PROBLEM.pattern + ".*", lines[0]):
+            return f"not one message of the form problem (why). suggestion?: {text[:500]!r}"
+        return None if lines[0].isprintable() or "\ufffd" in text else f"not printable: {text[:500]!r}"
+
+    def restart(self, file, place, codes, *words):
+        code, wrong = self.ask(["run", self.scene, "--restart", file, "--output", "new", "--quiet", *words], place, codes)
+        if not wrong and code == 2 and (place / "new").exists():
+            wrong = "refused, but the directory was made"
+        return code, wrong
+
+    def try_scene(self, pick, place):
+        source = pick.choice(sorted(INPUTS.glob("*.toml")))
+        text = mutated_text(source.read_text(), pick)
+        if 'file = "reference' in text:
+            shutil.copy(INPUTS / "reference_particles.csv", place)
+        (place / "s.toml").write_text(text, errors="surrogateescape")
+        return self.ask(["check", "s.toml"], place)[1]
+
+    def try_run(self, pick, place):
+        (place / "s.toml").write_text(mutated_text(SMALL_SCENE, pick), errors="surrogateescape")
+        words = ["run", "s.toml", "--quiet", "--output", "o", *sets(time__end=0.01)]
+        code, wrong = self.ask(words, place, (0, 2, 3, 5))
+        return wrong or ("refused, but the directory was made" if code == 2 and (place / "o").exists() else None)
+
+    def try_checkpoint(self, pick, place):
+        data = self.checkpoint.read_bytes()
+        (place / "c.h5").write_bytes(mutated := mutated_bytes(data, pick))
+        code, wrong = self.restart("c.h5", place, (0, 2))
+        return wrong or ("a damaged checkpoint was taken" if code == 0 and mutated != data else None)
+
+    def try_forged(self, pick, place):
+        body, regions = damage.parts(self.checkpoint.read_bytes())
+        (place / "c.h5").write_bytes(damage.sealed(mutated_bytes(body, pick), regions))
+        return self.restart("c.h5", place, (0, 2, 3, 5))[1]
+
+    def resume(self, name, pick, place):
+        for path in self.good.iterdir():
+            shutil.copy(path, place)
+        data = (place / name).read_bytes()
+        (place / name).write_bytes(mutated_bytes(data, pick))
+        words = ["run", self.scene, "--restart", place / self.checkpoint.name, "--output", place, "--quiet"]
+        code, wrong = self.ask(words, place)
+        if not wrong and code == 0 and summary(place)["state_hash"] != self.hash:
+            return "another hash"
+        return wrong
+
+    def try_series(self, pick, place):
+        return self.resume("particles.vtkhdf", pick, place)
+
+    def try_csv(self, pick, place):
+        return self.resume(pick.choice(("history.csv", "balance.csv")), pick, place)
+
+    def replay(self, name, pick, place):
+        for path in ("balance.csv", "block_loads.bin", "history.csv", "summary.json"):
+            shutil.copy(self.good / path, place)
+        data = (place / name).read_bytes()
+        (place / name).write_bytes(mutated_bytes(data, pick))
+        return self.ask(["replay", ".", "--ranks", "2,5"], place)[1]
+
+    def try_loads(self, pick, place):
+        return self.replay("block_loads.bin", pick, place)
+
+    def try_summary(self, pick, place):
+        return self.replay("summary.json", pick, place)
+
+    def try_table(self, pick, place):
+        rows = "x,y,vx,vy\n" + "".join(f"{1 + 0.1 * k},{0.5 + 0.01 * k},0.1,{k}\n" for k in range(12))
+        (place / "s.toml").write_text(TABLE)
+        (place / "t.csv").write_text(mutated_text(rows, pick).replace("=", pick.choice(",;=")), errors="surrogateescape")
+        return self.ask(["check", "s.toml"], place)[1]
