@@ -117,7 +117,9 @@ TEST_CASE("Layers, droplets and particles alone near a wall stay quiet at the de
                     for (double mach : {0.0, 0.05})
                         for (double poisson : long_tests() ? std::vector{0.3, 0.45, 0.495} : std::vector{0.495})
                             for (const Thin& thin : cases(height, mach, poisson, wall)) {
-                                if (thin.corner && dimensions == 2 && mach > 0) continue;
+                                // No other wall leaves a drift what it is, and no corner of a plane.
+                                if (mach > 0 && (wall != WallKind::free_slip || (thin.corner && dimensions == 2)))
+                                    continue;
                                 const int steps = long_tests() ? 20000 : (dimensions == 2 ? 1000 : 400);
                                 const double most = grows(thin, dimensions, choice, steps);
                                 ++of_method;
