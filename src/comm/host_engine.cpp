@@ -122,12 +122,14 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    const GatherCall<Real, Dim> gather{method_.stress(),  method_.ends,
-                                       round.gather,      method_.tpic,
-                                       method_.flip,      static_cast<Real>(step.dt),
-                                       patch_.moves(),    patch_.outgoing_count(),
-                                       patch_.shuffled(), patch_.outcome(),
-                                       method_.averaged()};
+    const GatherCall<Real, Dim> gather{
+        method_.stress(),   method_.ends,
+        round.gather,       method_.tpic,
+        method_.flip,       static_cast<Real>(step.dt),
+        patch_.moves(),     patch_.outgoing_count(),
+        patch_.shuffled(),  patch_.outcome(),
+        method_.averaged(), round.nodes == NodeTask::solve ? method_.stiffness() : nullptr,
+        method_.limits};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);

@@ -5,6 +5,7 @@
 //   x_p <- x_p + dt v_pic          dL = dt sum_i v_i' grad w_ip
 //   C_p = grad v (TPIC), or sum_i w_ip v_i' (x_i - x_p)ᵀ / D  (APIC, D = sum w (x_i - x_p)^2 per axis; Jiang et al.
 //   2015)
+// What this step adds to dL and C is limited where a particle's nodes hold little mass (light_nodes.hpp).
 //
 // One team reads the nodes of one block into its scratch and goes through the list cell by cell.
 // Along an axis whose ghost node was folded, APIC takes the gradient: there D tends to zero.
@@ -13,6 +14,7 @@
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
+#include "core/light_nodes.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
@@ -46,14 +48,16 @@ struct GridToParticles {
     const std::int32_t* chosen;    ///< own blocks
     const std::uint8_t* averaged;  ///< by body: takes its volumetric part from the cell; null: none does
     DomainEnds<Real, Dim> ends;
-    unsigned gather;                ///< bits of Gather
-    bool tpic;                      ///< C_p is the velocity gradient
-    Real flip;                      ///< share of FLIP [-]
-    Real dt;                        ///< [s]
-    std::uint16_t* moves;           ///< per list entry
-    std::uint32_t* outgoing_count;  ///< own blocks: particles that change block
-    std::uint8_t* shuffled;         ///< own blocks: any particle changed its cell
-    BlockOutcome* outcome;          ///< own blocks
+    unsigned gather;                   ///< bits of Gather
+    bool tpic;                         ///< C_p is the velocity gradient
+    Real flip;                         ///< share of FLIP [-]
+    Real dt;                           ///< [s]
+    std::uint16_t* moves;              ///< per list entry
+    std::uint32_t* outgoing_count;     ///< own blocks: particles that change block
+    std::uint8_t* shuffled;            ///< own blocks: any particle changed its cell
+    BlockOutcome* outcome;             ///< own blocks
+    const Stiffness<Real>* stiffness;  ///< by body; null: nothing is limited
+    ReactionLimits<Real> limits;
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -73,6 +77,14 @@ struct GridToParticles {
     }
 
   private:
+    /// What a cell's particles share where nodes may be light.
+    struct Light {
+        const int* base;     ///< first node of the stencil
+        const bool* folded;  ///< by axis
+        const bool* plain;   ///< by axis: C is the velocity gradient
+        Real least;          ///< mass of a node [kg]
+    };
+
     MORAINE_HD void load_node(int block, int n, Scratch& scratch) const {
         int corner = 0;
         int at = 0;
@@ -105,24 +117,27 @@ struct GridToParticles {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
         const bool border = table.border[block] != 0;
-        bool plain[Dim];  // C is the velocity gradient
-        for (int a = 0; a < Dim; ++a)
-            plain[a] = affine_is_gradient<Shape>(tpic, [&] {
-                return border &&
-                       reaches_ghost<Shape>(context.walls, a, table.position[block][a], cell_coordinate<Dim>(c, a));
-            });
+        bool folded[Dim], plain[Dim];  // C is the velocity gradient
+        int base[Dim];
+        for (int a = 0; a < Dim; ++a) {
+            base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
+            folded[a] = border && context.walls.ghosts(a, base[a], width) != 0;
+            plain[a] = affine_is_gradient<Shape>(tpic, [&] { return folded[a]; });
+        }
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         const std::uint32_t begin = list.first[block] + bounds[0], end = list.first[block] + bounds[1];
         const bool averages = averaged && (gather & gather_gradient), crowded = end - begin > unsigned(batch);
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, plain);
+        const Light light{base, folded, plain, stiffness ? least_mass(nodes) : Real(0)};
+        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, light);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
             const W n = stencil<Real, Dim, Shape>(context, p, s);
             Gathered g = sum_nodes(n, nodes, plain);
+            if (stiffness) limit_acceleration(s, n, nodes, light, g);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
                 scratch.gradient[filled] = increment_of(g);
@@ -147,11 +162,13 @@ struct GridToParticles {
 
     /// The means of a cell with more particles than a batch holds: they are gathered twice.
     MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
-                                                     const bool* plain) const {
+                                                     const Light& light) const {
         VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
             const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
-            add_to_mean(mean, list.slot[k], increment_of(sum_nodes(n, nodes, plain)));
+            Gathered g = sum_nodes(n, nodes, light.plain);
+            if (stiffness) limit_acceleration(list.slot[k], n, nodes, light, g);
+            add_to_mean(mean, list.slot[k], increment_of(g));
         }
         mean.finish();
         return mean;
@@ -221,6 +238,97 @@ struct GridToParticles {
         } else {
             return sum_nodes_plain(n, nodes, nullptr, g);
         }
+    }
+
+    /// The least mass of the stencil's nodes, ghosts behind walls among them [kg].
+    static MORAINE_HD Real least_mass(const Q* nodes) {
+        Real least = nodes[0][quad - 1];
+        each_node<Dim, width>([&](int at, int, int, int) {
+            const Real m = nodes[2 * at][quad - 1];
+            if (m < least) least = m;
+        });
+        return least;
+    }
+
+    /// Takes from the gradient and C of a particle what its light nodes cannot bear.
+    MORAINE_HD void limit_acceleration(std::uint32_t s, const W& n, const Q* nodes, const Light& light,
+                                       Gathered& g) const {
+        Real full = p.mass[s] / p.volume[s];  // rho h^d
+        for (int a = 0; a < Dim; ++a) full /= context.inverse_cell;
+        if (Real(2) * light.least >= full) return;
+        W in = n;  // folded
+        for (int a = 0; a < Dim; ++a)
+            if (light.folded[a]) fold_weights<width>(context.walls.ghosts(a, light.base[a], width), in.w[a], in.dw[a]);
+        const Stiffness<Real>& k = stiffness[p.body[s]];
+        Vec<Real, Dim> reaction = reactions(in, nodes, full);
+        for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
+        const LightShare<Real, Dim> share = light_share(limits, reaction, light.folded, k.dilation);
+        if (!share.whole) take_acceleration(in, nodes, light, share, g);
+    }
+
+    MORAINE_HD Vec<Real, Dim> reactions(const W& in, const Q* nodes, Real full) const {
+        Real around = Real(0);
+        each_node<Dim, width>([&](int at, int i, int j, int k) {
+            if (weight(in, i, j, k) > Real(0)) around += nodes[2 * at][quad - 1];
+        });
+        if (around > full) around = full;
+        Vec<Real, Dim> sum = zero_vec<Real, Dim>();
+        each_node<Dim, width>([&](int at, int i, int j, int k) {
+            add_reaction(weight(in, i, j, k), slopes(in, in.dw, i, j, k), nodes[2 * at][quad - 1], around, sum);
+        });
+        return sum;
+    }
+
+    static MORAINE_HD Real weight(const W& n, int i, int j, int k) {
+        return n.w[0][i] * n.w[1][j] * (Dim == 3 ? n.w[Dim - 1][k] : Real(1));
+    }
+
+    /// Products of weights with `slope` in place of the weight along each axis in turn.
+    static MORAINE_HD Vec<Real, Dim> slopes(const W& n, const Real (*slope)[width], int i, int j, int k) {
+        const int at[3] = {i, j, k};
+        Vec<Real, Dim> all;
+        for (int b = 0; b < Dim; ++b) {
+            all[b] = Real(1);
+            for (int a = 0; a < Dim; ++a) all[b] *= a == b ? slope[a][at[a]] : n.w[a][at[a]];
+        }
+        return all;
+    }
+
+    MORAINE_HD void take_acceleration(const W& in, const Q* nodes, const Light& light,
+                                      const LightShare<Real, Dim>& share, Gathered& g) const {
+        Mat<Real, Dim> seen, kept;
+        for (int a = 0; a < Dim; ++a)
+            for (int b = 0; b < Dim; ++b) seen(a, b) = kept(a, b) = Real(0);
+        Real lever[Dim][width];
+        if constexpr (Affine)
+            for (int a = 0; a < Dim; ++a)
+                affine_levers<Shape>(in.f[a], in.w[a], in.dw[a], context.inverse_cell, light.plain[a], lever[a]);
+        each_node<Dim, width>([&](int at, int i, int j, int k) {
+            const Vec<Real, Dim> change = acceleration(nodes + 2 * at, light.base, i, j, k);
+            const Vec<Real, Dim> slope = slopes(in, in.dw, i, j, k);
+            for (int a = 0; a < Dim; ++a)
+                for (int b = 0; b < Dim; ++b) seen(a, b) += slope[b] * change[a];
+            if constexpr (Affine) {
+                const Vec<Real, Dim> arm = slopes(in, lever, i, j, k);
+                for (int a = 0; a < Dim; ++a)
+                    for (int b = 0; b < Dim; ++b) kept(a, b) += arm[b] * change[a];
+            }
+        });
+        seen = taken_from(seen, share.axis, share.volume);
+        kept = taken_from(kept, share.axis_kept, share.volume_kept);
+        for (int b = 0; b < Dim; ++b)
+            for (int a = 0; a < Dim; ++a) g.gradient[b][a] += seen(a, b), g.affine[b][a] += kept(a, b);
+    }
+
+    /// Change of a node's velocity, less what a wall would have taken from the velocity before [m/s].
+    MORAINE_HD Vec<Real, Dim> acceleration(const Q* node, const int* base, int i, int j, int k) const {
+        const int at[3] = {i, j, k};
+        int index[Dim];
+        Vec<Real, Dim> before, change;
+        for (int a = 0; a < Dim; ++a) index[a] = base[a] + at[a], before[a] = node[0][a] - node[1][a];
+        context.walls.constrain(index, before);
+        for (int a = 0; a < Dim; ++a) change[a] = node[0][a] - before[a];
+        return change;
     }
 
     MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {

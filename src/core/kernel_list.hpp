@@ -35,7 +35,9 @@ struct GatherCall {
     std::uint32_t* outgoing_count;
     std::uint8_t* shuffled;
     BlockOutcome* outcome;
-    const std::uint8_t* averaged = nullptr;  ///< by body: takes its volumetric part from the cell; null: none does
+    const std::uint8_t* averaged = nullptr;      ///< by body: takes its volumetric part from the cell; null: none does
+    const Stiffness<Real>* stiffness = nullptr;  ///< by body; null: no acceleration is limited
+    ReactionLimits<Real> limits = {};
 };
 
 template <class Real, int Dim>

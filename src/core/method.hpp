@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "core/courant.hpp"
@@ -44,6 +45,32 @@ inline std::vector<Round> rounds_of(const Scene& scene) {
     }
 }
 
+/// Whether light nodes are limited (light_nodes.hpp): where the scene wants it, with wide shapes where the stress
+/// follows the forces.
+inline bool limits_accelerations(const Scene& scene) {
+    return scene.limits_light_nodes && scene.shape != moraine::Shape::linear && scene.transfer != Transfer::fmpm &&
+           scene.stress_update != StressUpdate::usf;
+}
+
+/// By eigenvalues and runs of single layers, droplets and sprays (docs/adr/0006).
+template <class Real>
+ReactionLimits<Real> reaction_limits(const Scene& scene) {
+    const bool mapped = scene.stress_update == StressUpdate::musl;
+    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    return {Real(mapped ? 1.2 : 1.6), Real(mapped ? 3 : affine ? 2.5 : 1.6), mapped};
+}
+
+template <class Real, int Dim>
+Stiffness<Real> stiffness_of(const MaterialSpec& material) {
+    const LawInfo& law = *find_law(material.law);
+    double poisson = 0.5;
+    for (std::size_t k = 0; k < law.parameters.size(); ++k)
+        if (law.parameters[k].key == std::string_view("poisson")) poisson = material.parameters[k];
+    const double twice_shear = (1 - 2 * poisson) / (1 - poisson);  // over lambda + 2 G
+    return {static_cast<Real>(law.wave_modulus(material.parameters.data())),
+            static_cast<Real>(1 - twice_shear + twice_shear / Dim)};
+}
+
 template <class Space, class Real, int Dim>
 struct Method {
     explicit Method(const Scene& scene);
@@ -59,12 +86,15 @@ struct Method {
     bool tpic;
     Real damping;            ///< [-]
     Vec<Real, Dim> gravity;  ///< [m/s2]
+    ReactionLimits<Real> limits;
 
     HostStress<Real, Dim> stress() const {
         return {law_pointers_.data(), static_cast<int>(laws_.size()), material_of_.data()};
     }
     /// By body: whether its volumetric part is that of its cell (volumetric.hpp); null where none does.
     const std::uint8_t* averaged() const { return averaged_.empty() ? nullptr : averaged_.data(); }
+    /// By body, for light nodes; null where the method does not limit what they do (light_nodes.hpp).
+    const Stiffness<Real>* stiffness() const { return stiffness_.empty() ? nullptr : stiffness_.data(); }
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
   private:
@@ -73,6 +103,7 @@ struct Method {
     std::vector<std::uint16_t> material_of_;  ///< by body
     std::vector<std::uint8_t> averaged_;      ///< by body; empty: none
     std::vector<Vec<Real, Dim>> half_size_;   ///< by body [cells]
+    std::vector<Stiffness<Real>> stiffness_;  ///< by body; empty: not wanted
 };
 
 inline ColumnNeeds needs_of(const Scene& scene) {
@@ -119,6 +150,10 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
         half_size_.push_back(half);
     }
     context.half_size = half_size_.data();
+    limits = reaction_limits<Real>(scene);
+    if (limits_accelerations(scene))
+        for (const BodySpec& b : scene.bodies)
+            stiffness_.push_back(stiffness_of<Real, Dim>(scene.materials[static_cast<std::size_t>(b.material)]));
     const auto wants_mean = [&](const BodySpec& b) {
         return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
     };

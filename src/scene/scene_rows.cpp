@@ -131,6 +131,14 @@ const std::vector<KeyRow<Scene>> rows{
       .choices = {"spline", "plain"},
       .meaning = "Wide shapes at closed walls: ghost nodes extrapolated, or left free."},
      [](S& s, const V& v) { s.boundary_spline = v.choice == 0; }},
+    {{.table = "numerics",
+      .name = "light_nodes",
+      .type = choice,
+      .standard = "\"free\"",
+      .choices = {"free", "limited"},
+      .meaning = "Limited: what a step's acceleration adds to a velocity gradient is bounded where nodes hold little "
+                 "mass, so that thin layers on walls, droplets and sprays stand at the default step; on the host."},
+     [](S& s, const V& v) { s.limits_light_nodes = v.choice == 1; }},
 
     {{.table = "balance",
       .name = "partitioner",

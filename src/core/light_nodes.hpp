@@ -1,0 +1,96 @@
+#pragma once
+// How much of this step's acceleration a particle's velocity gradient takes, where its nodes hold little mass.
+//
+// A node is accelerated by f_i / m_i, so a stress answers its own change by what one step multiplies it with:
+//   R_b = (c dt)^2 sum_i (dw_ip/dx_b)^2 r_ip per axis b,    r_ip = min(1 / w_ip, M_p / m_i)
+//   M_p = min(sum of the masses of the particle's nodes, rho_p h^d)
+// r_ip is 1 in a full body and 1 / w_ip of a particle alone. A step is stable while its R stays below 2 to 4. R has no
+// bound where a spline is folded at a wall (there a node's weight goes to 0 and its slope does not), and the axes of a
+// particle alone together exceed it in its pressure. So with the velocity v_i of the nodes before forces and v_i'
+// after:
+//   dL_p / dt = grad v + T(grad (v' - v))
+// T multiplies column b by min(1, limit / R_b) along folded axes, then the trace by min(1, limit / (e sum of R_b)),
+// where e = (lambda + 2G/d) / (lambda + 2G). C_p is treated alike, with the squares of the shares (with MUSL the first
+// power of the trace's): what a particle keeps of an acceleration must be less than what its stress has seen of it, or
+// the two swing up. v here is after the walls, so that what a wall takes from a particle that comes to it is not an
+// acceleration. Momentum is that of the nodes, untouched; at rest, and as dt goes to 0, nothing changes; a particle
+// whose nodes all hold half of a full one or more is not looked at. docs/adr/0006 compares it with other ways.
+
+#include "core/vec.hpp"
+
+namespace moraine {
+
+/// Elastic moduli of a body's material at the start.
+template <class Real>
+struct Stiffness {
+    Real wave;      ///< lambda + 2 G [Pa]
+    Real dilation;  ///< (lambda + 2 G / d) over it [-]
+};
+
+/// Largest reactions that a method's step bears [-].
+template <class Real>
+struct ReactionLimits {
+    Real wall;    ///< of one folded axis
+    Real volume;  ///< of the pressure
+    bool mapped;  ///< the stress sees what the particles kept (MUSL)
+};
+
+/// What is left of an acceleration's gradient.
+template <class Real, int Dim>
+struct LightShare {
+    Vec<Real, Dim> axis;       ///< of its columns [-]
+    Vec<Real, Dim> axis_kept;  ///< the same in C
+    Real volume;               ///< of the trace of what is left [-]
+    Real volume_kept;          ///< the same in C
+    bool whole;                ///< all of it is
+};
+
+/// Adds a node to the reactions per (c dt)^2 [1/m2].
+template <class Real, int Dim>
+MORAINE_HD void add_reaction(Real w, const Vec<Real, Dim>& slope, Real node_mass, Real around, Vec<Real, Dim>& sum) {
+    if (!(w > Real(0))) return;
+    const Real alone = Real(1) / w;
+    const Real ratio = around < alone * node_mass ? around / node_mass : alone;
+    for (int b = 0; b < Dim; ++b) sum[b] += slope[b] * slope[b] * ratio;
+}
+
+/// From the reactions of one particle.
+template <class Real, int Dim>
+MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits, Vec<Real, Dim> reaction,
+                                             const bool* folded, Real dilation) {
+    LightShare<Real, Dim> share;
+    share.volume = share.volume_kept = Real(1);
+    share.whole = true;
+    Real sum = Real(0);
+    for (int b = 0; b < Dim; ++b) {
+        share.axis[b] = Real(1);
+        if (folded[b] && reaction[b] > limits.wall) {
+            share.axis[b] = limits.wall / reaction[b];
+            reaction[b] = limits.wall;
+            share.whole = false;
+        }
+        share.axis_kept[b] = share.axis[b] * share.axis[b];
+        sum += reaction[b];
+    }
+    if (dilation * sum > limits.volume) {
+        share.volume = limits.volume / (dilation * sum);
+        share.volume_kept = limits.mapped ? share.volume : share.volume * share.volume;
+        share.whole = false;
+    }
+    return share;
+}
+
+/// What the share takes from a gradient: T(a) - a.
+template <class Real, int Dim>
+MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume) {
+    Mat<Real, Dim> taken;
+    Real left = Real(0);
+    for (int b = 0; b < Dim; ++b) {
+        for (int c = 0; c < Dim; ++c) taken(c, b) = (axis[b] - Real(1)) * a(c, b);
+        left += axis[b] * a(b, b);
+    }
+    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * Real(1.0 / Dim);
+    return taken;
+}
+
+}  // namespace moraine

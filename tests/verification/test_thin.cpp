@@ -1,0 +1,135 @@
+// Thin layers over walls, droplets and particles alone at the default step: a small disturbance stays small.
+#include "core/courant.hpp"
+#include "core/error.hpp"
+#include "verification/drive.hpp"
+#include "verification/problem_cloud.hpp"
+
+using namespace moraine;
+using namespace moraine::verification;
+
+namespace {
+
+constexpr double disturbance = 1e-9;  ///< velocity [c] and stress [rho c^2] at the start
+constexpr double bound = 10;          ///< of the energy, over that at the start
+
+struct Thin {
+    const char* name;
+    int along, across, high;  ///< particles, h/2 apart
+    double height;            ///< of the lowest over the wall [cells]
+    WallKind wall;
+    double mach;
+    double poisson;
+    bool corner;  ///< a second wall, as near
+};
+
+constexpr double modulus(double nu) {
+    return (1 + nu) * (1 - 2 * nu) / (1 - nu);  // of Young, with rho c^2 = 1
+}
+
+Scene scene_of(const Thin& thin, int dimensions, const Choice& choice) {
+    Scene scene;
+    scene.dimensions = dimensions;
+    scene.cell = 1;
+    choose(scene, choice);
+    scene.dt = standard_courant(scene) / (1 + thin.mach);
+    scene.materials.push_back(
+        material("linear-elastic", 1, {{"young", modulus(thin.poisson)}, {"poisson", thin.poisson}}));
+    BodySpec body;
+    const auto up = static_cast<std::size_t>(dimensions - 1);
+    for (std::size_t a = 0; a <= up; ++a) {
+        const int count = a == up ? thin.high : (a == 0 ? thin.along : thin.across);
+        const bool closed = a == up || (thin.corner && a == up - 1);
+        scene.max[a] = 16;
+        body.min[a] = closed ? thin.height - 0.25 : 3.1;
+        body.max[a] = body.min[a] + 0.5 * count;
+        if (closed)
+            scene.walls[a][0] = scene.walls[a][1] = {thin.wall, thin.wall == WallKind::friction ? 0.3 : 0};
+        else
+            make_periodic(scene, a);
+    }
+    scene.bodies.push_back(body);
+    return scene;
+}
+
+/// Largest energy of the disturbance over that at the start; infinite where the run ends.
+template <int Dim>
+double energy_grows(const Thin& thin, const Choice& choice, int steps) {
+    Run<double, Dim> run(scene_of(thin, Dim, choice));
+    REQUIRE(run.particles() == static_cast<std::size_t>(thin.along * thin.high * (Dim == 3 ? thin.across : 1)));
+    Vec<double, Dim> drift = zero_vec<double, Dim>();
+    drift[0] = thin.mach;
+    run.start_with([&](const auto& p, std::uint32_t s, const auto&) {
+        for (int a = 0; a < Dim; ++a) p.velocity[s][a] = drift[a] + disturbance * random_of(p.id[s], a);
+        for (int k = 0; k < Sym<double, Dim>::size; ++k) p.stress[s][k] = disturbance * random_of(p.id[s], 3 + k);
+    });
+    const double young = modulus(thin.poisson);
+    const double bulk = young / (3 * (1 - 2 * thin.poisson)), shear = young / (2 * (1 + thin.poisson));
+    const auto energy = [&] {
+        return run.sum([&](const auto& p, std::uint32_t s, const auto&, const auto&) {
+            double square = 0;
+            for (int a = 0; a < Dim; ++a) square += (p.velocity[s][a] - drift[a]) * (p.velocity[s][a] - drift[a]);
+            const Invariants<double> v = invariants(p.stress[s]);
+            return p.mass[s] * square / 2 + p.volume[s] * (v.mean * v.mean / bulk + v.j2 / shear) / 2;
+        });
+    };
+    const double start = energy();
+    double most = 1;
+    try {
+        for (int done = 0; done < steps && most < 1e3; done += 20) {
+            run.steps(20);
+            const double now = energy() / start;
+            most = std::isfinite(now) ? std::max(most, now) : INFINITY;
+        }
+    } catch (const PhysicsError&) {
+        return INFINITY;
+    }
+    return most;
+}
+
+double grows(const Thin& thin, int dimensions, const Choice& choice, int steps) {
+    return dimensions == 2 ? energy_grows<2>(thin, choice, steps) : energy_grows<3>(thin, choice, steps);
+}
+
+std::vector<Thin> cases(double height, double mach, double poisson, WallKind wall) {
+    return {{"layer", 6, 4, 1, height, wall, mach, poisson, false},
+            {"droplet", 2, 2, 2, height, wall, mach, poisson, false},
+            {"alone", 1, 1, 1, height, wall, mach, poisson, false},
+            {"corner", 3, 1, 1, height, wall, mach, poisson, true}};
+}
+
+}  // namespace
+
+TEST_CASE("Layers, droplets and particles alone near a wall stay quiet at the default step") {
+    int unquiet = 0, all = 0;
+    const std::vector<Choice> methods =
+        long_tests() ? std::vector<Choice>{quadratic_flip_usl, quadratic_apic_usl,  quadratic_tpic_usl,
+                                           cubic_flip_usl,     cubic_apic_usl,      gimp_flip_usl,
+                                           gimp_tpic_usl,      contiguous_flip_usl, quadratic_apic_musl}
+                     : std::vector<Choice>{quadratic_flip_usl, quadratic_apic_usl};
+    const std::vector<WallKind> walls = long_tests()
+                                            ? std::vector{WallKind::free_slip, WallKind::no_slip, WallKind::friction}
+                                            : std::vector{WallKind::free_slip};
+    for (const Choice& choice : methods) {
+        int of_method = 0, failed = 0;
+        for (int dimensions : {2, 3})
+            for (WallKind wall : walls)
+                for (double height : {1e-6, 1e-3, 0.05, 0.3, 1.0})
+                    for (double mach : {0.0, 0.05})
+                        for (double poisson : long_tests() ? std::vector{0.3, 0.45, 0.495} : std::vector{0.495})
+                            for (const Thin& thin : cases(height, mach, poisson, wall)) {
+                                // No other wall leaves a drift what it is, and no corner of a plane.
+                                if (mach > 0 && (wall != WallKind::free_slip || (thin.corner && dimensions == 2)))
+                                    continue;
+                                const int steps = long_tests() ? 20000 : (dimensions == 2 ? 1000 : 400);
+                                const double most = grows(thin, dimensions, choice, steps);
+                                ++of_method;
+                                if (most <= bound) continue;
+                                ++failed;
+                                say(fmt::format("{}, {}-D, {}, {} over wall {}, Mach {}, nu {}: {:.3g}", choice.name,
+                                                dimensions, thin.name, height, int(wall), mach, poisson, most));
+                            }
+        say(fmt::format("{}: {} of {} grow", choice.name, failed, of_method));
+        unquiet += failed, all += of_method;
+    }
+    CHECK(unquiet == 0);
+}
