@@ -27,7 +27,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 DIGITS = 4  # of what is kept of curves, which plots show and nothing else is made of
-POINTS = 80  # of a curve at most: of a longer one every second, third, ... point is kept
+POINTS = 64  # of a curve at most: of a longer one every second, third, ... point is kept
 
 
 def cases():

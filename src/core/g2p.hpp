@@ -79,10 +79,13 @@ struct GridToParticles {
   private:
     /// What a cell's particles share where nodes may be light.
     struct Light {
-        const int* base;     ///< first node of the stencil
-        const bool* folded;  ///< by axis
-        const bool* plain;   ///< by axis: C is the velocity gradient
-        Real least;          ///< mass of a node [kg]
+        const int* base;                  ///< first node of the stencil
+        const bool* folded;               ///< by axis
+        const bool* plain;                ///< by axis: C is the velocity gradient
+        Real least;                       ///< mass of a node [kg]
+        bool ready;                       ///< the next ones are known
+        Real around;                      ///< mass of all nodes but those behind walls [kg]
+        Real inverse[power<Dim>(width)];  ///< of their masses [1/kg]
     };
 
     MORAINE_HD void load_node(int block, int n, Scratch& scratch) const {
@@ -130,7 +133,9 @@ struct GridToParticles {
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        const Light light{base, folded, plain, stiffness ? least_mass(nodes) : Real(0)};
+        Light light;
+        light.base = base, light.folded = folded, light.plain = plain, light.ready = false, light.around = Real(0);
+        light.least = stiffness ? least_mass(nodes) : Real(0);
         if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, light);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
@@ -162,7 +167,7 @@ struct GridToParticles {
 
     /// The means of a cell with more particles than a batch holds: they are gathered twice.
     MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
-                                                     const Light& light) const {
+                                                     Light& light) const {
         VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
             const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
@@ -251,8 +256,7 @@ struct GridToParticles {
     }
 
     /// Takes from the gradient and C of a particle what its light nodes cannot bear.
-    MORAINE_HD void limit_acceleration(std::uint32_t s, const W& n, const Q* nodes, const Light& light,
-                                       Gathered& g) const {
+    MORAINE_HD void limit_acceleration(std::uint32_t s, const W& n, const Q* nodes, Light& light, Gathered& g) const {
         Real full = p.mass[s] / p.volume[s];  // rho h^d
         for (int a = 0; a < Dim; ++a) full /= context.inverse_cell;
         if (Real(2) * light.least >= full) return;
@@ -260,27 +264,47 @@ struct GridToParticles {
         for (int a = 0; a < Dim; ++a)
             if (light.folded[a]) fold_weights<width>(context.walls.ghosts(a, light.base[a], width), in.w[a], in.dw[a]);
         const Stiffness<Real>& k = stiffness[p.body[s]];
-        Vec<Real, Dim> reaction = reactions(in, nodes, full);
+        if (!light.ready) weigh_nodes(nodes, light);
+        Vec<Real, Dim> reaction = reactions(in, light, full);
         for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
         const LightShare<Real, Dim> share = light_share(limits, reaction, light.folded, k.dilation);
         if (!share.whole) take_acceleration(in, nodes, light, share, g);
     }
 
-    MORAINE_HD Vec<Real, Dim> reactions(const W& in, const Q* nodes, Real full) const {
-        Real around = Real(0);
+    /// A cell's masses, once for its particles.
+    MORAINE_HD void weigh_nodes(const Q* nodes, Light& light) const {
+        unsigned ghosts[Dim];
+        for (int a = 0; a < Dim; ++a) ghosts[a] = light.folded[a] ? context.walls.ghosts(a, light.base[a], width) : 0u;
+        light.around = Real(0);
+        light.ready = true;
+        int n = 0;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
-            if (weight(in, i, j, k) > Real(0)) around += nodes[2 * at][quad - 1];
+            const int place[3] = {i, j, k};
+            bool inside = true;
+            for (int a = 0; a < Dim; ++a)
+                inside =
+                    inside && !((ghosts[a] & 1) && place[a] == 0) && !(place[a] && int(ghosts[a] >> 1) == place[a]);
+            const Real m = inside ? nodes[2 * at][quad - 1] : Real(0);
+            light.around += m;
+            light.inverse[n++] = m > Real(0) ? Real(1) / m : Real(0);
         });
-        if (around > full) around = full;
-        Vec<Real, Dim> sum = zero_vec<Real, Dim>();
-        each_node<Dim, width>([&](int at, int i, int j, int k) {
-            add_reaction(weight(in, i, j, k), slopes(in, in.dw, i, j, k), nodes[2 * at][quad - 1], around, sum);
-        });
-        return sum;
     }
 
-    static MORAINE_HD Real weight(const W& n, int i, int j, int k) {
-        return n.w[0][i] * n.w[1][j] * (Dim == 3 ? n.w[Dim - 1][k] : Real(1));
+    static MORAINE_HD Vec<Real, Dim> reactions(const W& in, const Light& light, Real full) {
+        Real steep[Dim][width];
+        for (int a = 0; a < Dim; ++a)
+            for (int i = 0; i < width; ++i) steep[a][i] = steepness(in.w[a][i], in.dw[a][i]);
+        const Real around = light.around < full ? light.around : full;
+        Vec<Real, Dim> sum = zero_vec<Real, Dim>();
+        int n = 0;
+        each_node<Dim, width>([&](int, int i, int j, int k) {
+            const int at[3] = {i, j, k};
+            Real w = Real(1);
+            for (int a = 0; a < Dim; ++a) w *= in.w[a][at[a]];
+            const Real share = reacting_weight(w, around * light.inverse[n++]);
+            for (int b = 0; b < Dim; ++b) sum[b] += steep[b][at[b]] * share;
+        });
+        return sum;
     }
 
     /// Products of weights with `slope` in place of the weight along each axis in turn.

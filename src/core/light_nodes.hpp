@@ -45,13 +45,18 @@ struct LightShare {
     bool whole;                ///< all of it is
 };
 
-/// Adds a node to the reactions per (c dt)^2 [1/m2].
-template <class Real, int Dim>
-MORAINE_HD void add_reaction(Real w, const Vec<Real, Dim>& slope, Real node_mass, Real around, Vec<Real, Dim>& sum) {
-    if (!(w > Real(0))) return;
-    const Real alone = Real(1) / w;
-    const Real ratio = around < alone * node_mass ? around / node_mass : alone;
-    for (int b = 0; b < Dim; ++b) sum[b] += slope[b] * slope[b] * ratio;
+/// (dw / w)^2 along one axis [1/m2].
+template <class Real>
+MORAINE_HD Real steepness(Real w, Real dw) {
+    const Real ratio = w > Real(0) ? dw / w : Real(0);
+    return ratio * ratio;
+}
+
+/// w^2 r of a node, with M_p / m_i: times the steepness along an axis its part of the reaction per (c dt)^2.
+template <class Real>
+MORAINE_HD Real reacting_weight(Real w, Real mass_ratio) {
+    const Real share = w * mass_ratio;
+    return share < Real(1) ? w * share : w;
 }
 
 /// From the reactions of one particle.

@@ -26,6 +26,7 @@ struct Recorder final : LawBatch<Real, Dim> {
                 Real, const std::uint16_t*, int, BlockOutcome&) const override {
         for (int k = 0; k < n; ++k) seen[slots[k]] = gradients[k];
     }
+    void begin(const BodyStart&, const ParticleView<Real, Dim>&, std::uint32_t) const override {}
     double strain_energy(const ParticleView<Real, Dim>&, std::uint32_t) const override { return 0; }
     double signal(const ParticleView<Real, Dim>&, std::uint32_t) const override { return 0; }
 };
