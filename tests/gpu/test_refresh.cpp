@@ -38,7 +38,7 @@ class Rows {
         for (int k = 0; k < gpu::affine_rows<Dim>; ++k) columns.affine[k] = make(affine_[k], n);
         for (int k = 0; k < gpu::stretch_rows<Dim>; ++k) columns.stretch[k] = make(stretch_[k], n);
         columns.log_stretch = make(log_stretch_, n);
-        for (int k = 0; k < max_history - 1; ++k) columns.history[k] = make(history_[k], n);
+        for (int k = 0; k < gpu::own_columns<Dim>(); ++k) columns.own[k] = make(own_[k], n);
         columns.id = make(id_, n), columns.body = make(body_, n);
     }
 
@@ -59,7 +59,7 @@ class Rows {
 
     gpu::Array<gpu::Row<Real>> core_[gpu::core_rows<Dim>], affine_[gpu::affine_rows<Dim>];
     gpu::Array<gpu::Row<Real>> stretch_[gpu::stretch_rows<Dim>], log_stretch_;
-    gpu::Array<Real> history_[max_history - 1];
+    gpu::Array<Real> own_[gpu::own_columns<Dim>()];
     gpu::Array<std::uint64_t> id_;
     gpu::Array<std::uint16_t> body_;
 };

@@ -22,13 +22,13 @@ static_assert(sizeof(RecordHead) == 16);
 
 /// Where the units of a record come from and go to. Passed to kernels by value.
 struct RecordLayout {
-    static constexpr int most_rows = 10;
+    static constexpr int most_rows = all_rows<3>, most_scalars = own_columns<3>();
     std::uint64_t* id;
     std::uint16_t* body;
     uint4* row[most_rows];
     int rows;
-    int row_units;                  ///< of 16 bytes
-    void* scalar[max_history - 1];  ///< columns of scalars, a unit each
+    int row_units;               ///< of 16 bytes
+    void* scalar[most_scalars];  ///< columns of scalars, a unit each
     int scalars;
     int scalar_bytes;  ///< 4 or 8
     int units;         ///< of a record
@@ -44,7 +44,7 @@ RecordLayout record_layout(Columns<Real, Dim> columns) {
     each_row_of<Dim>([&](RowGroup group, int k, int) {
         if (Row<Real>* row = columns.row(group, k)) r.row[r.rows++] = reinterpret_cast<uint4*>(row);
     });
-    for (Real* column : columns.history)
+    for (Real* column : columns.own)
         if (column) r.scalar[r.scalars++] = column;
     r.row_units = sizeof(Row<Real>) / 16;
     r.scalar_bytes = sizeof(Real);
@@ -52,9 +52,6 @@ RecordLayout record_layout(Columns<Real, Dim> columns) {
     return r;
 }
 
-/// All rows that there can be fit.
-static_assert(rows_of<3>(RowGroup::core) + rows_of<3>(RowGroup::affine) + rows_of<3>(RowGroup::stretch) +
-                  rows_of<3>(RowGroup::box) <=
-              RecordLayout::most_rows);
+static_assert(all_rows<2> <= RecordLayout::most_rows && own_columns<2>() <= RecordLayout::most_scalars);
 
 }  // namespace moraine::gpu

@@ -7,7 +7,6 @@
 
 #include <cuda_runtime.h>
 
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,9 +35,11 @@ template <class Real, int Dim>
 void* own_column(const Columns<Real, Dim>& columns, std::string_view name) {
     if (name == "id") return columns.id;
     if (name == "body") return columns.body;
-    for (int k = 1; k < max_history; ++k)
-        if (name == "history_" + std::to_string(k)) return columns.history[k - 1];
-    return nullptr;
+    void* found = nullptr;
+    each_own_column<Dim>([&](const auto& variable, int k) {
+        if (name == variable.name) found = columns.own[k];
+    });
+    return found;
 }
 
 /// The host's columns by name (Particles::columns()) in terms of rows; none: the device has no such column.

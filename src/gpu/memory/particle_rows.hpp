@@ -6,7 +6,10 @@
 // x are the fixed-point places of core/position.hpp; their bits are kept in reals' clothes: a row is only copied.
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <string_view>
+#include <type_traits>
 
 #include "core/particle_state.hpp"
 
@@ -24,6 +27,42 @@ template <int Dim>
 inline constexpr int affine_rows = rows_of<Dim>(RowGroup::affine);
 template <int Dim>
 inline constexpr int stretch_rows = rows_of<Dim>(RowGroup::stretch);
+
+/// Rows of all groups.
+template <int Dim>
+inline constexpr int all_rows = core_rows<Dim> + affine_rows<Dim> + stretch_rows<Dim> + rows_of<Dim>(RowGroup::box);
+
+/// A variable that the table gives no row has a column of its own here, if it is a real (or the id, or the body). Calls
+/// f(variable, number) for those that are reals.
+template <int Dim, class F>
+constexpr void each_own_column(const F& f) {
+    int number = 0;
+    each_variable<double, Dim>([&](const auto& v) {
+        const bool integer = std::string_view(v.name) == "id" || std::string_view(v.name) == "body";
+        if (v.places[0].lanes == 0 && v.lives == Lifetime::run && !integer) f(v, number++);
+    });
+}
+
+/// How many there are, or the number of one of them (-1: there is none of the name).
+template <int Dim>
+consteval int own_columns(std::string_view name = {}) {
+    int count = 0, found = -1;
+    each_own_column<Dim>([&](const auto& v, int number) {
+        if (name == v.name) found = number;
+        ++count;
+    });
+    return name.empty() ? count : found;
+}
+
+/// Whether every variable that has no row can do without.
+template <int Dim>
+consteval bool own_columns_are_reals() {
+    bool right = true;
+    each_own_column<Dim>(
+        [&](const auto& v, int) { right = right && std::is_same_v<typename std::decay_t<decltype(v)>::Type, double>; });
+    return right;
+}
+static_assert(own_columns_are_reals<2>() && own_columns_are_reals<3>());
 
 /// The core rows by name. Which row a name lives in is known to the compiler: rows not used are not loaded.
 template <class Real, int Dim>
@@ -69,9 +108,12 @@ struct Columns {
     Row<Real>* affine[affine_rows<Dim>];
     Row<Real>* stretch[stretch_rows<Dim>];  ///< left stretch b
     Row<Real>* log_stretch;
-    Real* history[max_history - 1];  ///< history[k - 1] is the material's scalar k; the scalar 0 is in the core rows
+    Real* own[own_columns<Dim>()];  ///< reals without a row, in the order of the table
     std::uint64_t* id;
     std::uint16_t* body;  ///< two to a word: there is space for an even number
+
+    /// Of the material's scalar k > 0; the scalar 0 is in the core rows.
+    MORAINE_HD Real* history(int k) const { return own[first_history + k]; }
 
     /// Of row k of a group.
     Row<Real>*& row(RowGroup group, int k) {
@@ -82,10 +124,16 @@ struct Columns {
                 return stretch[k];
             case RowGroup::box:
                 return log_stretch;
-            default:
+            case RowGroup::core:
                 return core[k];
+            case RowGroup::own:
+                break;
         }
+        std::abort();  // it has no rows
     }
+
+  private:
+    static constexpr int first_history = own_columns<Dim>("history_1") - 1;
 };
 
 /// Calls f(group, row of the group, number of it) for every row that a particle can have, the core rows first.

@@ -20,13 +20,22 @@ void take_order(Array<T>& column, Array<T>& spare, const std::uint32_t* slot, st
 
 }  // namespace
 
+/// Calls f(number) for the reals in no row that the scene has.
+template <class Real, int Dim>
+template <class F>
+void DeviceParticles<Real, Dim>::each_present(const F& f) const {
+    each_own_column<Dim>([&](const auto& variable, int k) {
+        if (variable.present(needs_)) f(k);
+    });
+}
+
 template <class Real, int Dim>
 Columns<Real, Dim> DeviceParticles<Real, Dim>::view() const {
     Columns<Real, Dim> v{};
     each_row_of<Dim>([&](RowGroup group, int k, int) {
         if (has_rows<Dim>(needs_, group)) v.row(group, k) = rows_[static_cast<int>(group)][k].data();
     });
-    for (int k = 1; k < needs_.history; ++k) v.history[k - 1] = history_[k - 1].data();
+    each_present([&](int k) { v.own[k] = own_[k].data(); });
     v.id = id_.data();
     v.body = body_.data();
     return v;
@@ -41,11 +50,11 @@ void DeviceParticles<Real, Dim>::each_row(const F& f) {
     });
 }
 
-/// And f(column) for those of the material's scalars that are in no row.
+/// And f(column) for its reals that are in no row.
 template <class Real, int Dim>
 template <class F>
 void DeviceParticles<Real, Dim>::each_scalar(const F& f) {
-    for (int k = 1; k < needs_.history; ++k) f(history_[k - 1]);
+    each_present([&](int k) { f(own_[k]); });
 }
 
 /// Lanes without a meaning are copied too: all begin as zeros.

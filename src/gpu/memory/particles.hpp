@@ -34,13 +34,15 @@ class DeviceParticles {
     template <class F>
     void each_row(const F& f);
     template <class F>
+    void each_present(const F& f) const;
+    template <class F>
     void each_scalar(const F& f);
     template <class F>
     void each_chunk(const ColumnBytes& column, std::size_t n, const F& f);
 
     ColumnNeeds needs_;
     Array<Row<Real>> rows_[row_groups][most_group_rows], spare_;  ///< by group and row of it
-    Array<Real> history_[max_history - 1], spare_scalar_;
+    Array<Real> own_[own_columns<Dim>()], spare_scalar_;          ///< reals that are in no row
     Array<std::uint64_t> id_, spare_id_;
     Array<std::uint16_t> body_, spare_body_;
     Array<std::uint32_t> place_;  ///< 0, 1, 2, ...: slots of a chunk

@@ -13,7 +13,7 @@ namespace moraine::gpu {
 
 namespace {
 
-/// Where names become objects: a new transport is one file, one line here and its name in comm/transport_names.hpp.
+/// Where names become objects. A new transport: CONTRIBUTING.md.
 constexpr TransportEntry entries[] = {
     {"peer", peer_obstacle, peer_transports},
     {"nccl", nccl_obstacle, nccl_transports},

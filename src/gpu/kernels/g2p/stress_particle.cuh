@@ -31,7 +31,7 @@ __device__ __forceinline__ PointState<Real, Dim> state_of(const CoreRows<Real, D
     state.ln_J = p.ln_J();
     state.history[0] = p.history();
 #pragma unroll
-    for (int k = 1; k < Law::history; ++k) state.history[k] = all.history[k - 1][s];
+    for (int k = 1; k < Law::history; ++k) state.history[k] = all.history(k)[s];
     if constexpr (Law::uses_left_stretch)
         for (int k = 0; k < Sym<Real, Dim>::size; ++k) state.left_stretch[k] = stretch_of<Real, Dim>(b, k);
     return state;
@@ -55,7 +55,7 @@ __device__ __forceinline__ std::uint32_t update_stress(const Law& law, Real inve
     p.volume() = step.volume;
     if constexpr (Law::history > 0) p.history() = state.history[0];
 #pragma unroll
-    for (int k = 1; k < Law::history; ++k) all.history[k - 1][s] = state.history[k];
+    for (int k = 1; k < Law::history; ++k) all.history(k)[s] = state.history[k];
     if constexpr (Law::uses_left_stretch) {
         for (int k = 0; k < Sym<Real, Dim>::size; ++k) stretch_of<Real, Dim>(b, k) = state.left_stretch[k];
         for (int r = 0; r < stretch_rows<Dim>; ++r) store_row(all.stretch[r] + s, b[r]);
