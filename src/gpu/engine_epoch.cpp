@@ -66,6 +66,11 @@ void DeviceEngine<Real, Dim>::open_epoch() {
         node_of_.assign(every);
     }
     nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
+    if (method_.stiffness()) {
+        light_marks_.resize(node_blocks * light_marks<Dim>);
+        limited_.resize(epoch_.own.size());
+        limited_blocks_.resize(2 * epoch_.own.size());
+    }
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);

@@ -137,7 +137,7 @@ const std::vector<KeyRow<Scene>> rows{
       .standard = "\"free\"",
       .choices = {"free", "limited"},
       .meaning = "Limited: what a step's acceleration adds to a velocity gradient is bounded where nodes hold little "
-                 "mass, so that thin layers on walls, droplets and sprays stand at the default step; on the host."},
+                 "mass, so that thin layers on walls, droplets and sprays stand at the default step."},
      [](S& s, const V& v) { s.limits_light_nodes = v.choice == 1; }},
 
     {{.table = "balance",

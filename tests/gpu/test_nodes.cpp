@@ -80,7 +80,8 @@ class Pair {
         gpu::DeviceStructures<Dim> there;
         ContactField<Dim> contact{};
         if (structures) contact = there.place(*structures, nullptr);
-        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr, structures ? &contact : nullptr);
+        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, {}, nullptr,
+                         structures ? &contact : nullptr);
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
         felt_on_device = there.take();
@@ -279,7 +280,7 @@ void time_nodes(double damping) {
     view.accounts = accounts.data();
     const auto round = round_of<Real, dim>(NodeTask::solve, damping);
     const double ms = test::median_ms(
-        20, [] {}, [&] { gpu::solve_nodes(view, stencil, round, Quantum::for_largest(1e9), nullptr); });
+        20, [] {}, [&] { gpu::solve_nodes(view, stencil, round, Quantum::for_largest(1e9), {}, nullptr); });
     std::printf("nodes %s, damping %.1f: %zu blocks, %zu node blocks, %.4f ms\n",
                 sizeof(Real) == 4 ? "single" : "double", damping, e.own.size(), numbers.size(), ms);
 }

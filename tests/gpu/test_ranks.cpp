@@ -119,3 +119,15 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     cubic.materials[0] = test::material("neo-hookean", 1000, {{"young", 1e6}, {"poisson", 0.3}});
     compare<3>(cubic, 30);
 }
+
+TEST_CASE("light nodes are limited alike whoever owns their tiles") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+        Scene plane = test::spray(2), space = test::spray(3);
+        plane.transfer = space.transfer = transfer;
+        space.precision = Precision::single_;
+        space.materials.pop_back();
+        for (BodySpec& b : space.bodies) b.material = 0;
+        compare<2>(plane, 60);
+        compare<3>(space, 40);
+    }
+}

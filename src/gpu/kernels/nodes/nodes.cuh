@@ -17,6 +17,7 @@ struct NodeWork {
     NodeRound<Real, Dim> round;
     int origin;
     Quantum quantum;
+    LightMarks<Real> marks;
     ContactField<Dim> contact;
 };
 
@@ -131,8 +132,20 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
+    first[quad - 1] = sums[0];
     store_row(out, first);
     store_row(out + 1, second);
+}
+
+/// Whole warps call it.
+template <class Real, int Dim>
+__device__ __forceinline__ void mark_light(const LightMarks<Real>& marks, int c, int node_blocks, int n, Real mass) {
+    constexpr int lanes = TilesAround<Dim>::lanes;
+    const unsigned light = __ballot_sync(all_lanes, !(mass >= marks.mass));
+    const int lane = lane_id();
+    if (lane % lanes != 0 || c >= node_blocks) return;
+    constexpr unsigned mine = lanes == 32 ? all_lanes : (1u << lanes % 32) - 1;
+    marks.of[c * light_marks<Dim> + n / 32] = (light >> lane & mine) != 0;
 }
 
 template <class Real, int Dim, int Width, bool Contact>
@@ -142,11 +155,13 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : 0)
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
     const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+    if (c == 0 && n == 0 && w.marks.of) w.marks.count[0] = w.marks.count[1] = 0;
     if (__all_sync(all_lanes, around.own == 0)) return;
     Quad<Real> sums, force;
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
     ExactSum impulse[Dim];
     if (around.own != 0) solve_node<Contact>(w, c, n, sums, force, counted, impulse);
+    if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
 }
 
