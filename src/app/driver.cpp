@@ -98,6 +98,11 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
+    if (!options_.no_particles) {
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
+        const OutputFrame<Real, Dim> frame(sim_);
+        series_->check_types(frame.position(), frame.fields());
+    }
     std::optional<ResumeAfter> resume;
     if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(), resume);
@@ -107,9 +112,7 @@ void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume_time ? std::optional(resume_step) : std::nullopt);
-    if (options_.no_particles) return;
-    series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
-    if (resume_time) series_->truncate_to(*resume_time);
+    if (series_ && resume_time) series_->truncate_to(*resume_time);
 }
 
 template <class Real, int Dim>

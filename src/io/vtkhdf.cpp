@@ -202,21 +202,48 @@ void ParticleSeries::check_ours() const {
                     path_));
 }
 
-void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
-                            std::span<const Column> fields) {
-    const FileOrder order = file_order(comm_, my_blocks);
-    const auto per_block = [&](std::byte* rows, const auto& value_of) {
+void ParticleSeries::check_types(const Column& position, std::span<const Column> fields) const {
+    comm_.agree_no_error<InputError>(message_of([&] {
+        const auto check = [&](const std::string& name, const Column& column) {
+            for (const SeriesArray& array : state_.arrays)
+                if (array.name == name && (array.type != column.type || array.components != components_in_file(column)))
+                    throw InputError(fmt::format(
+                        "cannot continue {} (its {} has {} numbers of {} bytes a particle, this run's would have {} "
+                        "of {}). The output.precision it began with, or another --output?",
+                        path_, name, array.components, Column::bytes_of(array.type), components_in_file(column),
+                        Column::bytes_of(column.type)));
+        };
+        check("Points", position);
+        for (const Column& field : fields) check(field.name, field);
+    }));
+}
+
+std::vector<Column> ParticleSeries::columns_of(std::span<const BlockRow> my_blocks, const Column& position,
+                                               std::span<const Column> fields, const SeriesLabels& labels) const {
+    const auto per_block = [my_blocks](std::byte* rows, const auto& value_of) {
         auto* at = reinterpret_cast<decltype(value_of(BlockRow{}))*>(rows);
         for (const BlockRow& block : my_blocks) at = std::fill_n(at, block.count, value_of(block));
     };
-    std::vector<Column> columns{position, {"rank", "", Column::Type::u32}, {"block_key", "", Column::Type::u64}};
+    std::vector<Column> columns{position};
     columns[0].name = "Points";
-    columns[1].make = [&](std::byte* rows) {
-        per_block(rows, [&](const BlockRow&) { return static_cast<std::uint32_t>(comm_.rank()); });
-    };
-    columns[2].make = [&](std::byte* rows) { per_block(rows, [](const BlockRow& block) { return block.key; }); };
+    if (labels.rank) columns.push_back({"rank", "", Column::Type::u32});
+    if (labels.rank)
+        columns.back().make = [this, per_block](std::byte* rows) {
+            per_block(rows, [&](const BlockRow&) { return static_cast<std::uint32_t>(comm_.rank()); });
+        };
+    if (labels.block_key) columns.push_back({"block_key", "", Column::Type::u64});
+    if (labels.block_key)
+        columns.back().make = [per_block](std::byte* rows) {
+            per_block(rows, [](const BlockRow& block) { return block.key; });
+        };
     columns.insert(columns.end(), fields.begin(), fields.end());
+    return columns;
+}
 
+void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
+                            std::span<const Column> fields, const SeriesLabels& labels) {
+    const FileOrder order = file_order(comm_, my_blocks);
+    const std::vector<Column> columns = columns_of(my_blocks, position, fields, labels);
     const Plan where = plan(order.rows);
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root()) return;

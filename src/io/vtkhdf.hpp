@@ -15,6 +15,11 @@
 
 namespace moraine {
 
+/// Which of the arrays `rank` and `block_key` an output has besides its fields.
+struct SeriesLabels {
+    bool rank = true, block_key = true;
+};
+
 class ParticleSeries {
   public:
     /// Goes on with the file if there is one (InputError if it is something else); else the first
@@ -24,12 +29,16 @@ class ParticleSeries {
     /// Drops the outputs later than `time` [s]. Collective.
     void truncate_to(double time);
 
+    /// Throws InputError on all ranks if an array of the file has numbers of another type than the column of its name:
+    /// such an output could not be appended. Collective.
+    void check_types(const Column& position, std::span<const Column> fields) const;
+
     /// One output. Rows of all columns: my blocks (ascending by key) in order. Two components become
-    /// three, the last zero. Arrays `rank` and `block_key` are added. A field may be new or gone since
+    /// three, the last zero. Arrays `rank` and `block_key` are added as `labels` says. A field may be new or gone since
     /// the last output: where it was not written it reads as NaN, or 0 of integers. Throws MachineError
     /// on all ranks if the disk fails; the earlier outputs stay. Collective.
     void append(double time, std::span<const BlockRow> my_blocks, const Column& position,
-                std::span<const Column> fields);
+                std::span<const Column> fields, const SeriesLabels& labels = {});
 
     /// Times of the outputs in the file [s]; rank 0 knows them, others get none. Not collective.
     std::vector<double> times() const;
@@ -37,6 +46,8 @@ class ParticleSeries {
   private:
     struct Plan;
 
+    std::vector<Column> columns_of(std::span<const BlockRow> my_blocks, const Column& position,
+                                   std::span<const Column> fields, const SeriesLabels& labels) const;
     Plan plan(std::int64_t rows) const;
     void write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns, std::int64_t rows) const;
     void check_ours() const;

@@ -228,6 +228,14 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual({summary(d)["state_hash"] for d in (directory, fresh)}, {hash_})
         self.assertEqual({summary(d)["steps"] for d in (directory, fresh)}, {whole[-1]["step"]})
 
+    def test_a_restart_with_numbers_of_another_size_is_refused_and_leaves_all_as_it_was(self):
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END)
+        before = {path.name: path.read_bytes() for path in directory.iterdir()}
+        ended = call("run", SCENE, "--output", directory, "--quiet", "--restart", checkpoints(directory)[0],
+                     *sets(output__precision="single"), ranks=2)
+        self.assertIn("output.precision", self.assert_one_problem(ended))
+        self.assertEqual({path.name: path.read_bytes() for path in directory.iterdir()}, before)
+
     def test_the_cores_of_ranks_that_are_bound_to_their_own_are_counted_together(self):
         cores = sorted(os.sched_getaffinity(0))[:2]
         scene, directory = self.write(SMALL_SCENE), self.folder / "bound"
