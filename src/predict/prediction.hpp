@@ -53,6 +53,17 @@ double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 /// counted.
 double host_bytes_with_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
 
+/// What particles.vtkhdf will hold.
+struct OutputPrediction {
+    double row_bytes = 0;  ///< of a particle in an output
+    double particles = 0;  ///< in an output: about a share of output.every
+    double outputs = 0;    ///< with those of the start and the end
+    double steps = 0;      ///< between two
+};
+
+/// Not collective. Once in a file there are also the numbers of its vertices, 8 bytes a particle.
+OutputPrediction predict_output(const Scene& scene, const Prediction& prediction);
+
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.
 void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p);
 

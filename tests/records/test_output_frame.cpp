@@ -5,6 +5,7 @@
 
 #include "io/h5.hpp"
 #include "io/test_folder.hpp"
+#include "predict/prediction.hpp"
 #include "records/output_frame.hpp"
 #include "sample_scenes.hpp"
 
@@ -111,6 +112,23 @@ TEST_CASE("one particle of so many is shown, the same ones at all times, with it
                     static_cast<float>(whole[r * static_cast<std::size_t>(components) + static_cast<std::size_t>(c)]));
         CHECK(few == rounded);
     }
+}
+
+TEST_CASE("a particle's bytes in an output are those predicted") {
+    const Comm comm(MPI_COMM_WORLD);
+    for (const bool single : {false, true})
+        for (const std::vector<std::string>& labels : {std::vector<std::string>{}, {"id", "rank", "block_key"}}) {
+            Scene scene = scene_that_shows(1, single, labels);
+            scene.output.fields = {"velocity", "stress", "pressure", "density", "ln_J", "mass", "volume", "body"};
+            scene.end = 1;
+            Simulation<double, 2> sim(scene, comm);
+            const OutputFrame<double, 2> frame(sim);
+            int bytes = (frame.labels().rank ? 4 : 0) + (frame.labels().block_key ? 8 : 0);
+            std::vector<Column> columns = frame.fields();
+            columns.push_back(frame.position());
+            for (const Column& c : columns) bytes += Column::bytes_of(c.type) * (c.components == 2 ? 3 : c.components);
+            CHECK(predict_output(scene, {}).row_bytes == bytes);
+        }
 }
 
 TEST_CASE("a series goes on only with numbers of the type that it has") {
