@@ -65,15 +65,22 @@ void CsvLog::row(std::span<const double> values) {
 }
 
 void CsvLog::row(std::span<const CsvCell> values) {
+    rows({{values.begin(), values.end()}});
+}
+
+void CsvLog::rows(const std::vector<std::vector<CsvCell>>& list) {
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root()) return;
-        if (values.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
-        std::vector<std::string> words;
-        for (const CsvCell& cell : values)
-            words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
-        const std::string line = fmt::format("{}\n", fmt::join(words, ","));
-        file_->write(std::as_bytes(std::span(line)), end_);
-        end_ += static_cast<std::int64_t>(line.size());
+        std::string lines;
+        for (const std::vector<CsvCell>& row : list) {
+            if (row.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
+            std::vector<std::string> words;
+            for (const CsvCell& cell : row)
+                words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
+            lines += fmt::format("{}\n", fmt::join(words, ","));
+        }
+        file_->write(std::as_bytes(std::span(lines)), end_);
+        end_ += static_cast<std::int64_t>(lines.size());
     }));
 }
 

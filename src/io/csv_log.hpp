@@ -37,6 +37,8 @@ class CsvLog {
     /// Collective.
     void row(std::span<const CsvCell> values);
     void row(std::span<const double> values);
+    /// Several rows, one write. Collective.
+    void rows(const std::vector<std::vector<CsvCell>>& list);
 
   private:
     std::string kept_rows(const ResumeAfter& resume) const;

@@ -25,6 +25,7 @@ struct ParticleSeries::Plan {
     std::int64_t chunk_rows = 0;
     std::int64_t vertices = 0;  ///< numbers of vertices to write; 0: those of an earlier output suffice
     bool first = true;          ///< there is no file yet: write under a temporary name
+    bool failed = false;        ///< rank 0 cannot write there
 };
 
 namespace {
@@ -108,17 +109,28 @@ void ParticleSeries::truncate_to(double time) {
 }
 
 ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
-    std::vector<Plan> mine;
+    Plan mine;
+    std::string trouble;
     if (comm_.is_root()) {
-        const bool first = state_.steps.empty();
+        mine.first = state_.steps.empty();
         // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay
         // below the format's 4 GiB.
         constexpr std::int64_t few = 1024;
         constexpr std::int64_t many = std::int64_t(1) << 25;
-        const std::int64_t chunk_rows = first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
-        mine.push_back({aligned(state_.end), chunk_rows, rows + 1 > state_.vertices_count ? rows + 1 : 0, first});
+        mine.chunk_rows = mine.first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
+        mine.at = aligned(state_.end);
+        mine.vertices = rows + 1 > state_.vertices_count ? rows + 1 : 0;
+        trouble = message_of([&] {
+            if (mine.first)
+                DiskFile(partial_name(path_), DiskFile::Mode::create);
+            else
+                check_ours();
+        });
+        mine.failed = !trouble.empty();
     }
-    return comm_.all_gather(mine)[0];
+    const Plan agreed = comm_.of_root(mine);
+    if (agreed.failed) comm_.agree_no_error<MachineError>(trouble);
+    return agreed;
 }
 
 void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns,
@@ -127,15 +139,17 @@ void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::sp
     std::string trouble = message_of(
         [&] { file = std::make_unique<DiskFile>(plan.first ? partial_name(path_) : path_, DiskFile::Mode::append); });
     Address at = plan.at;
-    for (const Column& column : columns) {
-        const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(column.type));
-        std::vector<std::byte> slice = order.to_file(column);
-        if (column.components == 2) slice = with_zero(slice, number_bytes);
-        const auto row_bytes = components_in_file(column) * static_cast<std::int64_t>(number_bytes);
-        if (trouble.empty())
-            trouble = message_of(
-                [&] { file->write(slice, static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
-        at += bytes_of(column, rows, plan.chunk_rows);
+    for (const std::span<const Column> group : column_groups(columns)) {
+        auto slices = order.to_file(group);
+        for (std::size_t k = 0; k < group.size(); ++k) {
+            const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(group[k].type));
+            if (group[k].components == 2) slices[k] = with_zero(slices[k], number_bytes);
+            const auto row_bytes = components_in_file(group[k]) * static_cast<std::int64_t>(number_bytes);
+            if (trouble.empty())
+                trouble = message_of(
+                    [&] { file->write(slices[k], static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
+            at += bytes_of(group[k], rows, plan.chunk_rows);
+        }
     }
     if (plan.vertices > 0 && trouble.empty())
         trouble = message_of([&] {
@@ -245,14 +259,7 @@ void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, co
     const FileOrder order = file_order(comm_, my_blocks);
     const std::vector<Column> columns = columns_of(my_blocks, position, fields, labels);
     const Plan where = plan(order.rows);
-    comm_.agree_no_error<MachineError>(message_of([&] {
-        if (!comm_.is_root()) return;
-        if (where.first)
-            DiskFile(partial_name(path_), DiskFile::Mode::create);
-        else
-            check_ours();
-    }));
-    write_rows(where, RowOrder(comm_, order.mine, order.rows), columns, order.rows);
+    write_rows(where, RowOrder(comm_, order.of_ranks, order.rows), columns, order.rows);
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (comm_.is_root()) record(where, time, order.rows, columns);
     }));
