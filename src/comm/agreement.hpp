@@ -1,11 +1,15 @@
 #pragma once
 // What all ranks agree on once per step, in one reduction that runs while the halo travels.
 //
+// Few ranks (16) tell each other directly: one message each way, as long as the halo's, so that a step waits for no
+// other. A reduction of MPI takes up to 2 log2 P in turn, and goes on only while somebody waits for it.
+//
 // Only minima, maxima, bit-ors and integer sums feed back into the run, so it is the same on any
 // number of ranks. Faults and requests to stop travel along: all ranks learn of them together.
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "comm/comm.hpp"
 
@@ -57,8 +61,9 @@ class AgreementReduction {
     const Comm& comm_;
     MPI_Datatype type_ = MPI_DATATYPE_NULL;
     MPI_Op op_ = MPI_OP_NULL;
-    MPI_Request request_ = MPI_REQUEST_NULL;
-    Agreement mine_, all_;
+    std::vector<MPI_Request> requests_;
+    Agreement mine_;
+    std::vector<Agreement> of_ranks_;  ///< the first: of all, where MPI reduces
 };
 
 }  // namespace moraine
