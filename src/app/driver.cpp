@@ -99,7 +99,8 @@ void Driver<Real, Dim>::begin() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
     if (!options_.no_particles) {
-        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
+                                                   SeriesOptions{scene_.output.deflate});
         const OutputFrame<Real, Dim> frame(sim_);
         series_->check_types(frame.position(), frame.fields());
     }

@@ -114,6 +114,7 @@ struct OutputSpec {
     std::vector<std::string> labels;      ///< of id, rank, block_key
     bool single = false;                  ///< reals of particles.vtkhdf have 4 bytes
     std::int64_t every = 1;               ///< one particle of so many is in particles.vtkhdf
+    bool deflate = false;                 ///< particles.vtkhdf is compressed (io/deflate.hpp)
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays

@@ -9,12 +9,6 @@ namespace moraine {
 
 namespace {
 
-RowRange slice_of(std::int64_t rows, int rank, int ranks) {
-    const std::int64_t begin = rows / ranks * rank + std::min<std::int64_t>(rank, rows % ranks);
-    const std::int64_t end = rows / ranks * (rank + 1) + std::min<std::int64_t>(rank + 1, rows % ranks);
-    return {begin, end - begin};
-}
-
 RowRange common(const RowRange& a, const RowRange& b) {
     const std::int64_t begin = std::max(a.start, b.start);
     const std::int64_t end = std::min(a.start + a.count, b.start + b.count);
@@ -56,6 +50,14 @@ class RowType {
 
 }  // namespace
 
+RowRange slice_of(std::int64_t rows, std::int64_t grain, int rank, int ranks) {
+    const std::int64_t grains = (rows + grain - 1) / grain;
+    const auto start = [&](int r) {
+        return std::min(rows, grain * (grains / ranks * r + std::min<std::int64_t>(r, grains % ranks)));
+    };
+    return {start(rank), start(rank + 1) - start(rank)};
+}
+
 FileOrder file_order(const Comm& comm, std::span<const BlockRow> my_blocks) {
     struct Owned {
         BlockRow block;
@@ -90,8 +92,8 @@ std::vector<std::span<const Column>> column_groups(std::span<const Column> colum
 RowOrder::RowOrder(const Comm& comm, std::span<const RowRange> mine, std::int64_t file_rows)
     : RowOrder(comm, gathered(comm, mine), file_rows) {}
 
-RowOrder::RowOrder(const Comm& comm, const RankRanges& all, std::int64_t file_rows)
-    : comm_(comm), slice_(slice_of(file_rows, comm.rank(), comm.size())) {
+RowOrder::RowOrder(const Comm& comm, const RankRanges& all, std::int64_t file_rows, std::int64_t grain)
+    : comm_(comm), grain_(grain), slice_(slice_of(file_rows, grain, comm.rank(), comm.size())) {
     const auto ranks = static_cast<std::size_t>(comm.size());
     my_count_.assign(ranks, 0);
     all_count_.assign(ranks, 0);
@@ -117,9 +119,9 @@ void RowOrder::count_mine(std::span<const RowRange> mine, std::int64_t file_rows
     for (const RowRange& range : mine)
         for (std::int64_t left = range.count; left > 0;) {
             const std::int64_t at = range.start + range.count - left;
-            RowRange slice = slice_of(file_rows, holder, comm_.size());
+            RowRange slice = slice_of(file_rows, grain_, holder, comm_.size());
             while (holder + 1 < comm_.size() && at >= slice.start + slice.count)
-                slice = slice_of(file_rows, ++holder, comm_.size());
+                slice = slice_of(file_rows, grain_, ++holder, comm_.size());
             const std::int64_t here = common({at, left}, slice).count;
             if (here == 0) throw std::logic_error("ranges of rows descend or leave the file");
             int& count = my_count_[static_cast<std::size_t>(holder)];
@@ -134,7 +136,7 @@ void RowOrder::pack(const Column& column, std::size_t before, std::size_t width,
     const auto bytes = static_cast<std::size_t>(column.row_bytes());
     std::vector<std::byte> made;
     if (!column.data && column.make) {
-        made.resize(static_cast<std::size_t>(my_at_.back() + my_count_.back()) * bytes);
+        made.resize((static_cast<std::size_t>(my_at_.back()) + static_cast<std::size_t>(my_count_.back())) * bytes);
         column.make(made.data());
     }
     const std::byte* rows = column.data ? column.data : made.data();
@@ -146,7 +148,7 @@ void RowOrder::pack(const Column& column, std::size_t before, std::size_t width,
 
 std::vector<std::vector<std::byte>> RowOrder::to_file(std::span<const Column> columns) const {
     std::vector<std::vector<std::byte>> slices(columns.size());
-    const auto my_rows = static_cast<std::size_t>(my_at_.back() + my_count_.back());
+    const auto my_rows = static_cast<std::size_t>(my_at_.back()) + static_cast<std::size_t>(my_count_.back());
     for (std::size_t c = 0; c < columns.size() && comm_.size() == 1; ++c) {
         slices[c].resize(my_rows * static_cast<std::size_t>(columns[c].row_bytes()));
         if (columns[c].data)

@@ -37,10 +37,13 @@ FileOrder file_order(const Comm& comm, std::span<const BlockRow> my_blocks);
 /// that they need no more memory at a time than it does.
 std::vector<std::span<const Column>> column_groups(std::span<const Column> columns);
 
+/// Rows of the file that a rank writes or reads: multiples of `grain`, and the end.
+RowRange slice_of(std::int64_t rows, std::int64_t grain, int rank, int ranks);
+
 class RowOrder {
   public:
-    /// Where every rank knows what all have. Not collective.
-    RowOrder(const Comm& comm, const RankRanges& all, std::int64_t file_rows);
+    /// Where every rank knows what all have; slices are whole multiples of `grain` rows. Not collective.
+    RowOrder(const Comm& comm, const RankRanges& all, std::int64_t file_rows, std::int64_t grain = 1);
     /// Collective.
     RowOrder(const Comm& comm, std::span<const RowRange> mine, std::int64_t file_rows);
 
@@ -65,6 +68,7 @@ class RowOrder {
     };
 
     const Comm& comm_;
+    std::int64_t grain_;
     RowRange slice_;
     std::vector<Run> runs_;                ///< of all ranks' ranges in my slice
     std::vector<int> my_count_, my_at_;    ///< my rows by the rank that has their slice

@@ -1,14 +1,12 @@
 #include "io/vtkhdf.hpp"
 
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <numeric>
+#include <utility>
 
 #include "core/error.hpp"
 #include "io/disk_file.hpp"
@@ -17,44 +15,14 @@
 namespace moraine {
 
 using vtkhdf::Address;
+using vtkhdf::OutputPlan;
 using vtkhdf::SeriesArray;
-
-/// Where the next output goes: known to rank 0, told to all.
-struct ParticleSeries::Plan {
-    Address at = 0;
-    std::int64_t chunk_rows = 0;
-    std::int64_t vertices = 0;  ///< numbers of vertices to write; 0: those of an earlier output suffice
-    bool first = true;          ///< there is no file yet: write under a temporary name
-    bool failed = false;        ///< rank 0 cannot write there
-};
+using vtkhdf::SeriesOutput;
 
 namespace {
 
 Address aligned(Address at) {
     return (at + 4095) / 4096 * 4096;
-}
-
-std::int64_t chunks_of(std::int64_t rows, std::int64_t chunk_rows) {
-    return (rows + chunk_rows - 1) / chunk_rows;
-}
-
-int components_in_file(const Column& column) {
-    return column.components == 2 ? 3 : column.components;
-}
-
-/// Bytes that an output of this column takes, its padding included.
-Address bytes_of(const Column& column, std::int64_t rows, std::int64_t chunk_rows) {
-    const int row_bytes = components_in_file(column) * Column::bytes_of(column.type);
-    return static_cast<Address>(chunks_of(rows, chunk_rows) * chunk_rows * row_bytes);
-}
-
-/// Rows of two numbers to rows of three.
-std::vector<std::byte> with_zero(const std::vector<std::byte>& rows, std::size_t number_bytes) {
-    const std::size_t count = rows.size() / (2 * number_bytes);
-    std::vector<std::byte> wide(count * 3 * number_bytes);
-    for (std::size_t r = 0; r < count; ++r)
-        std::memcpy(wide.data() + r * 3 * number_bytes, rows.data() + r * 2 * number_bytes, 2 * number_bytes);
-    return wide;
 }
 
 std::string partial_name(const std::string& path) {
@@ -72,7 +40,8 @@ std::vector<std::byte> head_of(const std::string& path) {
 
 }  // namespace
 
-ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm), path_(std::move(path)) {
+ParticleSeries::ParticleSeries(const Comm& comm, std::string path, const SeriesOptions& options)
+    : comm_(comm), path_(std::move(path)), options_(options) {
     comm.agree_no_error<InputError>(message_of([&] {
         if (!comm.is_root() || !std::filesystem::exists(path_)) return;
         try {
@@ -108,15 +77,16 @@ void ParticleSeries::truncate_to(double time) {
     }));
 }
 
-ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
-    Plan mine;
+OutputPlan ParticleSeries::plan(std::int64_t rows) const {
+    OutputPlan mine;
     std::string trouble;
     if (comm_.is_root()) {
         mine.first = state_.steps.empty();
-        // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay
-        // below the format's 4 GiB.
+        mine.deflate = options_.deflate;
+        // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay below the format's
+        // 4 GiB. Compressed ones are padded by nothing, and small enough for many ranks and for the library's cache.
         constexpr std::int64_t few = 1024;
-        constexpr std::int64_t many = std::int64_t(1) << 25;
+        const std::int64_t many = std::int64_t(1) << (mine.deflate ? 15 : 25);
         mine.chunk_rows = mine.first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
         mine.at = aligned(state_.end);
         mine.vertices = rows + 1 > state_.vertices_count ? rows + 1 : 0;
@@ -128,59 +98,35 @@ ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
         });
         mine.failed = !trouble.empty();
     }
-    const Plan agreed = comm_.of_root(mine);
+    const OutputPlan agreed = comm_.of_root(mine);
     if (agreed.failed) comm_.agree_no_error<MachineError>(trouble);
     return agreed;
 }
 
-void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns,
-                                std::int64_t rows) const {
-    std::unique_ptr<DiskFile> file;
-    std::string trouble = message_of(
-        [&] { file = std::make_unique<DiskFile>(plan.first ? partial_name(path_) : path_, DiskFile::Mode::append); });
-    Address at = plan.at;
-    for (const std::span<const Column> group : column_groups(columns)) {
-        auto slices = order.to_file(group);
-        for (std::size_t k = 0; k < group.size(); ++k) {
-            const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(group[k].type));
-            if (group[k].components == 2) slices[k] = with_zero(slices[k], number_bytes);
-            const auto row_bytes = components_in_file(group[k]) * static_cast<std::int64_t>(number_bytes);
-            if (trouble.empty())
-                trouble = message_of(
-                    [&] { file->write(slices[k], static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
-            at += bytes_of(group[k], rows, plan.chunk_rows);
-        }
-    }
-    if (plan.vertices > 0 && trouble.empty())
-        trouble = message_of([&] {
-            const bool last = comm_.rank() + 1 == comm_.size();
-            std::vector<std::int64_t> numbers(static_cast<std::size_t>(order.slice().count + (last ? 1 : 0)));
-            std::iota(numbers.begin(), numbers.end(), order.slice().start);
-            file->write(std::as_bytes(std::span(numbers)), static_cast<std::int64_t>(at) + order.slice().start * 8);
-        });
-    if (trouble.empty()) trouble = message_of([&] { file->sync(); });
-    comm_.agree_no_error<MachineError>(trouble);
-}
-
-void ParticleSeries::record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns) {
+void ParticleSeries::record(const SeriesOutput& output, double time) {
     vtkhdf::SeriesState next = state_;
+    const OutputPlan& plan = output.plan();
     next.chunk_rows = plan.chunk_rows;
+    if (plan.deflate && !std::exchange(next.filtered, true))
+        for (SeriesArray& array : next.arrays) array.full_nodes.clear();  // they do not say that their chunks are plain
     const std::int64_t first_chunk = next.next_chunk();
-    next.steps.push_back({time, rows, first_chunk});
-    Address at = plan.at;
-    for (const Column& column : columns) {
+    next.steps.push_back({time, output.rows(), first_chunk});
+    for (std::size_t c = 0; c < output.columns().size(); ++c) {
+        const Column& column = output.columns()[c];
         auto found = std::find_if(next.arrays.begin(), next.arrays.end(),
                                   [&](const SeriesArray& a) { return a.name == column.name; });
         if (found == next.arrays.end())
-            found = next.arrays.insert(found, {column.name, column.unit, column.type, components_in_file(column)});
-        if (found->type != column.type || found->components != components_in_file(column))
+            found =
+                next.arrays.insert(found, {column.name, column.unit, column.type, vtkhdf::components_in_file(column)});
+        if (found->type != column.type || found->components != vtkhdf::components_in_file(column))
             throw MachineError(fmt::format("cannot continue array {} of {} (its type has changed). Another --output?",
                                            column.name, path_));
-        const std::int64_t chunk_bytes = plan.chunk_rows * found->row_bytes();
-        for (std::int64_t c = 0; c < chunks_of(rows, plan.chunk_rows); ++c)
-            found->chunks.push_back({first_chunk + c, at + static_cast<Address>(c * chunk_bytes)});
-        at += bytes_of(column, rows, plan.chunk_rows);
+        for (vtkhdf::Chunk chunk : output.chunks()[c]) {
+            chunk.index += first_chunk;
+            found->chunks.push_back(chunk);
+        }
     }
+    Address at = output.vertices_at();
     if (plan.vertices > 0) {
         next.vertices = at;
         next.vertices_count = plan.vertices;
@@ -220,11 +166,12 @@ void ParticleSeries::check_types(const Column& position, std::span<const Column>
     comm_.agree_no_error<InputError>(message_of([&] {
         const auto check = [&](const std::string& name, const Column& column) {
             for (const SeriesArray& array : state_.arrays)
-                if (array.name == name && (array.type != column.type || array.components != components_in_file(column)))
+                if (array.name == name &&
+                    (array.type != column.type || array.components != vtkhdf::components_in_file(column)))
                     throw InputError(fmt::format(
                         "cannot continue {} (its {} has {} numbers of {} bytes a particle, this run's would have {} "
                         "of {}). The output.precision it began with, or another --output?",
-                        path_, name, array.components, Column::bytes_of(array.type), components_in_file(column),
+                        path_, name, array.components, Column::bytes_of(array.type), vtkhdf::components_in_file(column),
                         Column::bytes_of(column.type)));
         };
         check("Points", position);
@@ -258,10 +205,20 @@ void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, co
                             std::span<const Column> fields, const SeriesLabels& labels) {
     const FileOrder order = file_order(comm_, my_blocks);
     const std::vector<Column> columns = columns_of(my_blocks, position, fields, labels);
-    const Plan where = plan(order.rows);
-    write_rows(where, RowOrder(comm_, order.of_ranks, order.rows), columns, order.rows);
+    const OutputPlan where = plan(order.rows);
+    const RowOrder exchange(comm_, order.of_ranks, order.rows, where.deflate ? where.chunk_rows : 1);
+    SeriesOutput output(where, where.first ? partial_name(path_) : path_, columns, order.rows, exchange.slice());
+    for (const std::span<const Column> group : column_groups(columns)) {
+        for (auto& slice : exchange.to_file(group)) output.take(std::move(slice));
+        output.deflate(omp_get_max_threads());
+        if (!where.deflate) output.write();
+    }
+    output.place(comm_);
+    output.write();
+    output.finish();
+    comm_.agree_no_error<MachineError>(output.trouble());
     comm_.agree_no_error<MachineError>(message_of([&] {
-        if (comm_.is_root()) record(where, time, order.rows, columns);
+        if (comm_.is_root()) record(output, time);
     }));
 }
 

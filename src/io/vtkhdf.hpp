@@ -11,6 +11,7 @@
 #include <string>
 
 #include "io/row_order.hpp"
+#include "io/vtkhdf_output.hpp"
 #include "io/vtkhdf_state.hpp"
 
 namespace moraine {
@@ -20,11 +21,15 @@ struct SeriesLabels {
     bool rank = true, block_key = true;
 };
 
+struct SeriesOptions {
+    bool deflate = false;  ///< compress the chunks of outputs from now on (io/deflate.hpp)
+};
+
 class ParticleSeries {
   public:
     /// Goes on with the file if there is one (InputError if it is something else); else the first
     /// append makes it. Collective.
-    ParticleSeries(const Comm& comm, std::string path);
+    ParticleSeries(const Comm& comm, std::string path, const SeriesOptions& options = {});
 
     /// Drops the outputs later than `time` [s]. Collective.
     void truncate_to(double time);
@@ -44,18 +49,16 @@ class ParticleSeries {
     std::vector<double> times() const;
 
   private:
-    struct Plan;
-
     std::vector<Column> columns_of(std::span<const BlockRow> my_blocks, const Column& position,
                                    std::span<const Column> fields, const SeriesLabels& labels) const;
-    Plan plan(std::int64_t rows) const;
-    void write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns, std::int64_t rows) const;
+    vtkhdf::OutputPlan plan(std::int64_t rows) const;
     void check_ours() const;
-    void record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns);
+    void record(const vtkhdf::SeriesOutput& output, double time);
     void commit(vtkhdf::SeriesState next, vtkhdf::Address from, const std::string& path);
 
     const Comm& comm_;
     std::string path_;
+    SeriesOptions options_;
     vtkhdf::SeriesState state_;    ///< rank 0's is the true one
     std::vector<std::byte> head_;  ///< the superblock as this run found or left it; rank 0's
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -94,6 +95,9 @@ void check_names(const std::string& key, const std::vector<std::string>& names, 
 void check_fields(const Scene& scene, const Places& places) {
     check_names("output.fields", scene.output.fields, output_field_names(scene), places);
     check_names("output.labels", scene.output.labels, {"id", "rank", "block_key"}, places);
+    if (scene.output.deflate && !can_deflate())
+        refuse(places.of("output.compression"), "output.compression = \"deflate\"",
+               "the program was built without zlib", "Leave it out?");
 }
 
 void check_starts(const Scene& scene, const Places& places) {

@@ -124,6 +124,28 @@ TEST_CASE("what follows a cut is found, not what was cut off") {
         CHECK((chunk.at >= std::stoull(end)) == (chunk.index >= state.steps[2].first_chunk));
 }
 
+TEST_CASE("a series may be compressed from any output on, or no more, and is read by the HDF5 library") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    std::int64_t bytes[2] = {};
+    for (const bool first : {false, true}) {
+        for (int k = 0; k < 30; ++k) {  // more chunks than a node holds
+            ParticleSeries series(comm, path, {(k / 10 % 2 == 1) != first});
+            append_sample(comm, series, k, k % 3 == 0 ? 2000 : 400);
+            if (!comm.is_root()) continue;
+            CHECK(last_output_is(path, static_cast<std::size_t>(k) + 1, rows_of(k % 3 == 0 ? 2000 : 400)));
+            if (k == 9) bytes[first ? 1 : 0] = static_cast<std::int64_t>(std::filesystem::file_size(path));
+        }
+        comm.barrier();
+        ParticleSeries series(comm, path);
+        series.truncate_to(9);
+        if (comm.is_root()) CHECK(last_output_is(path, 10, rows_of(2000)));
+        series.truncate_to(-1);
+    }
+    if (comm.is_root()) CHECK(bytes[1] < 0.9 * static_cast<double>(bytes[0]));
+}
+
 TEST_CASE("a file that is no series is refused and left alone") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

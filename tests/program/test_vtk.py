@@ -74,6 +74,7 @@ class Vtk(moraine.ProgramTest):
         keys = sets(output__interval=0.02, output__fields='["velocity"]')
         directory = self.run_scene(scene, "out", *keys, *sets(output__checkpoint_interval=0.05), ranks=2)
         before = Series(directory).times
+        keys += sets(output__compression="deflate")  # from there on
         self.run_scene(scene, "out", *keys, *sets(time__end=0.2), "--restart", checkpoints(directory)[0], ranks=3)
         self.compare(directory, "xy", ["velocity"], 1e-6)
         self.assertEqual(Series(directory).times[:5], before[:5])
