@@ -100,7 +100,7 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
     if (!options_.no_particles) {
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
-                                                   SeriesOptions{scene_.output.deflate});
+                                                   SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
         const OutputFrame<Real, Dim> frame(sim_);
         series_->check_types(frame.position(), frame.fields());
     }
@@ -138,6 +138,7 @@ void Driver<Real, Dim>::advance() {
     if (stop_requested()) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
+    sim_.say_writing(series_ && series_->busy());
     const double before = wall_clock();
     sim_.step();
     sim_.balance();
@@ -151,6 +152,8 @@ void Driver<Real, Dim>::after_step() {
     const RunClock<Dim>& clock = sim_.clock();
     const double interval = scene_.output.interval;
     const double checkpoint_interval = scene_.output.checkpoint_interval;
+    if (series_ && series_->under_way() && sim_.agreement().writing == 0)
+        sim_.phases().time(Phase::output, [&] { series_->advance(); });
     if (interval > 0 && clock.time >= static_cast<double>(next_output_) * interval) {
         sim_.conclude();
         output();
@@ -192,6 +195,7 @@ void Driver<Real, Dim>::checkpoint() {
     if (last_checkpoint_step_ == sim_.clock().step) return;
     sim_.phases().time(Phase::output, [&] {
         sim_.conclude();
+        if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step));
     });
     last_checkpoint_step_ = sim_.clock().step;
@@ -214,6 +218,7 @@ void Driver<Real, Dim>::record_balance() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::finish() {
     const RunClock<Dim>& clock = sim_.clock();
+    if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
     write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));

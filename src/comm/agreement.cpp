@@ -18,6 +18,7 @@ void combine(const Agreement& a, Agreement& b) {
     b.faults |= a.faults;
     b.in_guard_layer |= a.in_guard_layer;
     b.making |= a.making;
+    b.writing |= a.writing;
     b.stop |= a.stop;
 }
 

@@ -42,6 +42,7 @@ struct Agreement {
     std::uint32_t faults = 0;          ///< or: bits of Fault
     std::uint32_t in_guard_layer = 0;  ///< or: 1 some particle could leave the topology soon (comm/guard_layer.hpp)
     std::uint32_t making = 0;          ///< or: 1 the next epoch is still being made
+    std::uint32_t writing = 0;         ///< or: 1 an output is being written asynchronously
     std::uint32_t stop = 0;            ///< or: ask_stop, ask_checkpoint
 };
 

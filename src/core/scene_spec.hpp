@@ -115,6 +115,7 @@ struct OutputSpec {
     bool single = false;                  ///< reals of particles.vtkhdf have 4 bytes
     std::int64_t every = 1;               ///< one particle of so many is in particles.vtkhdf
     bool deflate = false;                 ///< particles.vtkhdf is compressed (io/deflate.hpp)
+    bool asynchronous = false;            ///< and written while steps are made
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays

@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <utility>
@@ -203,23 +204,71 @@ std::vector<Column> ParticleSeries::columns_of(std::span<const BlockRow> my_bloc
 
 void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
                             std::span<const Column> fields, const SeriesLabels& labels) {
+    finish();
     const FileOrder order = file_order(comm_, my_blocks);
     const std::vector<Column> columns = columns_of(my_blocks, position, fields, labels);
     const OutputPlan where = plan(order.rows);
     const RowOrder exchange(comm_, order.of_ranks, order.rows, where.deflate ? where.chunk_rows : 1);
-    SeriesOutput output(where, where.first ? partial_name(path_) : path_, columns, order.rows, exchange.slice());
+    output_ = std::make_unique<SeriesOutput>(where, where.first ? partial_name(path_) : path_, columns, order.rows,
+                                             exchange.slice());
+    time_ = time;
+    const int threads = options_.asynchronous ? 1 : omp_get_max_threads();
     for (const std::span<const Column> group : column_groups(columns)) {
-        for (auto& slice : exchange.to_file(group)) output.take(std::move(slice));
-        output.deflate(omp_get_max_threads());
-        if (!where.deflate) output.write();
+        for (auto& slice : exchange.to_file(group)) output_->take(std::move(slice));
+        if (options_.asynchronous) continue;
+        output_->deflate(threads);
+        if (!where.deflate) output_->write();
     }
-    output.place(comm_);
-    output.write();
-    output.finish();
-    comm_.agree_no_error<MachineError>(output.trouble());
-    comm_.agree_no_error<MachineError>(message_of([&] {
-        if (comm_.is_root()) record(output, time);
-    }));
+    begin(Stage::compress, [this, threads] { output_->deflate(threads); });
+    if (!options_.asynchronous) finish();
+}
+
+void ParticleSeries::begin(Stage stage, std::function<void()> work) {
+    stage_ = stage;
+    if (options_.asynchronous)
+        work_ = std::async(std::launch::async, std::move(work));
+    else
+        work();
+}
+
+bool ParticleSeries::busy() const {
+    return work_.valid() && work_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
+void ParticleSeries::advance() {
+    if (work_.valid()) work_.get();
+    if (stage_ == Stage::compress) {
+        output_->place(comm_);
+        begin(Stage::write, [this] {
+            output_->write();
+            output_->finish();
+        });
+    } else if (stage_ == Stage::write) {
+        trouble_ = output_->trouble();
+        end_if_trouble();
+        begin(Stage::commit, [this] {
+            if (comm_.is_root()) trouble_ = message_of([&] { record(*output_, time_); });
+        });
+    } else if (stage_ == Stage::commit) {
+        end_if_trouble();
+        output_.reset();
+        stage_ = Stage::none;
+    }
+}
+
+/// Throws on all ranks what any of them met; the output is given up.
+void ParticleSeries::end_if_trouble() {
+    try {
+        comm_.agree_no_error<MachineError>(trouble_);
+    } catch (const MachineError&) {
+        output_.reset();
+        stage_ = Stage::none;
+        throw;
+    }
+}
+
+void ParticleSeries::finish() {
+    while (under_way()) advance();
 }
 
 }  // namespace moraine

@@ -49,6 +49,9 @@ TEST_CASE("memory follows particles, precision and ranks") {
     CHECK(quarter < 1.1 * one / 4);
     const Scene apic = read_scene(path, {"domain.cell=0.2", "numerics.transfer=apic"});
     CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
+    const Scene held = read_scene(path, {"domain.cell=0.2", "output.asynchronous=on", "output.every=2"});
+    const double output = predict_output(held, p).row_bytes * static_cast<double>(p.particles) / 2;
+    CHECK(bytes_per_rank(held, p, 1) - one == doctest::Approx(output).epsilon(1e-4));
     const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
     CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
 }
