@@ -189,10 +189,12 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     }
 }
 
-/// Binned state only; after conclude().
+/// Binned state only; after conclude(). `history_row`: the last of history.csv, by which a restart knows that it goes
+/// on with that of this run.
 template <class Real, int Dim>
-void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
+void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path, const std::string& history_row = {}) {
     CheckpointHeader header = clock_header(sim.clock());
+    header["history_row"] = history_row;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -207,6 +209,13 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path)
     std::vector<Column> columns;
     for (const ColumnBytes& c : sim.columns()) columns.push_back(listed_column(sim, c));
     write_checkpoint(comm, path, header, block_rows(sim), columns);
+}
+
+/// What save() was told; nothing in checkpoints that know none.
+inline std::string history_row_of(const CheckpointReader& file) {
+    const auto found = file.header().find("history_row");
+    const auto* row = found == file.header().end() ? nullptr : std::get_if<std::string>(&found->second);
+    return row ? *row : std::string();
 }
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.

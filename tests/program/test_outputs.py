@@ -3,6 +3,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import struct
 import subprocess
 
@@ -235,6 +236,14 @@ class Outputs(moraine.ProgramTest):
                      *sets(output__precision="single"), ranks=2)
         self.assertIn("output.precision", self.assert_one_problem(ended))
         self.assertEqual({path.name: path.read_bytes() for path in directory.iterdir()}, before)
+
+    def test_a_history_of_another_run_is_not_continued(self):
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END)
+        other = self.run_slurry(material__slurry__viscosity=60)
+        shutil.copy(other / "history.csv", directory)
+        ended = call("run", SCENE, "--output", directory, "--quiet", "--restart", checkpoints(directory)[0])
+        self.assertIn("history.csv (it lacks the row", self.assert_one_problem(ended))
+        self.assertEqual((directory / "history.csv").read_text(), (other / "history.csv").read_text())
 
     def test_the_cores_of_ranks_that_are_bound_to_their_own_are_counted_together(self):
         cores = sorted(os.sched_getaffinity(0))[:2]
