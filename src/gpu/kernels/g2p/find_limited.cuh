@@ -25,8 +25,8 @@ struct FindLimitedBlocks {
 
     /// Sets the bits of the blocks item, ..., item + 7 that have light nodes or walls.
     static __device__ __forceinline__ void read_marks(const View<Real, Dim>& v, const Chosen& chosen,
-                                                         std::uint32_t count, const LightArgs<Real>& light,
-                                                         std::uint32_t item, Shared& shared) {
+                                                      std::uint32_t count, const LightArgs<Real>& light,
+                                                      std::uint32_t item, Shared& shared) {
         constexpr int corners = Block<Dim>::corners;
         if (T::rank() == 0) shared.marked = shared.limited = 0;
         T::sync();
