@@ -177,11 +177,11 @@ void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const Ga
     const Chosen chosen = part == 0 ? lists_.boundary() : lists_.interior();
     const View<Real, Dim> v = view();
     if (limits(round) && !epoch_.own.empty()) {
-        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(part) * epoch_.own.size();
-        std::uint32_t* count = limited_count_.data() + part;
-        find_limited_(v, chosen, args, blocks, count, launch);
+        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(2 * part) * epoch_.own.size();
+        const LimitedBlocks found{blocks, blocks + epoch_.own.size(), limited_count_.data() + part};
+        find_limited_(v, chosen, args, found, launch);
         gather_->run(v, chosen, args, launch);
-        gather_->run_limited(v, {blocks, count}, args, launch);
+        gather_->run_limited(v, {found.limited, found.count}, args, launch);
     } else {
         gather_->run(v, chosen, args, launch);
     }

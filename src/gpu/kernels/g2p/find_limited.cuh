@@ -1,72 +1,98 @@
 #pragma once
 // Which blocks have a particle whose acceleration light nodes limit.
 //
-// The kernel of nodes has marked the node blocks that have light nodes: a team looks at the marks of 8 blocks at once,
-// then asks the particles of those that are marked, cell by cell. Nothing is read of other blocks but their marks.
+// The kernel of nodes has marked the node blocks that have light nodes. One kernel lists the chosen blocks that see a
+// mark or a wall, a thread each; a second one asks their particles, a team per block, first which cells have light
+// nodes at all, then those of their particles, packed: a warp with one of them would take as long as one full of them.
+// Nothing is read of other blocks but their marks.
 
 #include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/warp.cuh"
 
 namespace moraine::gpu {
+
+template <class Real, int Dim>
+__global__ void list_marked(const __grid_constant__ View<Real, Dim> v, const Chosen chosen, const LightArgs<Real> light,
+                            std::int32_t* blocks, std::uint32_t* found) {
+    const std::uint32_t count = *chosen.count;
+#pragma unroll 1
+    for (std::uint32_t item = blockIdx.x * blockDim.x + threadIdx.x; item < count; item += gridDim.x * blockDim.x) {
+        const int block = chosen.block[item];
+        bool marked = v.table.border[block] != 0;
+        for (int corner = 0; corner < Block<Dim>::corners; ++corner) {
+            const std::int32_t node_block = v.table.node_block[block * Block<Dim>::corners + corner];
+            for (int m = 0; m < light_marks<Dim>; ++m)
+                marked = marked || light.marks[node_block * light_marks<Dim> + m] != 0;
+        }
+        light.limited[block] = 0;
+        if (marked) blocks[atomicAdd(found, 1u)] = block;
+    }
+}
 
 template <class Shape, class Real, int Dim>
 struct FindLimitedBlocks {
     using T = Team<Dim>;
-    static constexpr int at_once = 8;  ///< blocks
-    static_assert(at_once * Block<Dim>::corners <= T::threads);
+    static constexpr unsigned most = 4 * T::threads;  ///< particles asked at once
     struct Shared {
-        unsigned marked;   ///< bit per block at once
-        unsigned limited;  ///< likewise
-        // of the block in work
         MassTile<Real, Dim, Shape::width> tile;
-        std::uint8_t light[Block<Dim>::cells];
+        CellMasses<Real, Dim> masses;
+        std::uint32_t slot[most];  ///< of particles to ask
+        unsigned count;            ///< of them
+        unsigned limited;
     };
 
-    /// Sets the bits of the blocks item, ..., item + 7 that have light nodes or walls.
-    static __device__ __forceinline__ void read_marks(const View<Real, Dim>& v, const Chosen& chosen,
-                                                      std::uint32_t count, const LightArgs<Real>& light,
-                                                      std::uint32_t item, Shared& shared) {
-        constexpr int corners = Block<Dim>::corners;
-        if (T::rank() == 0) shared.marked = shared.limited = 0;
-        T::sync();
-        const std::uint32_t mine = item + unsigned(T::rank() / corners);
-        if (T::rank() < at_once * corners && mine < count) {
-            const int block = chosen.block[mine], corner = T::rank() % corners;
-            const std::int32_t node_block = v.table.node_block[block * corners + corner];
-            bool marked = corner == 0 && v.table.border[block] != 0;
-            for (int m = 0; m < light_marks<Dim>; ++m)
-                marked = marked || light.marks[node_block * light_marks<Dim> + m] != 0;
-            if (marked) atomicOr(&shared.marked, 1u << (T::rank() / corners));
-        }
-        T::sync();
+    static __device__ __forceinline__ Vec<Coordinate<Real>, Dim> place(const View<Real, Dim>& v, std::uint32_t s) {
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = load_row(v.p.core[p.place] + s);
+        return place_of<Real, Dim>(p);
     }
 
-    /// Whether a particle of the team's block is limited, on every thread's own account.
-    static __device__ __forceinline__ bool ask_particles(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
-                                                         int block, Shared& shared) {
-        load_light_tile<Shape>(v, block, shared.tile);
-        for (int c = T::rank(); c < Block<Dim>::cells; c += T::threads) {
-            int at[Dim];
-            for (int a = 0; a < Dim; ++a) at[a] = cell_coordinate<Dim>(c, a);
-            shared.light[c] = LightCell<Shape, Dim>(v, block, at).is_light(shared.tile, g.light.full_mass);
+    /// Packs those of the entries from k on whose cell has light nodes, as many as fit. Returns where it stopped.
+    static __device__ __forceinline__ std::uint32_t pack(const View<Real, Dim>& v, Real full_mass, std::uint32_t k,
+                                                         std::uint32_t end, Shared& shared) {
+        for (unsigned taken = 0; k < end && taken < most; k += T::threads, taken += T::threads) {
+            const std::uint32_t mine = k + unsigned(T::rank());
+            if (mine >= end) continue;
+            const std::uint32_t s = v.list.slot[mine];
+            if (Real(2) * shared.masses.least[number_of<4, Real, Dim>(place(v, s))] < full_mass)
+                shared.slot[atomicAdd(&shared.count, 1u)] = s;
         }
-        T::sync();
+        return k;
+    }
+
+    static __device__ __forceinline__ bool is_limited(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
+                                                      int block, std::uint32_t s, const Shared& shared) {
+        CoreRows<Real, Dim> p;
+#pragma unroll
+        for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
+        const LightParticle<Real, Dim> of{place_of<Real, Dim>(p), s, p.mass(), p.volume()};
+        LightStencil<Real, Dim, Shape::width> n;
+        return !share_of<Shape, false, (Shape::width < 4)>(v, g, shared.tile, shared.masses,
+                                                           cell_at<Shape>(v, block, of.u), of, n)
+                    .whole;
+    }
+
+    /// Whether a particle of the block is limited: the same on all threads.
+    static __device__ __forceinline__ bool ask(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
+                                               Shared& shared) {
+        if (T::rank() == 0) shared.count = shared.limited = 0;
+        load_light_tile<Shape>(v, block, shared.tile);
+        weigh_cells<Shape>(v, block, shared.tile, shared.masses);
         const std::uint32_t end = v.list.first[block + 1];
         bool limited = false;
-        for (std::uint32_t k = v.list.first[block] + unsigned(T::rank()); k < end && !limited; k += T::threads) {
-            const std::uint32_t s = v.list.slot[k];
-            CoreRows<Real, Dim> p;
-            p.row[p.place] = load_row(v.p.core[p.place] + s);
-            LightParticle<Real, Dim> of{place_of<Real, Dim>(p), s, Real(0), Real(0)};
-            if (!shared.light[number_of<4, Real, Dim>(of.u)]) continue;
-#pragma unroll
-            for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
-            of.mass = p.mass(), of.volume = p.volume();
-            LightStencil<Real, Dim, Shape::width> n;
-            limited =
-                !share_of<Shape, false, (Shape::width < 4)>(v, g, shared.tile, cell_at<Shape>(v, block, of.u), of, n)
-                     .whole;
+#pragma unroll 1
+        for (std::uint32_t k = v.list.first[block]; k < end && !limited;) {
+            k = pack(v, g.light.full_mass, k, end, shared);
+            T::sync();
+            const unsigned count = shared.count;
+            for (unsigned i = unsigned(T::rank()); i < count; i += T::threads)
+                if (is_limited(v, g, block, shared.slot[i], shared)) shared.limited = 1;
+            T::sync();
+            limited = shared.limited != 0;
+            if (T::rank() == 0) shared.count = 0;
+            T::sync();
         }
         return limited;
     }
@@ -74,29 +100,19 @@ struct FindLimitedBlocks {
 
 template <class Shape, class Real, int Dim>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, 4)
-    find_limited(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
+    find_limited(const __grid_constant__ View<Real, Dim> v, const Chosen marked,
                  const __grid_constant__ GatherArgs<Real, Dim> g, std::int32_t* blocks, std::uint32_t* found) {
     using T = Team<Dim>;
     using F = FindLimitedBlocks<Shape, Real, Dim>;
     __shared__ typename F::Shared all[T::per_block];
     auto& shared = all[T::index()];
-    const std::uint32_t count = *chosen.count;
+    const std::uint32_t count = *marked.count;
 #pragma unroll 1
-    for (std::uint32_t item = F::at_once * T::first(); item < count; item += F::at_once * T::stride()) {
-        F::read_marks(v, chosen, count, g.light, item, shared);
-        const unsigned marked = shared.marked;
-#pragma unroll 1
-        for (unsigned rest = marked; rest != 0; rest &= rest - 1) {
-            const int bit = __ffs(int(rest)) - 1;
-            if (F::ask_particles(v, g, chosen.block[item + unsigned(bit)], shared))
-                atomicOr(&shared.limited, 1u << bit);
-            T::sync();
-        }
-        if (T::rank() < F::at_once && item + unsigned(T::rank()) < count) {
-            const int block = chosen.block[item + unsigned(T::rank())];
-            const bool limited = (shared.limited >> T::rank()) & 1;
-            g.light.limited[block] = limited;
-            if (limited) blocks[atomicAdd(found, 1u)] = block;
+    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
+        const int block = marked.block[item];
+        if (F::ask(v, g, block, shared) && T::rank() == 0) {
+            g.light.limited[block] = 1;
+            blocks[atomicAdd(found, 1u)] = block;
         }
         T::sync();
     }
@@ -104,11 +120,14 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, 4)
 
 template <class Shape, class Real, int Dim>
 void run_find_limited(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
-                      std::int32_t* blocks, std::uint32_t* count, const Launch& launch) {
-    constexpr int at_once = FindLimitedBlocks<Shape, Real, Dim>::at_once * Team<Dim>::per_block;
-    const auto grid = static_cast<unsigned>(few_blocks(launch.blocks / at_once + 1));
-    find_limited<Shape, Real, Dim>
-        <<<grid, Team<Dim>::block_threads, 0, launch.stream>>>(view, chosen, args, blocks, count);
+                      const LimitedBlocks& found, const Launch& launch) {
+    constexpr int threads = 128;
+    list_marked<Real, Dim>
+        <<<static_cast<unsigned>(few_blocks(launch.blocks / threads + 1)), threads, 0, launch.stream>>>(
+            view, chosen, args.light, found.marked, found.count + LimitedBlocks::of_marked);
+    find_limited<Shape, Real, Dim><<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)),
+                                     Team<Dim>::block_threads, 0, launch.stream>>>(
+        view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.limited, found.count);
     check(cudaGetLastError(), "Looking for light nodes");
 }
 

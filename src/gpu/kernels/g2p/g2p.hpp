@@ -80,11 +80,17 @@ class GatherKernel {
                              const Launch& launch) const = 0;
 };
 
-/// Looks for the chosen blocks in which an acceleration is limited: sets LightArgs::limited of each, and lists them
-/// behind one another; count begins at zero.
+/// Where the limited ones of the chosen blocks are listed, and those that have to be asked. The order has no meaning.
+struct LimitedBlocks {
+    static constexpr int of_marked = 2;  ///< place of their number
+    std::int32_t *limited, *marked;
+    std::uint32_t* count;  ///< of limited blocks, and of_marked behind it; they begin at zero
+};
+
+/// Looks for the chosen blocks in which an acceleration is limited: sets LightArgs::limited of each, and lists them.
 template <class Real, int Dim>
 using FindLimited = void (*)(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
-                             std::int32_t* blocks, std::uint32_t* count, const Launch& launch);
+                             const LimitedBlocks& found, const Launch& launch);
 
 template <class Real, int Dim>
 FindLimited<Real, Dim> choose_find_limited(moraine::Shape shape);

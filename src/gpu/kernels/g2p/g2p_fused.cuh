@@ -56,7 +56,10 @@ struct FusedGather {
 
     /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
-        if constexpr (Light) load_light_tile<Shape>(v, work.block, shared.light.tile);
+        if constexpr (Light) {
+            load_light_tile<Shape>(v, work.block, shared.light.tile);
+            weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
+        }
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (averages(g))

@@ -63,7 +63,8 @@ __device__ __forceinline__ void load_light_tile(const View<Real, Dim>& v, int bl
 /// A cell of a block: its first node, and the ghosts that its stencil reaches.
 template <class Shape, int Dim>
 struct LightCell {
-    int first;             ///< in the tile
+    int number;            ///< in the block
+    int first;             ///< node in the tile
     int index[Dim];        ///< in the domain
     unsigned ghosts[Dim];  ///< Walls::ghosts
     bool at_wall;
@@ -71,10 +72,11 @@ struct LightCell {
     /// at: of the cell in the block.
     template <class Real>
     __device__ __forceinline__ LightCell(const View<Real, Dim>& v, int block, const int (&at)[Dim]) {
-        first = 0;
+        number = first = 0;
         at_wall = false;
 #pragma unroll
         for (int a = Dim - 1; a >= 0; --a) {
+            number = number * Block<Dim>::side + at[a];
             first = first * tile_side(Shape::width) + at[a];
             index[a] = first_node<Shape>(v.table.position[block][a]) + at[a];
             ghosts[a] = v.table.border[block] ? v.context.walls.ghosts(a, index[a], Shape::width) : 0u;
@@ -82,13 +84,39 @@ struct LightCell {
         }
     }
 
-    template <class Tile>
-    __device__ __forceinline__ bool is_light(const Tile& tile, decltype(tile.mass(0)) full_mass) const {
-        auto least = tile.mass(first);
-        each_node<Dim, Shape::width>([&](int n, int, int, int) { least = min(least, tile.mass(first + n)); });
-        return at_wall || 2 * least < full_mass;
+    /// Whether the node at i, j, k of the stencil is none of its ghosts.
+    __device__ __forceinline__ bool is_inside(int i, int j, int k) const {
+        return !at_wall || moraine::is_inside<Dim>(ghosts, i, j, k);
     }
 };
+
+/// What the particles of a cell share.
+template <class Real, int Dim>
+struct CellMasses {
+    Real least[Block<Dim>::cells];   ///< of a node of the stencil; negative where a ghost is folded [kg]
+    Real around[Block<Dim>::cells];  ///< of all its nodes but ghosts [kg]
+};
+
+/// Fills them; all threads of the team, which see them afterwards.
+template <class Shape, class Real, int Dim, class Tile>
+__device__ __forceinline__ void weigh_cells(const View<Real, Dim>& v, int block, const Tile& tile,
+                                            CellMasses<Real, Dim>& masses) {
+    for (int c = Team<Dim>::rank(); c < Block<Dim>::cells; c += Team<Dim>::threads) {
+        int at[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) at[a] = cell_coordinate<Dim>(c, a);
+        const LightCell<Shape, Dim> cell(v, block, at);
+        Real least = tile.mass(cell.first), around = Real(0);
+        each_node<Dim, Shape::width>([&](int n, int i, int j, int k) {
+            const Real m = tile.mass(cell.first + n);
+            least = min(least, m);
+            around += cell.is_inside(i, j, k) ? m : Real(0);
+        });
+        masses.least[c] = cell.at_wall ? Real(-1) : least;
+        masses.around[c] = around;
+    }
+    Team<Dim>::sync();
+}
 
 /// Half-size of a particle's box along an axis [cells]; stretch: its row, where the scene has one.
 template <class Real, int Dim>
@@ -118,14 +146,15 @@ struct LightParticle {
 /// The particle's stencil, folded, and its share. Whole where nothing is to be asked.
 template <class Shape, bool Affine, bool Unrolled, class Tile, class Real, int Dim>
 __device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
-                                                          const Tile& tile, const LightCell<Shape, Dim>& cell,
+                                                          const Tile& tile, const CellMasses<Real, Dim>& masses,
+                                                          const LightCell<Shape, Dim>& cell,
                                                           const LightParticle<Real, Dim>& p,
                                                           LightStencil<Real, Dim, Shape::width>& n) {
     LightShare<Real, Dim> share;
     share.whole = true;
     const std::uint32_t body = v.p.body[p.slot];
     const Stiffness<Real> k = g.light.stiffness[body];
-    if (!cell.is_light(tile, k.full_mass)) return share;
+    if (Real(2) * masses.least[cell.number] >= k.full_mass) return share;
     Row<Real> stretch;
     if constexpr (Shape::sized)
         if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + p.slot);
@@ -136,16 +165,12 @@ __device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>&
         Shape::weights(f[a], Shape::sized ? half_size(v, body, stretch, a) : Real(0), n.w[a], n.dw[a]);
     }
     fold_stencil<Shape, Affine>(cell.ghosts, g.tpic, f, Real(1), n);
-    const auto inside = [&](int i, int j, int l) { return !cell.at_wall || is_inside<Dim>(cell.ghosts, i, j, l); };
-    Real around = Real(0);
-    each_node<Dim, Shape::width>(
-        [&](int at, int i, int j, int l) { around += inside(i, j, l) ? tile.mass(cell.first + at) : Real(0); });
     Real full = p.mass / p.volume;
 #pragma unroll
     for (int a = 0; a < Dim; ++a) full /= v.context.inverse_cell;
-    Vec<Real, Dim> reaction = reactions<Unrolled>(n, around, full, [&](int at, int i, int j, int l) {
-        return inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0);
-    });
+    Vec<Real, Dim> reaction = reactions<Unrolled>(
+        n, masses.around[cell.number], full,
+        [&](int at, int i, int j, int l) { return cell.is_inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0); });
     const Real per_length = g.dt * v.context.inverse_cell;
 #pragma unroll
     for (int b = 0; b < Dim; ++b) reaction[b] *= per_length * per_length * k.wave * p.volume / p.mass;
@@ -165,6 +190,7 @@ __device__ __forceinline__ LightCell<Shape, Dim> cell_at(const View<Real, Dim>& 
 template <class Real, int Dim, int Width>
 struct LightShared {
     LightTile<Real, Dim, Width> tile;
+    CellMasses<Real, Dim> masses;
     Real seen[Dim * Dim][Team<Dim>::threads], kept[Dim * Dim][Team<Dim>::threads];
 };
 
@@ -176,7 +202,7 @@ __device__ __forceinline__ bool find_taken(const View<Real, Dim>& v, const Gathe
                                            LightShared<Real, Dim, Shape::width>& shared) {
     const LightCell<Shape, Dim> cell = cell_at<Shape>(v, block, p.u);
     LightStencil<Real, Dim, Shape::width> n;
-    const LightShare<Real, Dim> share = share_of<Shape, Affine, false>(v, g, shared.tile, cell, p, n);
+    const LightShare<Real, Dim> share = share_of<Shape, Affine, false>(v, g, shared.tile, shared.masses, cell, p, n);
     if (share.whole) return false;
     const auto taken = taken_gradients<Affine>(n, share, [&](int at, int i, int j, int k) {
         const int place[3] = {i, j, k};

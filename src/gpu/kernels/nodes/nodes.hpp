@@ -48,7 +48,7 @@ template <class Real>
 struct LightMarks {
     std::uint8_t* of;      ///< node block x light_marks: some of its nodes hold less than `mass`; null: nobody asks
     Real mass;             ///< [kg]
-    std::uint32_t* count;  ///< two numbers of limited blocks, which begin anew
+    std::uint32_t* count;  ///< four numbers of blocks (LimitedBlocks), which begin anew
 };
 /// Marks of a node block: one per warp, or half a warp in 2-D.
 template <int Dim>
