@@ -37,6 +37,10 @@ class Pair {
     DeviceSample<Real, Dim> device;
     const Quantum quantum = Quantum::for_largest(1e4);
     int own;  ///< blocks from here on pass for another rank's
+    bool marking = false;
+    Real light_mass = 0;  ///< below which nodes are marked [kg]
+    gpu::Array<std::uint8_t> marks;
+    gpu::Array<std::uint32_t> counts_of_marked;
 
     Pair(const Scene& scene, int particles) : sample(scene, particles, 31), device(sample), own(sample.patch.own()) {
         sample.method.kernels.p2g(sample.call(), sample.method.cell);
@@ -80,7 +84,13 @@ class Pair {
         gpu::DeviceStructures<Dim> there;
         ContactField<Dim> contact{};
         if (structures) contact = there.place(*structures, nullptr);
-        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, {}, nullptr,
+        gpu::LightMarks<Real> light{};
+        if (marking) {
+            marks.resize(static_cast<std::size_t>(sample.patch.table().node_blocks * gpu::light_marks<Dim>));
+            counts_of_marked.assign(std::vector<std::uint32_t>(4, 7));
+            light = {marks.data(), light_mass, counts_of_marked.data()};
+        }
+        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, light, nullptr,
                          structures ? &contact : nullptr);
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
@@ -114,9 +124,31 @@ class Pair {
                 continue;
             }
             const Real* expected = grid.nodes + static_cast<std::size_t>(grid.node_of[c]) * reals;
-            for (std::size_t k = 0; k < reals; ++k) test::widen(worst, std::fabs(double(got[k]) - double(expected[k])));
+            for (std::size_t k = 0; k < reals; ++k) {
+                const bool mass = k % node_reals == quad - 1;  // left for the gather where light nodes are marked
+                test::widen(worst, std::fabs(double(got[k]) - (mass && !marking ? 0.0 : double(expected[k]))));
+            }
         }
         return worst;
+    }
+
+    /// Whether the marks are those of the host's masses.
+    bool marks_are_right() {
+        const std::vector<std::uint8_t> found = marks.host();
+        const TileView<Real> grid = sample.patch.grid();
+        constexpr int nodes = Block<Dim>::cells / gpu::light_marks<Dim>;
+        bool right = counts_of_marked.host() == std::vector<std::uint32_t>(4, 0);
+        for (int m = 0; m < sample.patch.table().node_blocks * gpu::light_marks<Dim>; ++m) {
+            const int c = m / gpu::light_marks<Dim>;
+            if (!needed(c)) continue;
+            const Real* from = grid.nodes + (static_cast<std::size_t>(grid.node_of[c]) * Block<Dim>::cells +
+                                             static_cast<std::size_t>(m % gpu::light_marks<Dim> * nodes)) *
+                                                node_reals;
+            bool light = false;
+            for (int n = 0; n < nodes; ++n) light = light || from[n * node_reals + quad - 1] < light_mass;
+            right = right && (found[static_cast<std::size_t>(m)] != 0) == light;
+        }
+        return right;
     }
 };
 
@@ -153,6 +185,21 @@ TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
 TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
 TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
 #define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
+
+TEST_CASE_TEMPLATE("the device marks node blocks with light nodes, and leaves the masses", C, EVERY_CASE) {
+    each_pair<C>([](auto& pair) {
+        pair.marking = true;
+        const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.0);
+        for (double mass : {0.0, 0.37, 1.93, 1e9}) {
+            CAPTURE(mass);
+            pair.light_mass = static_cast<typename C::Real>(mass);
+            pair.on_host(round);
+            pair.on_device(round);
+            CHECK(pair.difference() <= 10 * C::tolerance);
+            CHECK(pair.marks_are_right());
+        }
+    });
+}
 
 TEST_CASE_TEMPLATE("the device moves nodes as the host does, for both tasks, with damping and walls of all kinds", C,
                    EVERY_CASE) {
