@@ -73,6 +73,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void take_tables(EpochTables<Dim> tables);
     void change_tables();
     void open_epoch();
+    std::size_t capacity_for(std::size_t particles) const;
+    void begin(std::size_t particles, std::size_t blocks, std::size_t most);
     void count_boundary();
     void count_migration_bound();
     void grow_tiles();

@@ -43,20 +43,8 @@ struct MassTile {
 /// Fills the tile of a block; all threads of the team, which see it afterwards.
 template <class Shape, class Real, int Dim, class Tile>
 __device__ __forceinline__ void load_light_tile(const View<Real, Dim>& v, int block, Tile& tile) {
-    constexpr int side = tile_side(Shape::width);
-    for (int n = Team<Dim>::rank(); n < Tile::size; n += Team<Dim>::threads) {
-        int corner = 0, at = 0, rest = n;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) {
-            const int x = rest % side;
-            rest /= side;
-            corner |= (x >> 2) << a;
-            at |= (x & 3) << (2 * a);
-        }
-        const std::int32_t node_block = v.grid.node_of[v.table.node_block[block * Block<Dim>::corners + corner]];
-        tile.set(n, reinterpret_cast<const Row<Real>*>(v.grid.nodes) +
-                        (std::size_t(node_block) * Block<Dim>::cells + std::size_t(at)) * 2);
-    }
+    for (int n = Team<Dim>::rank(); n < Tile::size; n += Team<Dim>::threads)
+        tile.set(n, node_in_tile<tile_side(Shape::width)>(v, block, n));
     Team<Dim>::sync();
 }
 
