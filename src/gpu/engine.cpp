@@ -36,7 +36,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
         stiffness_.assign(method.stiffness(), scene.bodies.size());
         for (std::size_t b = 0; b < scene.bodies.size(); ++b)
             full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
-        limited_count_.resize(4);
+        limited_count_.resize(2 * LimitedBlocks::lists);
     }
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports);
     counters_.assign(std::vector<Counters>{{}});

@@ -125,7 +125,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     FindLimited<Real, Dim> find_limited_ = nullptr;
     Array<Stiffness<Real>> stiffness_;           ///< by body; empty: nothing is limited
     Array<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
-    Array<std::int32_t> limited_blocks_;         ///< limited and asked ones, of the boundary, then of the interior
+    Array<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior
     Array<std::uint32_t> limited_count_;         ///< of both
     Real full_mass_ = 0;                         ///< the largest of the bodies' [kg]
     Array<Real> gradient_;

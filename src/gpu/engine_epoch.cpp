@@ -69,7 +69,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     if (method_.stiffness()) {
         light_marks_.resize(node_blocks * light_marks<Dim>);
         limited_.resize(epoch_.own.size());
-        limited_blocks_.resize(4 * epoch_.own.size());
+        limited_blocks_.resize(2 * LimitedBlocks::lists * epoch_.own.size());
     }
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);

@@ -177,8 +177,9 @@ void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const Ga
     const Chosen chosen = part == 0 ? lists_.boundary() : lists_.interior();
     const View<Real, Dim> v = view();
     if (limits(round) && !epoch_.own.empty()) {
-        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(2 * part) * epoch_.own.size();
-        const LimitedBlocks found{blocks, blocks + epoch_.own.size(), limited_count_.data() + part};
+        const std::size_t most = epoch_.own.size();
+        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(LimitedBlocks::lists * part) * most;
+        const LimitedBlocks found{blocks, blocks + most, blocks + 2 * most, limited_count_.data() + part};
         find_limited_(v, chosen, args, found, launch);
         gather_->run(v, chosen, args, launch);
         gather_->run_limited(v, {found.limited, found.count}, args, launch);

@@ -70,7 +70,7 @@ class NodePair {
         gpu::LightMarks<Real> light{};
         if (marking) {
             marks.resize(static_cast<std::size_t>(sample.patch.table().node_blocks * gpu::light_marks<Dim>));
-            counts_of_marked.assign(std::vector<std::uint32_t>(2, 7));
+            counts_of_marked.assign(std::vector<std::uint32_t>(gpu::light_counts, 7));
             light = {marks.data(), light_mass, counts_of_marked.data()};
         }
         gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, light, nullptr,
@@ -120,7 +120,7 @@ class NodePair {
         const std::vector<std::uint8_t> found = marks.host();
         const TileView<Real> grid = sample.patch.grid();
         constexpr int nodes = Block<Dim>::cells / gpu::light_marks<Dim>;
-        bool right = counts_of_marked.host() == std::vector<std::uint32_t>(2, 0);
+        bool right = counts_of_marked.host() == std::vector<std::uint32_t>(gpu::light_counts, 0);
         for (int m = 0; m < sample.patch.table().node_blocks * gpu::light_marks<Dim>; ++m) {
             const int c = m / gpu::light_marks<Dim>;
             if (!needed(c)) continue;

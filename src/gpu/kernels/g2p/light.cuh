@@ -131,6 +131,33 @@ struct LightParticle {
     Real mass, volume;  ///< [kg], [m3]
 };
 
+/// A particle's stencil, folded.
+template <class Shape, bool Affine, class Real, int Dim>
+__device__ __forceinline__ void weigh_particle(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
+                                               const LightCell<Shape, Dim>& cell,
+                                               const Vec<Coordinate<Real>, Dim>& u, std::uint32_t s,
+                                               LightStencil<Real, Dim, Shape::width>& n) {
+    Row<Real> stretch;
+    if constexpr (Shape::sized)
+        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+    Real f[Dim];
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        f[a] = fraction_of<Real>(u[a]);
+        Shape::weights(f[a], Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0), n.w[a], n.dw[a]);
+    }
+    fold_stencil<Shape, Affine>(cell.ghosts, g.tpic, f, Real(1), n);
+}
+
+/// rho_p h^d [kg].
+template <class Real, int Dim>
+__device__ __forceinline__ Real full_at(const View<Real, Dim>& v, Real mass, Real volume) {
+    Real full = mass / volume;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) full /= v.context.inverse_cell;
+    return full;
+}
+
 /// The particle's stencil, folded, and its share. Whole where nothing is to be asked.
 template <class Shape, bool Affine, bool Unrolled, class Tile, class Real, int Dim>
 __device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
@@ -140,24 +167,11 @@ __device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>&
                                                           LightStencil<Real, Dim, Shape::width>& n) {
     LightShare<Real, Dim> share;
     share.whole = true;
-    const std::uint32_t body = v.p.body[p.slot];
-    const Stiffness<Real> k = g.light.stiffness[body];
+    const Stiffness<Real> k = g.light.stiffness[v.p.body[p.slot]];
     if (Real(2) * masses.least[cell.number] >= k.full_mass) return share;
-    Row<Real> stretch;
-    if constexpr (Shape::sized)
-        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + p.slot);
-    Real f[Dim];
-#pragma unroll
-    for (int a = 0; a < Dim; ++a) {
-        f[a] = fraction_of<Real>(p.u[a]);
-        Shape::weights(f[a], Shape::sized ? half_size(v, body, stretch, a) : Real(0), n.w[a], n.dw[a]);
-    }
-    fold_stencil<Shape, Affine>(cell.ghosts, g.tpic, f, Real(1), n);
-    Real full = p.mass / p.volume;
-#pragma unroll
-    for (int a = 0; a < Dim; ++a) full /= v.context.inverse_cell;
+    weigh_particle<Shape, Affine>(v, g, cell, p.u, p.slot, n);
     Vec<Real, Dim> reaction = reactions<Unrolled>(
-        n, masses.around[cell.number], full,
+        n, masses.around[cell.number], full_at<Real, Dim>(v, p.mass, p.volume),
         [&](int at, int i, int j, int l) { return cell.is_inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0); });
     const Real per_length = g.dt * v.context.inverse_cell;
 #pragma unroll

@@ -157,7 +157,7 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
     const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-    if (Marks && c == 0 && n < 4) w.marks.count[n] = 0;
+    if (Marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
     if (__all_sync(all_lanes, around.own == 0)) return;
     Quad<Real> sums, force;
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);

@@ -43,12 +43,15 @@ class DeviceStructures {
     bool empty_ = false;  ///< the sums are to begin anew
 };
 
+/// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
+inline constexpr int light_counts = 6;
+
 /// Which node blocks have light nodes (core/light_stencil.hpp), for those who limit what they do.
 template <class Real>
 struct LightMarks {
     std::uint8_t* of;      ///< node block x light_marks: some of its nodes hold less than `mass`; null: nobody asks
     Real mass;             ///< [kg]
-    std::uint32_t* count;  ///< four numbers of blocks (LimitedBlocks), which begin anew
+    std::uint32_t* count;  ///< light_counts numbers of blocks, which begin anew
 };
 /// Marks of a node block: one per warp, or half a warp in 2-D.
 template <int Dim>
