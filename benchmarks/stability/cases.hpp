@@ -32,6 +32,7 @@ using Report = std::function<void(const Finding&)>;
 struct Wanted {
     std::string configurations;   ///< part of the name; empty: all
     bool few = false;             ///< S1: only the clouds whose limits are the least
+    bool free = false;            ///< S23: light nodes are not limited
     int first = 1, count = 1000;  ///< random scenes
 
     bool names(const std::string& configuration) const {
@@ -86,5 +87,6 @@ void rest_on_plane(const Wanted& wanted, const Report& report);
 void keep_accounts(const Wanted& wanted, const Report& report);
 void vary_steps(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
+void run_thin(const Wanted& wanted, const Report& report);
 
 }  // namespace moraine

@@ -155,7 +155,7 @@ Outcome follow(Scene scene, const Extreme& extreme, int steps) {
             sim.conclude();
             if (out.steps % 10 != 9) continue;
             out.last = observe(sim, comm);
-            out.speed = std::max(out.speed, out.last.totals.max_speed);
+            out.speed = std::max(out.speed, out.last.totals.speed.value);
         }
         const auto& error = out.last.momentum_error;
         out.momentum = std::max(std::fabs(error[0]), std::fabs(error[1])) / sim.clock().start_mass;

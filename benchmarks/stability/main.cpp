@@ -1,6 +1,6 @@
 // benchmark_stability: stress tests of the method, on one core of the host.
 //
-//   benchmark_stability CASE... [--configurations WORDS] [--few] [--first N] [--count N] [--list]
+//   benchmark_stability CASE... [--configurations WORDS] [--few] [--free] [--first N] [--count N] [--list]
 //
 // One JSON line per case and configuration: numbers, whether its goal is met, and why not. `run` makes tables of it.
 
@@ -82,6 +82,10 @@ constexpr StabilityCase cases[] = {
      vary_steps},
     {"S22", "random scenes, 240 steps: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_random},
+    {"S23",
+     "thin random scenes (films, sprays, drops, fronts over steps), 2000 steps of the whole default length: no fault, "
+     "no lost particle, momentum to 1e-10 of M c, no energy growth",
+     run_thin},
 };
 
 struct Options {
@@ -104,6 +108,8 @@ Options parse(int argc, char** argv) {
             o.wanted.configurations = value();
         else if (key == "--few")
             o.wanted.few = true;
+        else if (key == "--free")
+            o.wanted.free = true;
         else if (key == "--first")
             o.wanted.first = std::stoi(value());
         else if (key == "--count")

@@ -1,10 +1,11 @@
-// S22: random scenes at a random share of the program's own step, and at the whole of it.
+// S22: random scenes at a random share of the program's own step. S23: thin ones at the whole of it.
 
 #include <fmt/format.h>
 
 #include "method_name.hpp"
 #include "stability/cases.hpp"
 #include "verification/random_run.hpp"
+#include "verification/thin_scene.hpp"
 
 namespace moraine {
 
@@ -12,7 +13,7 @@ namespace {
 
 using namespace verification;
 
-constexpr int steps = 240;
+constexpr int steps = 240, thin_steps = 2000;
 
 std::string description_of(const Scene& scene) {
     std::string laws, ends;
@@ -22,7 +23,7 @@ std::string description_of(const Scene& scene) {
                        scene.boundary_spline ? "" : ", plain ghosts", scene.structures.empty() ? "" : ", structure");
 }
 
-Verdict judge(const Scene& scene) {
+Verdict judge(const Scene& scene, int steps) {
     return scene.dimensions == 2 ? verification::judge<double, 2>(scene, steps)
                                  : verification::judge<double, 3>(scene, steps);
 }
@@ -34,17 +35,33 @@ std::string why(const Verdict& v) {
     return v.created > 1e-6 ? fmt::format("energy grows by {:.2g} per step", v.created) : "";
 }
 
+Finding finding_of(const std::string& description, const Verdict& v) {
+    return {description,
+            {{"particles", v.particles}, {"momentum", v.momentum}, {"created", v.created}},
+            v.stands(),
+            why(v)};
+}
+
 }  // namespace
 
 void run_random(const Wanted& wanted, const Report& report) {
     for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
         Scene scene = random_scene(static_cast<std::uint64_t>(n));
         scene.cfl = standard_courant(scene) * random_share(static_cast<std::uint64_t>(n));
-        const Verdict v = judge(scene);
-        report({fmt::format("scene {}: {}", n, description_of(scene)),
-                {{"particles", v.particles}, {"momentum", v.momentum}, {"created", v.created}},
-                v.stands(),
-                why(v)});
+        const Verdict v = judge(scene, steps);
+        report(finding_of(fmt::format("scene {}: {}", n, description_of(scene)), v));
+    }
+}
+
+void run_thin(const Wanted& wanted, const Report& report) {
+    for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
+        const auto number = static_cast<std::uint64_t>(n);
+        Scene scene = thin_scene(number);
+        const std::string description =
+            fmt::format("scene {}: {}, {}", n, name_of(thin_kind(number)), description_of(scene));
+        if (!wanted.names(description)) continue;
+        scene.limits_light_nodes = !wanted.free;
+        report(finding_of(description, judge(scene, thin_steps)));
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <limits>
 
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
@@ -78,7 +79,9 @@ void Driver<Real, Dim>::begin() {
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
         load(sim_, comm_, file, options_.restart);
-        history_row = history_row_of(file);
+        const SavedRecords records = saved_records(file);
+        history_row = records.history_row;
+        if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
     } else {
         sim_.seed();
     }
@@ -185,7 +188,9 @@ void Driver<Real, Dim>::after_step() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
-        history_->row(observe(sim_, comm_).values());
+        const TimeSeriesRow<Dim> row = observe(sim_, comm_);
+        history_->row(row.values());
+        warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
         if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
@@ -194,12 +199,23 @@ void Driver<Real, Dim>::output() {
 }
 
 template <class Real, int Dim>
+void Driver<Real, Dim>::warn(const TimeSeriesRow<Dim>& row) {
+    for (const HealthWarning<Dim>& w :
+         health_.observe(row, sim_.clock().start_strain, std::numeric_limits<Real>::epsilon())) {
+        if (!comm_.is_root()) continue;
+        progress_->clear();
+        fmt::print(stderr, "{}\n", w.message());
+    }
+}
+
+template <class Real, int Dim>
 void Driver<Real, Dim>::checkpoint() {
     if (last_checkpoint_step_ == sim_.clock().step) return;
     sim_.phases().time(Phase::output, [&] {
         sim_.conclude();
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
-        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step), history_->last_row());
+        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
+             {history_->last_row(), health_.stored()});
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -224,7 +240,7 @@ void Driver<Real, Dim>::finish() {
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_));
     if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}Results are in {}\n", times.text(), directory_);
 }
 

@@ -16,6 +16,7 @@
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/load_record.hpp"
+#include "records/run_health.hpp"
 #include "records/time_series.hpp"
 #include "simulation/simulation.hpp"
 
@@ -37,6 +38,7 @@ class Driver {
     void advance();
     void after_step();
     void output();
+    void warn(const TimeSeriesRow<Dim>& row);
     void record_balance();
     void record_structures();
     void checkpoint();
@@ -54,6 +56,7 @@ class Driver {
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
     std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
+    RunHealth<Dim> health_;
     std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made
     double start_wall_ = 0;               ///< [s]
     double stepping_ = 0;                 ///< wall time of the steps alone [s]

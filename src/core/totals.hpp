@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "core/exact_sum.hpp"
@@ -15,6 +16,17 @@
 
 namespace moraine {
 
+/// A particle by the largest of a quantity, and where it is. Equals are told apart by place: the same of any order.
+template <int Dim>
+struct Extremum {
+    double value = 0;
+    std::array<double, Dim> x{};  ///< [m]
+
+    void widen(const Extremum& o) {
+        if (std::tie(value, x) < std::tie(o.value, o.x)) *this = o;
+    }
+};
+
 template <int Dim>
 struct Totals {
     double mass = 0;                     ///< [kg]
@@ -22,7 +34,8 @@ struct Totals {
     std::array<double, Dim> centre{};    ///< sum m x [kg m]
     double kinetic = 0;                  ///< [J]
     double strain = 0;                   ///< stored elastic energy [J]
-    double max_speed = 0;                ///< [m/s]
+    Extremum<Dim> speed;                  ///< the fastest [m/s]
+    Extremum<Dim> stretch;                ///< |ln J|, of those whose volume should stay (keeps_volume) [-]
     double min_J = std::numeric_limits<double>::infinity();
     double max_J = 0;
     double max_x = -std::numeric_limits<double>::infinity();  ///< furthest particle [m]
@@ -42,7 +55,8 @@ struct Totals {
         std::copy_n(all.begin() + 3 + Dim, Dim, centre.begin());
     }
     void widen(const Totals& o) {
-        max_speed = std::max(max_speed, o.max_speed);
+        speed.widen(o.speed);
+        stretch.widen(o.stretch);
         min_J = std::min(min_J, o.min_J);
         max_J = std::max(max_J, o.max_J);
         max_x = std::max(max_x, o.max_x);
@@ -68,10 +82,10 @@ struct TotalSums {
     }
 };
 
-/// Adds the particle in slot s at x [m].
+/// Adds the particle in slot s at x [m]. keeps_volume: it is nearly incompressible.
 template <class Real, int Dim>
 void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_t s, const std::array<double, Dim>& x,
-                  const LawBatch<Real, Dim>& law) {
+                  const LawBatch<Real, Dim>& law, bool keeps_volume) {
     const double m = static_cast<double>(p.mass[s]);
     double square = 0;
     for (int a = 0; a < Dim; ++a) {
@@ -84,8 +98,10 @@ void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_
     t.mass += m;
     t.kinetic += 0.5 * m * square;
     t.strain += law.strain_energy(p, s);
-    const double J = std::exp(static_cast<double>(p.ln_J[s]));
-    t.max_speed = std::max(t.max_speed, std::sqrt(square));
+    const double ln_J = static_cast<double>(p.ln_J[s]);
+    const double J = std::exp(ln_J);
+    t.speed.widen({std::sqrt(square), x});
+    if (keeps_volume) t.stretch.widen({std::abs(ln_J), x});
     t.min_J = std::min(t.min_J, J);
     t.max_J = std::max(t.max_J, J);
     t.max_x = std::max(t.max_x, x[0]);

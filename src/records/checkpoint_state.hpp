@@ -189,12 +189,19 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     }
 }
 
-/// Binned state only; after conclude(). `history_row`: the last of history.csv, by which a restart knows that it goes
-/// on with that of this run.
+/// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and
+/// RunHealth::stored().
+struct SavedRecords {
+    std::string history_row;
+    std::vector<double> health;
+};
+
+/// Binned state only; after conclude().
 template <class Real, int Dim>
-void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path, const std::string& history_row = {}) {
+void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path, const SavedRecords& records = {}) {
     CheckpointHeader header = clock_header(sim.clock());
-    header["history_row"] = history_row;
+    header["history_row"] = records.history_row;
+    header["health"] = records.health;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -212,10 +219,16 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
 }
 
 /// What save() was told; nothing in checkpoints that know none.
-inline std::string history_row_of(const CheckpointReader& file) {
-    const auto found = file.header().find("history_row");
-    const auto* row = found == file.header().end() ? nullptr : std::get_if<std::string>(&found->second);
-    return row ? *row : std::string();
+inline SavedRecords saved_records(const CheckpointReader& file) {
+    SavedRecords records;
+    const auto take = [&]<class T>(const char* name, T& to) {
+        const auto found = file.header().find(name);
+        if (found == file.header().end()) return;
+        if (const auto* value = std::get_if<T>(&found->second)) to = *value;
+    };
+    take("history_row", records.history_row);
+    take("health", records.health);
+    return records;
 }
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.

@@ -6,6 +6,7 @@
 #include "io/csv_log.hpp"
 #include "io/json_text.hpp"
 #include "records/processor_name.hpp"
+#include "records/run_health.hpp"
 #include "records/structure_record.hpp"
 #include "records/time_report.hpp"
 #include "records/time_series.hpp"
@@ -119,9 +120,17 @@ Json energies_in_summary(const TimeSeriesRow<Dim>& row) {
                        {"unaccounted", row.unaccounted}};
 }
 
+template <int Dim>
+Json warnings_in_summary(const RunHealth<Dim>& health) {
+    std::vector<Json> list;
+    for (const HealthWarning<Dim>& w : health.warnings()) list.push_back(w.json());
+    return list;
+}
+
 /// Binned state only. Collective.
 template <class Real, int Dim>
-Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
+               const RunHealth<Dim>& health) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
@@ -166,6 +175,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"momentum_error", list(last.momentum_error)},
         {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
+        {"warnings", warnings_in_summary(health)},
     };
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
     return summary;

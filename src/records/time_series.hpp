@@ -50,7 +50,7 @@ struct TimeSeriesRow {
         std::array<double, Dim> centre = totals.centre;
         for (double& x : centre) x /= totals.mass > 0 ? totals.mass : 1;
         add(centre);
-        v.insert(v.end(), {totals.max_speed, totals.min_J, totals.max_J});
+        v.insert(v.end(), {totals.speed.value, totals.min_J, totals.max_J});
         add(wall_impulse);
         add(gravity_impulse);
         v.insert(v.end(), {static_cast<double>(lost_particles), lost_mass});

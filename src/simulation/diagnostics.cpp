@@ -9,12 +9,26 @@ namespace moraine {
 
 namespace {
 
+/// By body: whether its material is nearly incompressible.
+std::vector<std::uint8_t> bodies_that_keep_volume(const Scene& scene) {
+    std::vector<std::uint8_t> keeps;
+    for (const BodySpec& b : scene.bodies) {
+        const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
+        keeps.push_back(find_law(m.law)->is_nearly_incompressible(m.parameters.data()));
+    }
+    return keeps;
+}
+
 /// Of one block, in list order.
 template <class Real, int Dim>
-Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real, Dim>& piece, int block) {
+Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real, Dim>& piece, int block,
+                         const std::vector<std::uint8_t>& keeps_volume) {
     Totals<Dim> sums;
-    for (std::uint32_t s : piece.slots(block))
-        add_particle<Real, Dim>(sums, piece.p, s, place_of(sim, piece, block, s), sim.method().law_of(piece.p.body[s]));
+    for (std::uint32_t s : piece.slots(block)) {
+        const std::uint16_t body = piece.p.body[s];
+        add_particle<Real, Dim>(sums, piece.p, s, place_of(sim, piece, block, s), sim.method().law_of(body),
+                                keeps_volume[body] != 0);
+    }
     return sums;
 }
 
@@ -23,6 +37,7 @@ Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real
 template <class Real, int Dim>
 TotalSums<Dim> share_totals(const Simulation<Real, Dim>& sim) {
     const Quantum quantum = sim.quantum();
+    const std::vector<std::uint8_t> keeps_volume = bodies_that_keep_volume(sim.scene());
     TotalSums<Dim> sums;
     sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
 #pragma omp parallel
@@ -30,7 +45,7 @@ TotalSums<Dim> share_totals(const Simulation<Real, Dim>& sim) {
             TotalSums<Dim> mine;
 #pragma omp for schedule(dynamic, 64) nowait
             for (int b = piece.begin; b < piece.end; ++b) {
-                const Totals<Dim> block = block_totals(sim, piece, b);
+                const Totals<Dim> block = block_totals(sim, piece, b, keeps_volume);
                 const auto parts = block.additive();
                 for (std::size_t q = 0; q < parts.size(); ++q) mine.sum[q].add(quantum.of(parts[q]));
                 mine.extremes.widen(block);

@@ -58,7 +58,7 @@ Settled settle(Run<Real>& run, const Column& column, double periods) {
     settled.base = run.largest([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
         return X[1] > scene.cell ? 0 : std::fabs(p.stress[s](1, 1) - column.stress(X[1])) / column.base_pressure();
     });
-    settled.speed = totals_of(run.sim).max_speed / column.wave_speed();
+    settled.speed = totals_of(run.sim).speed.value / column.wave_speed();
     return settled;
 }
 

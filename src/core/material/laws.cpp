@@ -1,5 +1,7 @@
 #include "core/material/laws.hpp"
 
+#include <string_view>
+
 namespace moraine {
 namespace {
 
@@ -74,6 +76,12 @@ double LawInfo::wave_modulus(const double* values, const BodyStart& start, const
         begin_point(law, start, state);
         return law.wave_modulus(state);
     });
+}
+
+bool LawInfo::is_nearly_incompressible(const double* values) const {
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+        if (parameters[k].key == std::string_view(poisson_parameter.key)) return values[k] >= 0.45;
+    return false;
 }
 
 const char* LawInfo::problem_at_start(const double* values, const BodyStart& start,

@@ -43,6 +43,8 @@ struct LawInfo {
 
     /// P-wave modulus K + 4G/3 [Pa] at the start, under a stress of these normal components [Pa].
     double wave_modulus(const double* values, const BodyStart& start = {}, const Vec<double, 3>& stress = {}) const;
+    /// Whether Poisson's ratio is 0.45 and more: volume then changes by a few percent in a sound run.
+    bool is_nearly_incompressible(const double* values) const;
     /// nullptr, or why there is no state at the start under this stress.
     const char* problem_at_start(const double* values, const BodyStart& start, const Vec<double, 3>& stress) const;
     /// nullptr, or what is wrong between values that are each within bounds.
