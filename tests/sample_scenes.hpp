@@ -88,7 +88,6 @@ inline Scene spray(int dimensions) {
     const auto up = static_cast<std::size_t>(dimensions - 1);
     s.gravity = {0, 0, 0};
     s.gravity[up] = -9.81;
-    s.limits_light_nodes = true;
     for (std::size_t a = 0; a <= up; ++a) s.walls[a][0].kind = s.walls[a][1].kind = WallKind::free_slip;
     s.walls[0][1] = {WallKind::friction, 0.3};
     s.materials = {material("linear-elastic", 1500, {{"young", 2e5}, {"poisson", 0.49}}),

@@ -52,6 +52,7 @@ Scene scene_of(const Lone& lone, double place, double courant) {
     scene.dimensions = lone.dimensions;
     scene.cell = 1;
     scene.dt = courant;
+    scene.limits_light_nodes = false;  // the limits of the method itself
     choose(scene, lone.choice);
     scene.materials.push_back(law_of(lone));
     BodySpec body;

@@ -18,6 +18,7 @@ struct DomainEnds {
     std::int32_t cell[Dim][2];
     Real fraction[Dim][2];
     bool open[Dim][2];
+    bool still[Dim][2];  ///< what is interpolated there is 0 across the face: a folded wall (Walls::fold)
 };
 
 /// A particle's next cell and the code of its next block's offset, in one number.
@@ -76,8 +77,33 @@ MORAINE_HD End end_passed(const DomainEnds<Real, Dim>& ends, const Vec<std::int3
     return passed;
 }
 
+/// Takes a particle that would cross a folded wall half of its way there, from its place before the step. The velocity
+/// across such a wall falls to zero on it, so no motion crosses it: a step does where a node next to the wall hardly
+/// holds mass and is fast. Returns whether there was such a wall. u, carry: after the step.
+template <class Real, int Dim>
+MORAINE_HD bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
+                              const Vec<Coordinate<Real>, Dim>& old, Vec<Coordinate<Real>, Dim>& u, int* carry) {
+    bool stopped = false;
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s) {
+            if (!ends.still[a][s]) continue;
+            const auto beyond = [&](int carried, Coordinate<Real> at) {  // [cells]
+                const Real from = Real(4 * (block[a] + carried) + cell_of<Real>(at) - ends.cell[a][s]) +
+                                  (fraction_of<Real>(at) - ends.fraction[a][s]);
+                return s == 0 ? -from : from;
+            };
+            if (!(beyond(carry[a], u[a]) > Real(0))) continue;
+            const Real left = -beyond(0, old[a]);
+            u[a] = old[a];
+            carry[a] = advance<Real>(u[a], (s == 0 ? Real(-0.5) : Real(0.5)) * left);
+            carry[a] += bin_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
+            stopped = true;
+        }
+    return stopped;
+}
+
 /// Moves u by dt v. One that would leave a closed domain stays where it was: the run ends, and the last state must
-/// be whole. `border`: the block may touch an end. velocity[a]: [m/s].
+/// be whole; but for walls that stop_at_walls() knows. `border`: the block may touch an end. velocity[a]: [m/s].
 template <class Real, int Dim, class Velocity>
 MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
                                          bool border, const Velocity& velocity, Real dt, Real inverse_cell,
@@ -98,10 +124,13 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
         }
         carry[a] = advance<Real>(u[a], move);
         if (border) carry[a] += bin_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
+    }
+    End end = border ? end_passed(ends, block, carry, u) : End::none;
+    if (end == End::closed && stop_at_walls(ends, block, old, u, carry)) end = end_passed(ends, block, carry, u);
+    for (int a = Dim - 1; a >= 0; --a) {
         code = 3 * code + carry[a] + 1;
         cell = 4 * cell + cell_of<Real>(u[a]);
     }
-    const End end = border ? end_passed(ends, block, carry, u) : End::none;
     if (end == End::closed) {
         step.faults |= fault_left;
         u = old;

@@ -47,7 +47,7 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "numerics.precision", s.precision);
     add(all, "numerics.damping", s.damping);
     add(all, "numerics.boundary", s.boundary_spline);
-    if (s.limits_light_nodes) add(all, "numerics.light_nodes", s.limits_light_nodes);
+    add(all, "numerics.light_nodes", s.limits_light_nodes);
     add(all, "gravity", s.gravity);
     add(all, "seed", s.seed);
 }

@@ -134,11 +134,12 @@ const std::vector<KeyRow<Scene>> rows{
     {{.table = "numerics",
       .name = "light_nodes",
       .type = choice,
-      .standard = "\"free\"",
-      .choices = {"free", "limited"},
+      .standard = "\"limited\"",
+      .choices = {"limited", "free"},
       .meaning = "Limited: what a step's acceleration adds to a velocity gradient is bounded where nodes hold little "
-                 "mass, so that thin layers on walls, droplets and sprays stand at the default step."},
-     [](S& s, const V& v) { s.limits_light_nodes = v.choice == 1; }},
+                 "mass, so that thin layers on walls, droplets and sprays stand at the default step. USL and MUSL, "
+                 "wide shapes."},
+     [](S& s, const V& v) { s.limits_light_nodes = v.choice == 0; }},
 
     {{.table = "balance",
       .name = "partitioner",

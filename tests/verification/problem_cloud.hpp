@@ -29,6 +29,7 @@ inline Scene cloud_scene(const Cloud& cloud, const Choice& choice, double couran
     scene.dimensions = cloud.dimensions;
     scene.cell = 1;
     scene.dt = courant;
+    scene.limits_light_nodes = false;  // the limits of the method itself
     choose(scene, choice);
     const double nu = cloud.strip ? 0 : cloud.poisson;
     const double young = (1 + nu) * (1 - 2 * nu) / (1 - nu);

@@ -30,7 +30,6 @@ Scene scene_of(const Thin& thin, int dimensions, const Choice& choice) {
     Scene scene;
     scene.dimensions = dimensions;
     scene.cell = 1;
-    scene.limits_light_nodes = true;
     choose(scene, choice);
     scene.dt = standard_courant(scene) / (1 + thin.mach);
     scene.materials.push_back(
