@@ -18,7 +18,7 @@ struct DomainEnds {
     std::int32_t cell[Dim][2];
     Real fraction[Dim][2];
     bool open[Dim][2];
-    bool still[Dim][2];  ///< what is interpolated there is 0 across the face: a folded wall (Walls::fold)
+    bool still[Dim][2];  ///< a folded wall (Walls::fold) of a method that limits light nodes
 };
 
 /// A particle's next cell and the code of its next block's offset, in one number.
@@ -103,8 +103,9 @@ MORAINE_HD bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<std::
 }
 
 /// Moves u by dt v. One that would leave a closed domain stays where it was: the run ends, and the last state must
-/// be whole; but for walls that stop_at_walls() knows. `border`: the block may touch an end. velocity[a]: [m/s].
-template <class Real, int Dim, class Velocity>
+/// be whole; but for walls that stop_at_walls() knows, if it Stops there. `border`: the block may touch an end.
+/// velocity[a]: [m/s].
+template <bool Stops = true, class Real, int Dim, class Velocity>
 MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
                                          bool border, const Velocity& velocity, Real dt, Real inverse_cell,
                                          Vec<Coordinate<Real>, Dim>& u) {
@@ -124,22 +125,26 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
         }
         carry[a] = advance<Real>(u[a], move);
         if (border) carry[a] += bin_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
-    }
-    End end = border ? end_passed(ends, block, carry, u) : End::none;
-    if (end == End::closed && stop_at_walls(ends, block, old, u, carry)) end = end_passed(ends, block, carry, u);
-    for (int a = Dim - 1; a >= 0; --a) {
         code = 3 * code + carry[a] + 1;
         cell = 4 * cell + cell_of<Real>(u[a]);
     }
+    End end = border ? end_passed(ends, block, carry, u) : End::none;
     if (end == End::closed) {
-        step.faults |= fault_left;
-        u = old;
-        code = Block<Dim>::centre;
+        bool stays = true;
+        if constexpr (Stops)
+            if (stop_at_walls(ends, block, old, u, carry)) {
+                end = end_passed(ends, block, carry, u);
+                stays = end == End::closed;
+            }
+        if (stays) step.faults |= fault_left, u = old;
+        code = stays ? Block<Dim>::centre : 0;
         cell = 0;
-        for (int a = Dim - 1; a >= 0; --a) cell = 4 * cell + cell_of<Real>(u[a]);
-    } else if (end == End::open) {
-        code = Block<Dim>::gone;
+        for (int a = Dim - 1; a >= 0; --a) {
+            if (!stays) code = 3 * code + carry[a] + 1;
+            cell = 4 * cell + cell_of<Real>(u[a]);
+        }
     }
+    if (end == End::open) code = Block<Dim>::gone;
     step.move = encode_move(code, cell);
     return step;
 }

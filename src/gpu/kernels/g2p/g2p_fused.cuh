@@ -83,7 +83,7 @@ struct FusedGather {
         if constexpr (Averages)
             if (averages(g)) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
 
-        const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
+        const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, sums.velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
         for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);

@@ -65,14 +65,15 @@ __device__ __forceinline__ int number_of(const Vec<Coordinate<Real>, Dim>& u) {
 }
 
 /// Moves the particle of list entry k by dt v, notes where it is to be binned next and whether that is another cell.
-/// Called by the lanes of a warp that have an entry.
-template <class Real, int Dim>
+/// Called by the lanes of a warp that have an entry. Light: it may be stopped at walls, where light nodes are fast.
+template <bool Light, class Real, int Dim>
 __device__ __forceinline__ PlaceStep<Real> move_particle(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
                                                          const Work& work, std::uint32_t k, const Real (&velocity)[Dim],
                                                          Vec<Coordinate<Real>, Dim>& u) {
     const int from = number_of<4, Real, Dim>(u);
-    const PlaceStep<Real> step = advance_place(g.ends, v.table.position[work.block], v.table.border[work.block] != 0,
-                                               velocity, g.dt, v.context.inverse_cell, u);
+    const PlaceStep<Real> step =
+        advance_place<Light>(g.ends, v.table.position[work.block], v.table.border[work.block] != 0, velocity, g.dt,
+                             v.context.inverse_cell, u);
     v.moves[k] = step.move;
     const bool changed = changes_cell<Dim>(step.move, from);
     const std::uint32_t lane = threadIdx.x % 32, here = work.end - (k - lane);

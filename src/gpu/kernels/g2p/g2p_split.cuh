@@ -144,7 +144,7 @@ struct SplitGather {
             Real velocity[Dim];
 #pragma unroll
             for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
-            const PlaceStep<Real> step = move_particle(v, g, work, k, velocity, u);
+            const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, velocity, u);
             if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
             for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
