@@ -148,10 +148,10 @@ struct Scene {
     int order = 2;    ///< terms of FMPM's series
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
-    double damping = 0;               ///< local non-viscous damping [-], 0 to 1; 0: dynamic
+    double damping = 0;              ///< local non-viscous damping [-], 0 to 1; 0: dynamic
     bool limits_light_nodes = true;  ///< core/light_nodes.hpp
-    bool boundary_spline = true;      ///< fold ghost nodes at closed walls by linear extrapolation
-    Triple gravity{};                 ///< [m/s2]
+    bool boundary_spline = true;     ///< fold ghost nodes at closed walls by linear extrapolation
+    Triple gravity{};                ///< [m/s2]
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;

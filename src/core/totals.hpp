@@ -34,8 +34,8 @@ struct Totals {
     std::array<double, Dim> centre{};    ///< sum m x [kg m]
     double kinetic = 0;                  ///< [J]
     double strain = 0;                   ///< stored elastic energy [J]
-    Extremum<Dim> speed;                  ///< the fastest [m/s]
-    Extremum<Dim> stretch;                ///< |ln J|, of those whose volume should stay (keeps_volume) [-]
+    Extremum<Dim> speed;                 ///< the fastest [m/s]
+    Extremum<Dim> stretch;               ///< |ln J|, of those whose volume should stay (keeps_volume) [-]
     double min_J = std::numeric_limits<double>::infinity();
     double max_J = 0;
     double max_x = -std::numeric_limits<double>::infinity();  ///< furthest particle [m]

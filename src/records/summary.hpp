@@ -140,14 +140,13 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     const std::string hash = fmt::format("{:016x}", state_hash(sim));
-    const std::string machine = processor_name(comm);
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
         {"scene", scene.name},
         {"title", scene.title},
-        {"machine", machine},
+        {"machine", processor_name(comm)},
         {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},

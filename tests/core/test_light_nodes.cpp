@@ -37,8 +37,7 @@ struct Sample {
             mass[place(i, j, k)] = m;
             around += m;
             const int at[3] = {i, j, k};
-            for (int a = 0; inside && a < Dim; ++a)
-                layers.least[a][at[a]] = std::min(layers.least[a][at[a]], m);
+            for (int a = 0; inside && a < Dim; ++a) layers.least[a][at[a]] = std::min(layers.least[a][at[a]], m);
         });
     }
 

@@ -37,11 +37,13 @@ inline MaterialSpec draw_thin_material(Draw& draw) {
     constexpr const char* fluids[] = {"newtonian", "bingham", "mu-i"};
     const int which = draw.below(3);
     const double viscosity = draw.with(0.3) ? 0 : draw.log_between(1e-4, 1e-1);
-    std::map<std::string, double> values{{"young", young_for(1, nu)}, {"poisson", nu}, {"viscosity", viscosity},
+    std::map<std::string, double> values{{"young", young_for(1, nu)},
+                                         {"poisson", nu},
+                                         {"viscosity", viscosity},
                                          {"yield_stress", draw.log_between(1e-5, 1e-3)}};
     if (which == 2)
-        values.insert({{"static_friction", 0.38}, {"limit_friction", 0.64}, {"grain_diameter", 0.1},
-                       {"grain_density", 1.6}});
+        values.insert(
+            {{"static_friction", 0.38}, {"limit_friction", 0.64}, {"grain_diameter", 0.1}, {"grain_density", 1.6}});
     return material(fluids[which], 1, values);
 }
 
@@ -178,10 +180,18 @@ inline Scene thin_scene(std::uint64_t number) {
     detail::draw_basin(draw, scene);
     scene.materials.push_back(detail::draw_thin_material(draw));
     switch (thin_kind(number)) {
-        case ThinKind::film: detail::draw_film(draw, scene); break;
-        case ThinKind::spray: detail::draw_spray(draw, scene); break;
-        case ThinKind::drop: detail::draw_drop(draw, scene); break;
-        case ThinKind::front: detail::draw_front(draw, scene); break;
+        case ThinKind::film:
+            detail::draw_film(draw, scene);
+            break;
+        case ThinKind::spray:
+            detail::draw_spray(draw, scene);
+            break;
+        case ThinKind::drop:
+            detail::draw_drop(draw, scene);
+            break;
+        case ThinKind::front:
+            detail::draw_front(draw, scene);
+            break;
     }
     for (BodySpec& body : scene.bodies) body.material = 0;
     scene.balance.interval = 20;

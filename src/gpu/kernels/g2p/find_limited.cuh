@@ -75,7 +75,8 @@ struct AskBounds {
     }
 
     static __device__ __forceinline__ bool is_clear(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
-                                                    int c, std::uint32_t s, const LayerMasses<Real, Dim, width>& layers) {
+                                                    int c, std::uint32_t s,
+                                                    const LayerMasses<Real, Dim, width>& layers) {
         CoreRows<Real, Dim> p;
 #pragma unroll
         for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
@@ -226,10 +227,10 @@ void run_find_limited(const View<Real, Dim>& view, const Chosen& chosen, const G
     list_marked<Real, Dim>
         <<<static_cast<unsigned>(few_blocks(launch.blocks / threads + 1)), threads, 0, launch.stream>>>(
             view, chosen, args.light, found.marked, found.count + LimitedBlocks::of_marked);
-    ask_bounds<Shape, Real, Dim><<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)),
-                                   Team<Dim>::block_threads, 0, launch.stream>>>(
-        view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.asked,
-        found.count + LimitedBlocks::of_asked);
+    ask_bounds<Shape, Real, Dim>
+        <<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)), Team<Dim>::block_threads, 0,
+           launch.stream>>>(view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.asked,
+                            found.count + LimitedBlocks::of_asked);
     find_limited<Shape, Real, Dim><<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)),
                                      Team<Dim>::block_threads, 0, launch.stream>>>(
         view, {found.asked, found.count + LimitedBlocks::of_asked}, args, found.limited, found.count);

@@ -134,9 +134,8 @@ struct LightParticle {
 /// A particle's stencil, folded.
 template <class Shape, bool Affine, class Real, int Dim>
 __device__ __forceinline__ void weigh_particle(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
-                                               const LightCell<Shape, Dim>& cell,
-                                               const Vec<Coordinate<Real>, Dim>& u, std::uint32_t s,
-                                               LightStencil<Real, Dim, Shape::width>& n) {
+                                               const LightCell<Shape, Dim>& cell, const Vec<Coordinate<Real>, Dim>& u,
+                                               std::uint32_t s, LightStencil<Real, Dim, Shape::width>& n) {
     Row<Real> stretch;
     if constexpr (Shape::sized)
         if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
