@@ -2,12 +2,13 @@
 import figure
 
 LIMIT = "least adrift"
+RANDOM = ("S22", "S23")
 WHOLE = "S22-whole"  # scenes that fail with a build that takes whole steps: docs/stability.md has what they say
 CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrift", "2-D free", "2-D jittered", "3-D adrift", "3-D free")
 
 
 def key(line):
-    return line["case"], scene(line) if line["case"] == "S22" else line["configuration"]
+    return line["case"], scene(line) if line["case"] in RANDOM else line["configuration"]
 
 
 def scene(line):
@@ -15,8 +16,8 @@ def scene(line):
 
 
 def kept(line):
-    """A random scene that stands by its number alone: `benchmark_stability S22` makes it again, and the page has the largest of all."""
-    if line["case"] != "S22" or not line["pass"]:
+    """A random scene that stands by its number alone: `benchmark_stability` makes it again, and the page has the largest of all."""
+    if line["case"] not in RANDOM or not line["pass"]:
         return line
     numbers = {name: value if value is None or name == "particles" else float(f"{value:.1e}") for name, value in line["numbers"].items()}
     return {**line, "configuration": scene(line), "numbers": numbers}
@@ -83,7 +84,7 @@ def case_page(case, about, lines):
     text = [f"# {case}", "", *[f"{part[:1].upper()}{part[1:]}.\n" for part in about.replace("; goal", "\ngoal").splitlines()]]
     if case == "S1":
         text += ["![S1](S1.svg)", ""]
-    return "\n".join(text + ["`-`: not measured. All cases: [results.md](results.md).", ""] + (random_scenes(lines) if case == "S22" else table(lines))) + "\n"
+    return "\n".join(text + ["`-`: not measured. All cases: [results.md](results.md).", ""] + (random_scenes(lines) if case in RANDOM else table(lines))) + "\n"
 
 
 def plot(lines, path):
