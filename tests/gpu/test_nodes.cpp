@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "gpu/device_sample.cuh"
+#include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/stopwatch.hpp"
 
@@ -49,6 +50,44 @@ class Pair {
 
     std::vector<StructureSums<Dim>> felt_on_host, felt_on_device;
 
+    /// The gaps by the loop of the host, and by the device's kernel.
+    ContactPairs<Dim> pairs;
+    std::vector<NodeGap> gaps;
+    gpu::DeviceGaps<Dim> device_gaps;
+
+    void find_gaps(const StructureSet<Dim>& structures) {
+        const ContactField<Dim> field = structures.field();
+        pairs.make(sample.patch.tables(), field, false);
+        const int width = sample.method.stencil.width;
+        gaps.assign(pairs.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(width))), NodeGap{});
+        sample.method.kernels.gaps(sample.call(), {field, gaps.data(), pairs.interior().data(),
+                                                   static_cast<std::int64_t>(pairs.interior().size())});
+        gpu::DeviceStructures<Dim> there;
+        device_gaps.forget();
+        device_gaps.make(sample.patch.tables(), field, false, width, nullptr);
+        gpu::check(cudaMemset(device_gaps.tiles(), 0, gaps.size() * sizeof(NodeGap)), "Emptying gaps");
+        gpu::find_gaps(device.view, sample.scene.shape, there.place(structures, nullptr), device_gaps.interior(),
+                       device_gaps.tiles(), nullptr);
+        gpu::check(cudaDeviceSynchronize(), "Finding gaps");
+    }
+
+    /// Largest difference of what the tiles of occupied blocks say: of gaps [cells] and areas [faces].
+    double difference_of_gaps() {
+        std::vector<NodeGap> found(gaps.size());
+        gpu::check(cudaMemcpy(found.data(), device_gaps.tiles(), gaps.size() * sizeof(NodeGap), cudaMemcpyDeviceToHost),
+                   "Copying gaps");
+        const auto nodes = static_cast<std::size_t>(power<Dim>(tile_side(sample.method.stencil.width)));
+        double worst = 0;
+        for (const ContactPair& pair : pairs.interior()) {
+            if (sample.patch.tile_of()[pair.block] < 0) continue;
+            for (std::size_t n = static_cast<std::size_t>(pair.tile) * nodes, end = n + nodes; n < end; ++n) {
+                test::widen(worst, std::fabs(found[n].cells() - gaps[n].cells()));
+                test::widen(worst, std::fabs(found[n].faces() - gaps[n].faces()));
+            }
+        }
+        return worst;
+    }
+
     template <bool Contact = false>
     std::array<ExactSum, Dim> on_host(const NodeRound<Real, Dim>& round, ContactField<Dim> contact = {}) {
         felt_on_host.assign(static_cast<std::size_t>(contact.count), {});
@@ -66,7 +105,8 @@ class Pair {
                                                     round,
                                                     quantum,
                                                     impulse.data(),
-                                                    contact};
+                                                    contact,
+                                                    {pairs.structures(), pairs.tile_of().data(), gaps.data()}};
         Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
         std::array<ExactSum, Dim> all{};
         for (std::size_t k = 0; k < impulse.size(); ++k) all[k % Dim].add(impulse[k]);
@@ -80,7 +120,8 @@ class Pair {
         gpu::DeviceStructures<Dim> there;
         ContactField<Dim> contact{};
         if (structures) contact = there.place(*structures, nullptr);
-        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr, structures ? &contact : nullptr);
+        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, nullptr, structures ? &contact : nullptr,
+                         structures ? device_gaps.view() : GapTiles{});
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
         felt_on_device = there.take();
@@ -194,6 +235,8 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
         }
         StructureSet<C::dim> structures(scene);
         structures.begin_step(0, 0.01, {}, {});
+        pair.find_gaps(structures);
+        CHECK(pair.difference_of_gaps() <= (sizeof(typename C::Real) == 8 ? 2e-7 : 1e-5));
         const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);
         pair.template on_host<true>(round, structures.field());
         pair.on_device(round, &structures);

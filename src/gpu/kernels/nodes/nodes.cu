@@ -23,11 +23,12 @@ void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) 
 
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact) {
+                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact, const GapTiles& gaps) {
     if (contact)
-        run_nodes<true>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, *contact}, stencil.width, stream);
+        run_nodes<true>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, *contact, gaps}, stencil.width,
+                        stream);
     else
-        run_nodes<false>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, {}}, stencil.width, stream);
+        run_nodes<false>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, {}, {}}, stencil.width, stream);
 }
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
@@ -68,12 +69,12 @@ std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
 template class DeviceStructures<2>;
 template class DeviceStructures<3>;
 template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,
-                          cudaStream_t, const ContactField<2>*);
+                          cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<float, 3>&, const Stencil&, const NodeRound<float, 3>&, const Quantum&,
-                          cudaStream_t, const ContactField<3>*);
+                          cudaStream_t, const ContactField<3>*, const GapTiles&);
 template void solve_nodes(const View<double, 2>&, const Stencil&, const NodeRound<double, 2>&, const Quantum&,
-                          cudaStream_t, const ContactField<2>*);
+                          cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<double, 3>&, const Stencil&, const NodeRound<double, 3>&, const Quantum&,
-                          cudaStream_t, const ContactField<3>*);
+                          cudaStream_t, const ContactField<3>*, const GapTiles&);
 
 }  // namespace moraine::gpu

@@ -43,9 +43,10 @@ class DeviceStructures {
     bool empty_ = false;  ///< the sums are to begin anew
 };
 
-/// `contact`: null where the scene has no structures.
+/// `contact`: null where the scene has no structures; else with the gaps to them.
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact = nullptr);
+                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact = nullptr,
+                 const GapTiles& gaps = {});
 
 }  // namespace moraine::gpu
