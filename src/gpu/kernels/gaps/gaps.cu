@@ -28,7 +28,7 @@ __device__ __forceinline__ Vec<Real, Dim> half_box(const View<Real, Dim>& v, std
 }
 
 template <class Real, int Dim, class Shape>
-__global__ void __launch_bounds__(gap_threads) gaps_kernel(const __grid_constant__ GapWork<Real, Dim> w) {
+__global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_constant__ GapWork<Real, Dim> w) {
     constexpr int nodes = power<Dim>(tile_side(Shape::width));
     __shared__ std::int32_t gap[nodes];
     __shared__ std::uint32_t area[nodes];
