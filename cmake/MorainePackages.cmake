@@ -11,6 +11,8 @@ if(NOT HDF5_IS_PARALLEL)
     message(FATAL_ERROR "HDF5 without MPI found (checkpoints are written by all ranks). Install libhdf5-openmpi-dev?")
 endif()
 
+find_package(ZLIB)  # compressed outputs, where it is
+
 # Debian's Zoltan exports a CMake package without include directories and with hard-coded libraries;
 # METIS has none: both get a target of our own.
 function(moraine_import name header library package)

@@ -2,6 +2,7 @@
 // Small scenes made in code, which between them have what runs differ in: an open wall, a periodic axis, friction,
 // damping, two materials.
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -95,6 +96,37 @@ inline Scene layers_on_slope(int dimensions) {
     rod.from = {3.4, 0.3, 0.2}, rod.to = {3.4, 0.9, 0.6}, rod.radius = 0.08;
     rod.motion.kind = StructureMotion::velocity, rod.motion.velocity = {-4, 0, 0};
     s.structures = {slope, disk, rod};
+    return s;
+}
+
+/// Nodes with little mass: a single layer near a floor and in its corner, droplets and particles alone that fall, over
+/// free-slip walls and one with friction. Two materials, one nearly incompressible.
+inline Scene spray(int dimensions) {
+    Scene s;
+    s.transfer = Transfer::flip;
+    s.dimensions = dimensions;
+    s.cell = 0.1;
+    s.max = {2, 0.8, 0};
+    if (dimensions == 3) s.max = {2, 0.8, 0.8};
+    const auto up = static_cast<std::size_t>(dimensions - 1);
+    s.gravity = {0, 0, 0};
+    s.gravity[up] = -9.81;
+    s.limits_light_nodes = true;
+    for (std::size_t a = 0; a <= up; ++a) s.walls[a][0].kind = s.walls[a][1].kind = WallKind::free_slip;
+    s.walls[0][1] = {WallKind::friction, 0.3};
+    s.materials = {material("linear-elastic", 1500, {{"young", 2e5}, {"poisson", 0.49}}),
+                   material("von-mises", 1000, {{"young", 1e6}, {"poisson", 0.4}, {"su", 2000}})};
+    const auto put = [&](double x, double z, double length, double height, int of_material) {
+        Triple min = {x, 0.3, 0}, max = {x + length, 0.3 + std::min(length, 0.4), 0};
+        min[up] = z, max[up] = z + height;
+        s.bodies.push_back(box(min, max, of_material));
+    };
+    put(0, 0.0002, 0.6, 0.05, 0);
+    put(1.6, 0.0002, 0.4, 0.05, 1);
+    put(0.8, 0.31, 0.1, 0.1, 0);
+    put(1.2, 0.02, 0.05, 0.05, 0);
+    put(1.41, 0.5, 0.1, 0.15, 1);
+    for (BodySpec& b : s.bodies) b.velocity = {3, 0, 0}, b.velocity[up] = -2;
     return s;
 }
 

@@ -1,11 +1,12 @@
 // benchmark_device: the whole step of one device, binning, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...] [--warm-up N] [--steps N] [--runs N] [--list]
-//                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME]
+//                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME] [--limited]
 //
 // CASE as --list names them; default: all. Clocks swing for some seconds once a power limit is reached: --warm-up.
-// One JSON line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle.
-// Under mpirun, with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
+// --limited: light nodes are. One JSON line per case; runs are stretches of consecutive steps of one
+// simulation, and end with the device idle. Under mpirun, with one rank per device, the same cases in parts; those
+// named weak grow with the number of ranks.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
@@ -33,6 +34,7 @@ struct Runs {
     std::string partitioner;  ///< empty: of the scene
     std::string weight;       ///< empty: of the scene
     std::string trigger = "threshold";
+    bool limited = false;  ///< light nodes
 };
 
 Trigger trigger_of(const std::string& name) {
@@ -72,6 +74,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     if (!plan.partitioner.empty()) scene.balance.partitioner = plan.partitioner;
     if (!plan.weight.empty()) scene.balance.weight = plan.weight;
     scene.balance.trigger = trigger_of(plan.trigger);
+    scene.limits_light_nodes = plan.limited;
     Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, choice));
     const double begun = wall_seconds();
     sim.seed();
@@ -109,7 +112,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     if (!comm.is_root()) return;
     fmt::print(
         "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "
-        "\"trigger\": \"{}\", "
+        "\"trigger\": \"{}\", \"light_nodes\": \"{}\", "
         "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"warm_up\": {}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": "
@@ -121,9 +124,9 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
         c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
-        device.name, device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up,
-        plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
-        counts.imbalance_sum / static_cast<double>(counts.steps),
+        plan.limited ? "limited" : "free", device.name, device.driver, device.runtime, machine_json(this_machine()),
+        particles, blocks, plan.warm_up, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
+        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
     std::fflush(stdout);
@@ -145,6 +148,8 @@ void benchmark(int argc, char** argv) {
         const std::string key = argv[i];
         if (key == "--list")
             list = true;
+        else if (key == "--limited")
+            plan.limited = true;
         else if ((key == "--weight" || key == "--trigger") && i + 1 < argc)
             (key == "--weight" ? plan.weight : plan.trigger) = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)

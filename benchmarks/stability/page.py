@@ -7,7 +7,19 @@ CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrif
 
 
 def key(line):
-    return line["case"], line["configuration"]
+    return line["case"], scene(line) if line["case"] == "S22" else line["configuration"]
+
+
+def scene(line):
+    return line["configuration"].split(":")[0]
+
+
+def kept(line):
+    """A random scene that stands by its number alone: `benchmark_stability S22` makes it again, and the page has the largest of all."""
+    if line["case"] != "S22" or not line["pass"]:
+        return line
+    numbers = {name: value if value is None or name == "particles" else float(f"{value:.1e}") for name, value in line["numbers"].items()}
+    return {**line, "configuration": scene(line), "numbers": numbers}
 
 
 def merged(lines, fresh):

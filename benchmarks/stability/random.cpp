@@ -14,7 +14,7 @@ using namespace verification;
 
 constexpr int steps = 240;
 
-std::string message_of(const Scene& scene) {
+std::string description_of(const Scene& scene) {
     std::string laws, ends;
     for (const MaterialSpec& m : scene.materials) laws += (laws.empty() ? "" : " + ") + m.law;
     return fmt::format("{}-D {}, {}, cfl {:.3g}{}{}", scene.dimensions,
@@ -41,7 +41,7 @@ void run_random(const Wanted& wanted, const Report& report) {
         Scene scene = random_scene(static_cast<std::uint64_t>(n));
         scene.cfl = standard_courant(scene) * random_share(static_cast<std::uint64_t>(n));
         const Verdict v = judge(scene);
-        report({fmt::format("scene {}: {}", n, message_of(scene)),
+        report({fmt::format("scene {}: {}", n, description_of(scene)),
                 {{"particles", v.particles}, {"momentum", v.momentum}, {"created", v.created}},
                 v.stands(),
                 why(v)});

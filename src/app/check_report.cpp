@@ -30,6 +30,15 @@ std::string structure_lines(const Scene& scene) {
     return text;
 }
 
+/// "output     24 bytes a particle: 384.0 MB at each of 11 times, every 500 steps; 4.22 GB in all"
+std::string output_line(const Scene& scene, const Prediction& p) {
+    const OutputPrediction o = predict_output(scene, p);
+    const double bytes = o.row_bytes * o.particles;
+    return fmt::format(
+        "output     {:.0f} bytes a particle: {} at each of {:.0f} times, every {:.0f} steps; {} in all\n", o.row_bytes,
+        bytes_text(bytes), o.outputs, o.steps, bytes_text(bytes * o.outputs + 8 * o.particles));
+}
+
 }  // namespace
 
 std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
@@ -45,6 +54,7 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
                                      : fmt::format("cfl {:.3g}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
                                                    courant_number(scene), p.max_wave_speed, p.max_speed));
     text += fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
+    if (writes_particles) text += output_line(scene, p);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
     text += fmt::format("           {} on one GPU (--device cuda), async what the driver takes\n",

@@ -74,9 +74,11 @@ void Driver<Real, Dim>::begin() {
     const bool restarting = !options_.restart.empty();
     const RunClaim claim = this->claim();
     check_run_directory(comm_, directory_, claim);
+    std::string history_row;
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
         load(sim_, comm_, file, options_.restart);
+        history_row = history_row_of(file);
     } else {
         sim_.seed();
     }
@@ -86,7 +88,9 @@ void Driver<Real, Dim>::begin() {
     catch_stop_signals();
     if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
     const RunClock<Dim>& clock = sim_.clock();
-    open_records(claim == RunClaim::resume ? std::optional(clock.time) : std::nullopt, clock.step);
+    std::optional<ResumeAfter> resume;
+    if (claim == RunClaim::resume) resume = ResumeAfter{"step", static_cast<double>(clock.step), history_row};
+    open_records(resume);
     next_output_ = next_multiple(scene_.output.interval, clock.time);
     next_structures_ = next_multiple(scene_.output.structure_interval, clock.time);
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
@@ -97,19 +101,22 @@ void Driver<Real, Dim>::begin() {
 }
 
 template <class Real, int Dim>
-void Driver<Real, Dim>::open_records(std::optional<double> resume_time, std::int64_t resume_step) {
-    std::optional<ResumeAfter> resume;
-    if (resume_time) resume = ResumeAfter{"step", static_cast<double>(resume_step)};
+void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
+    if (!options_.no_particles) {
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
+                                                   SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
+        const OutputFrame<Real, Dim> frame(sim_);
+        series_->check_types(frame.position(), frame.fields());
+    }
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(), resume);
+    if (resume) resume->row.clear();  // the others tell of times, which differ from run to run
     balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
     if (!sim_.structures().empty())
         structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
-                                                         resume_time ? std::optional(resume_step) : std::nullopt);
-    if (options_.no_particles) return;
-    series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf");
-    if (resume_time) series_->truncate_to(*resume_time);
+                                                         resume ? std::optional(sim_.clock().step) : std::nullopt);
+    if (series_ && resume) series_->truncate_to(sim_.clock().time);
 }
 
 template <class Real, int Dim>
@@ -134,6 +141,7 @@ void Driver<Real, Dim>::advance() {
     if (stop_requested()) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
+    sim_.say_writing(series_ && series_->busy());
     const double before = wall_clock();
     sim_.step();
     sim_.balance();
@@ -147,6 +155,8 @@ void Driver<Real, Dim>::after_step() {
     const RunClock<Dim>& clock = sim_.clock();
     const double interval = scene_.output.interval;
     const double checkpoint_interval = scene_.output.checkpoint_interval;
+    if (series_ && series_->under_way() && sim_.agreement().writing == 0)
+        sim_.phases().time(Phase::output, [&] { series_->advance(); });
     if (interval > 0 && clock.time >= static_cast<double>(next_output_) * interval) {
         sim_.conclude();
         output();
@@ -188,7 +198,8 @@ void Driver<Real, Dim>::checkpoint() {
     if (last_checkpoint_step_ == sim_.clock().step) return;
     sim_.phases().time(Phase::output, [&] {
         sim_.conclude();
-        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step));
+        if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
+        save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step), history_->last_row());
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -210,6 +221,7 @@ void Driver<Real, Dim>::record_balance() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::finish() {
     const RunClock<Dim>& clock = sim_.clock();
+    if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
     write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));

@@ -33,7 +33,7 @@ class Driver {
   private:
     void begin();
     RunClaim claim() const;
-    void open_records(std::optional<double> resume_time, std::int64_t resume_step);
+    void open_records(std::optional<ResumeAfter> resume);
     void advance();
     void after_step();
     void output();

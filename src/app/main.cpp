@@ -58,11 +58,7 @@ void choose_threads(const Comm& comm) {
 
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
-    const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
-        if (machine.devices && s.limits_light_nodes)
-            throw InputError("numerics.light_nodes = \"limited\" (devices do not limit them yet). Use --device cpu?");
-        check_capacity(s, machine);
-    });
+    const Scene scene = read_agreed(comm, options, [&](const Scene& s) { check_capacity(s, machine); });
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;

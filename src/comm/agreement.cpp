@@ -3,30 +3,35 @@
 namespace moraine {
 
 namespace {
-void combine(void* in, void* in_out, int* n, MPI_Datatype*) {
-    const auto* a = static_cast<const Agreement*>(in);
-    auto* b = static_cast<Agreement*>(in_out);
-    for (int k = 0; k < *n; ++k) {
-        b[k].signal = std::max(a[k].signal, b[k].signal);
-        b[k].moved = std::max(a[k].moved, b[k].moved);
-        b[k].seconds = std::max(a[k].seconds, b[k].seconds);
-        b[k].seconds_sum += a[k].seconds_sum;
-        b[k].count = std::max(a[k].count, b[k].count);
-        b[k].count_sum += a[k].count_sum;
-        b[k].blocks += a[k].blocks;
-        b[k].migration_bound.take_most(a[k].migration_bound);
-        b[k].faults |= a[k].faults;
-        b[k].in_guard_layer |= a[k].in_guard_layer;
-        b[k].making |= a[k].making;
-        b[k].stop |= a[k].stop;
-    }
+constexpr int most_direct = 16;  // ranks that tell each other: above, a tree has fewer messages
+constexpr int tag = 4;           // beside those of comm/host_engine.hpp
+
+void combine(const Agreement& a, Agreement& b) {
+    b.signal = std::max(a.signal, b.signal);
+    b.moved = std::max(a.moved, b.moved);
+    b.seconds = std::max(a.seconds, b.seconds);
+    b.seconds_sum += a.seconds_sum;
+    b.count = std::max(a.count, b.count);
+    b.count_sum += a.count_sum;
+    b.blocks += a.blocks;
+    b.migration_bound.take_most(a.migration_bound);
+    b.faults |= a.faults;
+    b.in_guard_layer |= a.in_guard_layer;
+    b.making |= a.making;
+    b.writing |= a.writing;
+    b.stop |= a.stop;
+}
+
+void combine_rows(void* in, void* in_out, int* n, MPI_Datatype*) {
+    for (int k = 0; k < *n; ++k) combine(static_cast<const Agreement*>(in)[k], static_cast<Agreement*>(in_out)[k]);
 }
 }  // namespace
 
-AgreementReduction::AgreementReduction(const Comm& comm) : comm_(comm) {
+AgreementReduction::AgreementReduction(const Comm& comm)
+    : comm_(comm), of_ranks_(static_cast<std::size_t>(comm.size())) {
     MPI_Type_contiguous(sizeof(Agreement), MPI_BYTE, &type_);
     MPI_Type_commit(&type_);
-    MPI_Op_create(combine, 1, &op_);
+    MPI_Op_create(combine_rows, 1, &op_);
 }
 
 AgreementReduction::~AgreementReduction() {
@@ -38,12 +43,28 @@ void AgreementReduction::start(const Agreement& mine) {
     mine_ = mine;
     mine_.seconds_sum = mine.seconds;
     mine_.count_sum = mine.count;
-    MPI_Iallreduce(&mine_, &all_, 1, type_, op_, comm_.handle(), &request_);
+    requests_.clear();
+    if (comm_.size() > most_direct) {
+        requests_.emplace_back();
+        MPI_Iallreduce(&mine_, &of_ranks_[0], 1, type_, op_, comm_.handle(), &requests_[0]);
+        return;
+    }
+    const auto begin = [&](int r, auto call, Agreement* data) {
+        if (r == comm_.rank()) return;
+        requests_.emplace_back();
+        call(data, 1, type_, r, tag, comm_.handle(), &requests_.back());
+    };
+    for (int r = 0; r < comm_.size(); ++r) begin(r, MPI_Irecv, &of_ranks_[static_cast<std::size_t>(r)]);
+    for (int r = 0; r < comm_.size(); ++r) begin(r, MPI_Isend, &mine_);
 }
 
 Agreement AgreementReduction::finish() {
-    MPI_Wait(&request_, MPI_STATUS_IGNORE);
-    return all_;
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+    if (comm_.size() > most_direct) return of_ranks_[0];
+    of_ranks_[static_cast<std::size_t>(comm_.rank())] = mine_;
+    Agreement all = of_ranks_[0];
+    for (std::size_t r = 1; r < of_ranks_.size(); ++r) combine(of_ranks_[r], all);
+    return all;
 }
 
 }  // namespace moraine

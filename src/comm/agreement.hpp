@@ -1,11 +1,15 @@
 #pragma once
 // What all ranks agree on once per step, in one reduction that runs while the halo travels.
 //
+// Few ranks (16) tell each other directly: one message each way, as long as the halo's, so that a step waits for no
+// other. A reduction of MPI takes up to 2 log2 P in turn, and goes on only while somebody waits for it.
+//
 // Only minima, maxima, bit-ors and integer sums feed back into the run, so it is the same on any
 // number of ranks. Faults and requests to stop travel along: all ranks learn of them together.
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "comm/comm.hpp"
 
@@ -38,6 +42,7 @@ struct Agreement {
     std::uint32_t faults = 0;          ///< or: bits of Fault
     std::uint32_t in_guard_layer = 0;  ///< or: 1 some particle could leave the topology soon (comm/guard_layer.hpp)
     std::uint32_t making = 0;          ///< or: 1 the next epoch is still being made
+    std::uint32_t writing = 0;         ///< or: 1 an output is being written asynchronously
     std::uint32_t stop = 0;            ///< or: ask_stop, ask_checkpoint
 };
 
@@ -57,8 +62,9 @@ class AgreementReduction {
     const Comm& comm_;
     MPI_Datatype type_ = MPI_DATATYPE_NULL;
     MPI_Op op_ = MPI_OP_NULL;
-    MPI_Request request_ = MPI_REQUEST_NULL;
-    Agreement mine_, all_;
+    std::vector<MPI_Request> requests_;
+    Agreement mine_;
+    std::vector<Agreement> of_ranks_;  ///< the first: of all, where MPI reduces
 };
 
 }  // namespace moraine

@@ -9,7 +9,7 @@ namespace {
 constexpr std::int64_t chunk = std::int64_t(1) << 30;  // MPI counts are int
 
 template <class T>
-T reduce(const Comm& comm, T value, MPI_Datatype type, MPI_Op op) {
+T reduced(const Comm& comm, T value, MPI_Datatype type, MPI_Op op) {
     T result{};
     MPI_Allreduce(&value, &result, 1, type, op, comm.handle());
     return result;
@@ -40,23 +40,23 @@ void Comm::barrier() const {
     MPI_Barrier(comm_);
 }
 double Comm::min(double value) const {
-    return reduce(*this, value, MPI_DOUBLE, MPI_MIN);
+    return reduced(*this, value, MPI_DOUBLE, MPI_MIN);
 }
 double Comm::max(double value) const {
-    return reduce(*this, value, MPI_DOUBLE, MPI_MAX);
+    return reduced(*this, value, MPI_DOUBLE, MPI_MAX);
 }
 double Comm::sum(double value) const {
-    return reduce(*this, value, MPI_DOUBLE, MPI_SUM);
+    return reduced(*this, value, MPI_DOUBLE, MPI_SUM);
 }
 std::int64_t Comm::max(std::int64_t value) const {
-    return reduce(*this, value, MPI_INT64_T, MPI_MAX);
+    return reduced(*this, value, MPI_INT64_T, MPI_MAX);
 }
 std::int64_t Comm::sum(std::int64_t value) const {
-    return reduce(*this, value, MPI_INT64_T, MPI_SUM);
+    return reduced(*this, value, MPI_INT64_T, MPI_SUM);
 }
 
 std::uint64_t Comm::sum(std::uint64_t value) const {
-    return reduce(*this, value, MPI_UINT64_T, MPI_SUM);
+    return reduced(*this, value, MPI_UINT64_T, MPI_SUM);
 }
 
 void Comm::sum(std::span<std::int64_t> values) const {
@@ -70,6 +70,18 @@ std::string Comm::broadcast(const std::string& text, int root) const {
     for (std::int64_t at = 0; at < length; at += chunk)
         MPI_Bcast(result.data() + at, static_cast<int>(std::min(chunk, length - at)), MPI_CHAR, root, comm_);
     return result;
+}
+
+/// Each of `rows` becomes the sum of all ranks' by `add`, which does not mind the order.
+void Comm::reduce(void* rows, std::size_t count, std::size_t bytes, MPI_User_function* add) const {
+    MPI_Datatype row = MPI_DATATYPE_NULL;
+    MPI_Op op = MPI_OP_NULL;
+    MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    MPI_Op_create(add, 1, &op);
+    MPI_Allreduce(MPI_IN_PLACE, rows, static_cast<int>(count), row, op, comm_);
+    MPI_Op_free(&op);
+    MPI_Type_free(&row);
 }
 
 std::vector<std::int64_t> Comm::gather_counts(std::int64_t mine) const {

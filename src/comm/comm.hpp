@@ -44,6 +44,13 @@ class Comm {
     std::uint64_t sum(std::uint64_t value) const;  ///< modulo 2^64
     void sum(std::span<std::int64_t> values) const;
     std::string broadcast(const std::string& text, int root = 0) const;
+    /// Rank 0's.
+    template <class T>
+    T of_root(T value) const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        MPI_Bcast(&value, static_cast<int>(sizeof value), MPI_BYTE, 0, comm_);
+        return value;
+    }
 
     /// All ranks' rows, rank by rank. `counts`, if given, gets the rows of each rank. Collective.
     template <class T>
@@ -61,12 +68,16 @@ class Comm {
         return all;
     }
 
-    /// Over ranks, element by element, of sums whose order does not matter (core/exact_sum.hpp). Collective.
+    /// Over ranks, element by element, of what is added without regard to order (core/exact_sum.hpp, maxima): as many
+    /// elements on every rank; one reduction, none of no elements. Collective.
     template <class Sum>
     std::vector<Sum> exact_sums(const std::vector<Sum>& mine) const {
-        const std::vector<Sum> all = all_gather(mine);
-        std::vector<Sum> sums(mine.size());
-        for (std::size_t k = 0; k < all.size(); ++k) sums[k % mine.size()].add(all[k]);
+        static_assert(std::is_trivially_copyable_v<Sum>);
+        std::vector<Sum> sums = mine;
+        const auto add = [](void* in, void* in_out, int* n, MPI_Datatype*) {
+            for (int k = 0; k < *n; ++k) static_cast<Sum*>(in_out)[k].add(static_cast<const Sum*>(in)[k]);
+        };
+        if (!sums.empty()) reduce(sums.data(), sums.size(), sizeof(Sum), add);
         return sums;
     }
     template <class Sum>
@@ -82,6 +93,7 @@ class Comm {
     }
 
   private:
+    void reduce(void* rows, std::size_t count, std::size_t bytes, MPI_User_function* add) const;
     std::vector<std::int64_t> gather_counts(std::int64_t mine) const;
     void gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes, void* all) const;
     std::string first_words(const std::string& mine) const;

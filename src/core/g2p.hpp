@@ -14,7 +14,7 @@
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/grid_views.hpp"
-#include "core/light_nodes.hpp"
+#include "core/light_stencil.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
@@ -79,9 +79,9 @@ struct GridToParticles {
   private:
     /// What a cell's particles share where nodes may be light.
     struct Light {
-        const int* base;                  ///< first node of the stencil
-        const bool* folded;               ///< by axis
-        const bool* plain;                ///< by axis: C is the velocity gradient
+        int base[Dim];                    ///< first node of the stencil
+        unsigned ghosts[Dim];             ///< of the stencil (Walls::ghosts)
+        bool at_wall;                     ///< some ghost is folded
         Real least;                       ///< mass of a node [kg]
         bool ready;                       ///< the next ones are known
         Real around;                      ///< mass of all nodes but those behind walls [kg]
@@ -120,12 +120,14 @@ struct GridToParticles {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
         const bool border = table.border[block] != 0;
-        bool folded[Dim], plain[Dim];  // C is the velocity gradient
-        int base[Dim];
+        bool plain[Dim];  // C is the velocity gradient
+        Light light;
+        light.ready = light.at_wall = false;
         for (int a = 0; a < Dim; ++a) {
-            base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
-            folded[a] = border && context.walls.ghosts(a, base[a], width) != 0;
-            plain[a] = affine_is_gradient<Shape>(tpic, [&] { return folded[a]; });
+            light.base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
+            light.ghosts[a] = border ? context.walls.ghosts(a, light.base[a], width) : 0u;
+            light.at_wall = light.at_wall || light.ghosts[a] != 0;
+            plain[a] = affine_is_gradient<Shape>(tpic, [&] { return light.ghosts[a] != 0; });
         }
         const Q* nodes = scratch.nodes + 2 * tile_offset<Dim, width>(c);
         const std::uint32_t begin = list.first[block] + bounds[0], end = list.first[block] + bounds[1];
@@ -133,10 +135,9 @@ struct GridToParticles {
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        Light light;
-        light.base = base, light.folded = folded, light.plain = plain, light.ready = false, light.around = Real(0);
+        light.around = Real(0);
         light.least = stiffness ? least_mass(nodes) : Real(0);
-        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, light);
+        if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, plain, light);
         for (std::uint32_t k = begin; k < end; ++k) {
             p.fetch_all(list.ahead(block, k));
             const std::uint32_t s = list.slot[k];
@@ -167,11 +168,11 @@ struct GridToParticles {
 
     /// The means of a cell with more particles than a batch holds: they are gathered twice.
     MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
-                                                     Light& light) const {
+                                                     const bool* plain, Light& light) const {
         VolumetricMean<Real> mean;
         for (std::uint32_t k = begin; k < end; ++k) {
             const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
-            Gathered g = sum_nodes(n, nodes, light.plain);
+            Gathered g = sum_nodes(n, nodes, plain);
             if (stiffness) limit_acceleration(list.slot[k], n, nodes, light, g);
             add_to_mean(mean, list.slot[k], increment_of(g));
         }
@@ -245,7 +246,7 @@ struct GridToParticles {
         }
     }
 
-    /// The least mass of the stencil's nodes, ghosts behind walls among them [kg].
+    /// The least mass of the stencil's nodes [kg].
     static MORAINE_HD Real least_mass(const Q* nodes) {
         Real least = nodes[0][quad - 1];
         each_node<Dim, width>([&](int at, int, int, int) {
@@ -257,102 +258,39 @@ struct GridToParticles {
 
     /// Takes from the gradient and C of a particle what its light nodes cannot bear.
     MORAINE_HD void limit_acceleration(std::uint32_t s, const W& n, const Q* nodes, Light& light, Gathered& g) const {
+        const Stiffness<Real>& k = stiffness[p.body[s]];
+        if (!light.at_wall && Real(2) * light.least >= k.full_mass) return;
+        LightStencil<Real, Dim, width> in;
+        for (int a = 0; a < Dim; ++a)
+            for (int i = 0; i < width; ++i) in.w[a][i] = n.w[a][i], in.dw[a][i] = n.dw[a][i];
+        fold_stencil<Shape, Affine>(light.ghosts, tpic, n.f, context.inverse_cell, in);
+        if (!light.ready) weigh_nodes(nodes, light);
         Real full = p.mass[s] / p.volume[s];  // rho h^d
         for (int a = 0; a < Dim; ++a) full /= context.inverse_cell;
-        if (Real(2) * light.least >= full) return;
-        W in = n;  // folded
-        for (int a = 0; a < Dim; ++a)
-            if (light.folded[a]) fold_weights<width>(context.walls.ghosts(a, light.base[a], width), in.w[a], in.dw[a]);
-        const Stiffness<Real>& k = stiffness[p.body[s]];
-        if (!light.ready) weigh_nodes(nodes, light);
-        Vec<Real, Dim> reaction = reactions(in, light, full);
+        Vec<Real, Dim> reaction = reactions(in, light.around, full, [&](int, int i, int j, int l) {
+            return light.inverse[i + width * (j + width * l)];
+        });
         for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
-        const LightShare<Real, Dim> share = light_share(limits, reaction, light.folded, k.dilation);
-        if (!share.whole) take_acceleration(in, nodes, light, share, g);
+        const LightShare<Real, Dim> share = light_share(limits, reaction, in.folded, k.dilation);
+        if (share.whole) return;
+        const auto taken = taken_gradients<Affine>(in, share, [&](int at, int i, int j, int l) {
+            const int index[3] = {light.base[0] + i, light.base[1] + j, Dim == 3 ? light.base[Dim - 1] + l : 0};
+            return acceleration<Real, Dim>(context.walls, index, nodes[2 * at], nodes[2 * at + 1]);
+        });
+        for (int b = 0; b < Dim; ++b)
+            for (int a = 0; a < Dim; ++a) g.gradient[b][a] += taken.seen(a, b), g.affine[b][a] += taken.kept(a, b);
     }
 
     /// A cell's masses, once for its particles.
     MORAINE_HD void weigh_nodes(const Q* nodes, Light& light) const {
-        unsigned ghosts[Dim];
-        for (int a = 0; a < Dim; ++a) ghosts[a] = light.folded[a] ? context.walls.ghosts(a, light.base[a], width) : 0u;
         light.around = Real(0);
         light.ready = true;
         int n = 0;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
-            const int place[3] = {i, j, k};
-            bool inside = true;
-            for (int a = 0; a < Dim; ++a)
-                inside =
-                    inside && !((ghosts[a] & 1) && place[a] == 0) && !(place[a] && int(ghosts[a] >> 1) == place[a]);
-            const Real m = inside ? nodes[2 * at][quad - 1] : Real(0);
+            const Real m = is_inside<Dim>(light.ghosts, i, j, k) ? nodes[2 * at][quad - 1] : Real(0);
             light.around += m;
             light.inverse[n++] = m > Real(0) ? Real(1) / m : Real(0);
         });
-    }
-
-    static MORAINE_HD Vec<Real, Dim> reactions(const W& in, const Light& light, Real full) {
-        Real steep[Dim][width];
-        for (int a = 0; a < Dim; ++a)
-            for (int i = 0; i < width; ++i) steep[a][i] = steepness(in.w[a][i], in.dw[a][i]);
-        const Real around = light.around < full ? light.around : full;
-        Vec<Real, Dim> sum = zero_vec<Real, Dim>();
-        int n = 0;
-        each_node<Dim, width>([&](int, int i, int j, int k) {
-            const int at[3] = {i, j, k};
-            Real w = Real(1);
-            for (int a = 0; a < Dim; ++a) w *= in.w[a][at[a]];
-            const Real share = reacting_weight(w, around * light.inverse[n++]);
-            for (int b = 0; b < Dim; ++b) sum[b] += steep[b][at[b]] * share;
-        });
-        return sum;
-    }
-
-    /// Products of weights with `slope` in place of the weight along each axis in turn.
-    static MORAINE_HD Vec<Real, Dim> slopes(const W& n, const Real (*slope)[width], int i, int j, int k) {
-        const int at[3] = {i, j, k};
-        Vec<Real, Dim> all;
-        for (int b = 0; b < Dim; ++b) {
-            all[b] = Real(1);
-            for (int a = 0; a < Dim; ++a) all[b] *= a == b ? slope[a][at[a]] : n.w[a][at[a]];
-        }
-        return all;
-    }
-
-    MORAINE_HD void take_acceleration(const W& in, const Q* nodes, const Light& light,
-                                      const LightShare<Real, Dim>& share, Gathered& g) const {
-        Mat<Real, Dim> seen, kept;
-        for (int a = 0; a < Dim; ++a)
-            for (int b = 0; b < Dim; ++b) seen(a, b) = kept(a, b) = Real(0);
-        Real lever[Dim][width];
-        if constexpr (Affine)
-            for (int a = 0; a < Dim; ++a)
-                affine_levers<Shape>(in.f[a], in.w[a], in.dw[a], context.inverse_cell, light.plain[a], lever[a]);
-        each_node<Dim, width>([&](int at, int i, int j, int k) {
-            const Vec<Real, Dim> change = acceleration(nodes + 2 * at, light.base, i, j, k);
-            const Vec<Real, Dim> slope = slopes(in, in.dw, i, j, k);
-            for (int a = 0; a < Dim; ++a)
-                for (int b = 0; b < Dim; ++b) seen(a, b) += slope[b] * change[a];
-            if constexpr (Affine) {
-                const Vec<Real, Dim> arm = slopes(in, lever, i, j, k);
-                for (int a = 0; a < Dim; ++a)
-                    for (int b = 0; b < Dim; ++b) kept(a, b) += arm[b] * change[a];
-            }
-        });
-        seen = taken_from(seen, share.axis, share.volume);
-        kept = taken_from(kept, share.axis_kept, share.volume_kept);
-        for (int b = 0; b < Dim; ++b)
-            for (int a = 0; a < Dim; ++a) g.gradient[b][a] += seen(a, b), g.affine[b][a] += kept(a, b);
-    }
-
-    /// Change of a node's velocity, less what a wall would have taken from the velocity before [m/s].
-    MORAINE_HD Vec<Real, Dim> acceleration(const Q* node, const int* base, int i, int j, int k) const {
-        const int at[3] = {i, j, k};
-        int index[Dim];
-        Vec<Real, Dim> before, change;
-        for (int a = 0; a < Dim; ++a) index[a] = base[a] + at[a], before[a] = node[0][a] - node[1][a];
-        context.walls.constrain(index, before);
-        for (int a = 0; a < Dim; ++a) change[a] = node[0][a] - before[a];
-        return change;
     }
 
     MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {

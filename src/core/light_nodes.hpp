@@ -20,11 +20,12 @@
 
 namespace moraine {
 
-/// Elastic moduli of a body's material at the start.
+/// Elastic moduli of a body's material at the start, and what it gives a full node.
 template <class Real>
 struct Stiffness {
-    Real wave;      ///< lambda + 2 G [Pa]
-    Real dilation;  ///< (lambda + 2 G / d) over it [-]
+    Real wave;       ///< lambda + 2 G [Pa]
+    Real dilation;   ///< (lambda + 2 G / d) over it [-]
+    Real full_mass;  ///< rho h^d, of a full node [kg]
 };
 
 /// Largest reactions that a method's step bears [-].

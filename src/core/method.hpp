@@ -61,14 +61,15 @@ ReactionLimits<Real> reaction_limits(const Scene& scene) {
 }
 
 template <class Real, int Dim>
-Stiffness<Real> stiffness_of(const MaterialSpec& material) {
+Stiffness<Real> stiffness_of(const MaterialSpec& material, double cell) {
     const LawInfo& law = *find_law(material.law);
     double poisson = 0.5;
     for (std::size_t k = 0; k < law.parameters.size(); ++k)
         if (law.parameters[k].key == std::string_view("poisson")) poisson = material.parameters[k];
     const double twice_shear = (1 - 2 * poisson) / (1 - poisson);  // over lambda + 2 G
     return {static_cast<Real>(law.wave_modulus(material.parameters.data())),
-            static_cast<Real>(1 - twice_shear + twice_shear / Dim)};
+            static_cast<Real>(1 - twice_shear + twice_shear / Dim),
+            static_cast<Real>(material.density * std::pow(cell, Dim))};
 }
 
 template <class Space, class Real, int Dim>
@@ -153,7 +154,8 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     limits = reaction_limits<Real>(scene);
     if (limits_accelerations(scene))
         for (const BodySpec& b : scene.bodies)
-            stiffness_.push_back(stiffness_of<Real, Dim>(scene.materials[static_cast<std::size_t>(b.material)]));
+            stiffness_.push_back(
+                stiffness_of<Real, Dim>(scene.materials[static_cast<std::size_t>(b.material)], scene.cell));
     const auto wants_mean = [&](const BodySpec& b) {
         return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
     };

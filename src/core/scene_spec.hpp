@@ -110,6 +110,11 @@ struct OutputSpec {
     double interval = 0;            ///< [s]; 0: start and end only
     double structure_interval = 0;  ///< of structures.csv [s]; 0: that of the others
     std::vector<std::string> fields;
+    std::vector<std::string> labels;      ///< of id, rank, block_key
+    bool single = false;                  ///< reals of particles.vtkhdf have 4 bytes
+    std::int64_t every = 1;               ///< one particle of so many is in particles.vtkhdf
+    bool deflate = false;                 ///< particles.vtkhdf is compressed (io/deflate.hpp)
+    bool asynchronous = false;            ///< and written while steps are made
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays

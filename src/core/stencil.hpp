@@ -51,18 +51,24 @@ MORAINE_HD Weights<Real, Dim, Shape> stencil(const StencilContext<Real, Dim>& co
     return n;
 }
 
-/// Calls f(tile offset of the node, i, j, k) for each node of a stencil, x fastest.
-template <int Dim, int Width, class F>
+/// Calls f(tile offset of the node, i, j, k) for each node of a stencil, x fastest. Unrolled: what a device's compiler
+/// makes of it, where light nodes ask for it; on a host it has its own mind.
+template <int Dim, int Width, bool Unrolled = false, class F>
 MORAINE_HD void each_node(const F& f) {
-    constexpr int side = tile_side(Width);
-    if constexpr (Dim == 2) {
+    constexpr int side = tile_side(Width), layers = Dim == 2 ? 1 : Width;
+#ifdef __CUDA_ARCH__
+    constexpr int rows = Unrolled ? Width : 1;
+#pragma unroll rows
+    for (int k = 0; k < layers; ++k)
+#pragma unroll rows
         for (int j = 0; j < Width; ++j)
-            for (int i = 0; i < Width; ++i) f(i + side * j, i, j, 0);
-    } else {
-        for (int k = 0; k < Width; ++k)
-            for (int j = 0; j < Width; ++j)
-                for (int i = 0; i < Width; ++i) f(i + side * (j + side * k), i, j, k);
-    }
+#pragma unroll
+            for (int i = 0; i < Width; ++i) f(i + side * (j + side * k), i, j, k);
+#else
+    for (int k = 0; k < layers; ++k)
+        for (int j = 0; j < Width; ++j)
+            for (int i = 0; i < Width; ++i) f(i + side * (j + side * k), i, j, k);
+#endif
 }
 
 /// Offset in a tile of the stencil of a cell: the cell's coordinates are those of its lowest node.

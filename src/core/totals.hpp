@@ -49,6 +49,25 @@ struct Totals {
     }
 };
 
+/// Totals of a part of the flow, on the way to those of all: sums that are exact, and extremes.
+template <int Dim>
+struct TotalSums {
+    std::array<ExactSum, Totals<Dim>::sums> sum{};
+    Totals<Dim> extremes;
+
+    void add(const TotalSums& o) {
+        for (std::size_t q = 0; q < sum.size(); ++q) sum[q].add(o.sum[q]);
+        extremes.widen(o.extremes);
+    }
+    Totals<Dim> value(const Quantum& quantum) const {
+        Totals<Dim> totals = extremes;
+        std::array<double, Totals<Dim>::sums> whole{};
+        for (std::size_t q = 0; q < sum.size(); ++q) whole[q] = quantum.value(sum[q]);
+        totals.set_additive(whole);
+        return totals;
+    }
+};
+
 /// Adds the particle in slot s at x [m].
 template <class Real, int Dim>
 void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_t s, const std::array<double, Dim>& x,

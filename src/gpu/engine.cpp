@@ -1,5 +1,7 @@
 #include "gpu/engine.hpp"
 
+#include <algorithm>
+
 namespace moraine::gpu {
 
 namespace {
@@ -30,6 +32,12 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
+    if (method.stiffness()) {
+        stiffness_.assign(method.stiffness(), scene.bodies.size());
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b)
+            full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
+        limited_count_.resize(2);
+    }
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports);
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
@@ -39,6 +47,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::choose_kernels() {
     p2g_ = choose_p2g<Real, Dim>(scene_.shape, method_.needs.affine);
+    find_limited_ = choose_find_limited<Real, Dim>(scene_.shape);
     if (fuses(scene_)) {
         gather_ = make_fused_gather<Real, Dim>(scene_.materials.front(), scene_.shape, method_.needs.affine);
         return;

@@ -75,11 +75,16 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void take_tables(EpochTables<Dim> tables);
     void change_tables();
     void open_epoch();
+    std::size_t capacity_for(std::size_t particles) const;
+    void begin(std::size_t particles, std::size_t blocks, std::size_t most);
     void count_boundary();
     void count_migration_bound();
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();
+    bool limits(const Round& round) const { return round.nodes == NodeTask::solve && method_.stiffness(); }
+    GatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
+    void gather_part(int part, const Round& round, const GatherArgs<Real, Dim>& args, const Launch& launch);
     void refresh();
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
@@ -119,6 +124,12 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<Vec<Real, Dim>> half_size_;
     Array<std::uint16_t> material_of_;
     Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
+    FindLimited<Real, Dim> find_limited_ = nullptr;
+    Array<Stiffness<Real>> stiffness_;           ///< by body; empty: nothing is limited
+    Array<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
+    Array<std::int32_t> limited_blocks_;         ///< own blocks: of the boundary, then of the interior
+    Array<std::uint32_t> limited_count_;         ///< of both
+    Real full_mass_ = 0;                         ///< the largest of the bodies' [kg]
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
     DeviceStructures<Dim> structures_;

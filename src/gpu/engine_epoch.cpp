@@ -66,6 +66,11 @@ void DeviceEngine<Real, Dim>::open_epoch() {
         node_of_.assign(every);
     }
     nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
+    if (method_.stiffness()) {
+        light_marks_.resize(node_blocks * light_marks<Dim>);
+        limited_.resize(epoch_.own.size());
+        limited_blocks_.resize(2 * epoch_.own.size());
+    }
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
@@ -98,19 +103,30 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks&
     stream_.wait();
     share_.install(std::move(tables), binned);
     take_tables(share_.tables());
-    // a rank of several has columns even before it has particles: records are the same on all
-    const std::size_t n = binned.slot.size(), most = n + (exchange_ ? n / 64 + 64 : 0);
+    const std::size_t most = capacity_for(binned.slot.size());
     lists_.install(epoch_, tables_.view(), binned, most);
     particles_.upload(share_.particles.columns(), binned.slot, most);
+    begin(binned.slot.size(), binned.key.size(), most);
+    share_is_of_now_ = true;
+}
+
+/// A rank of several has columns even before it has particles: records are the same on all.
+template <class Real, int Dim>
+std::size_t DeviceEngine<Real, Dim>::capacity_for(std::size_t particles) const {
+    return particles + (exchange_ ? particles / 64 + 64 : 0);
+}
+
+/// Particles and their lists are in place: what follows from them.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::begin(std::size_t particles, std::size_t blocks, std::size_t most) {
     find_cells();
-    set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(binned.key.size()), {}};
+    set_stored(particles);
+    census_ = {static_cast<std::int64_t>(particles), static_cast<std::int64_t>(blocks), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
     stream_.wait();
     steps_since_refresh_ = 0;
-    share_is_of_now_ = true;
 }
 
 /// While a step is under way its moves are binned by the old tables, and nobody waits.

@@ -21,20 +21,13 @@ void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables
         binned.count.push_back(count);
         n += count;
     }
-    const std::size_t most = n + (exchange_ ? n / 64 + 64 : 0);
+    const std::size_t most = capacity_for(n);
     lists_.install(epoch_, tables_.view(), binned, most);
     particles_.clear(most);
     const DeviceLattice<Real, Dim> there(lattice);
     seed_blocks(tables_.view().own, there.view(), tables_.view().position, lists_.view().first, particles_.view(),
                 stream_);
-    find_cells();
-    set_stored(n);
-    census_ = {static_cast<std::int64_t>(n), static_cast<std::int64_t>(binned.key.size()), {}};
-    gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
-    open_epoch();
-    count_boundary();
-    stream_.wait();
-    steps_since_refresh_ = 0;
+    begin(n, binned.key.size(), most);
     share_is_of_now_ = false;
 }
 

@@ -150,22 +150,22 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     const NodeRound<Real, Dim> args{round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
                                     static_cast<Real>(step.mass_cutoff)};
+    LightMarks<Real> marks{};
+    if (limits(round)) marks = {light_marks_.data(), Real(0.5) * full_mass_, limited_count_.data()};
     watch_.begin(1, stream_);
     if (step.structures) {
         const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
-        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_, &contact, gaps_.view());
+        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_, &contact, gaps_.view());
         structures_.fetch(stream_);
     } else {
-        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, stream_);
+        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_);
     }
     watch_.end(1, stream_);
     summed_ = false;
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    const auto stride = static_cast<std::uint64_t>(particles_.capacity());
-    watch_.begin(2, stream_);
+GatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& round, const StepScales<Dim>& step) const {
     GatherArgs<Real, Dim> args{};
     args.ends = method_.ends;
     args.gather = round.gather;
@@ -174,24 +174,49 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     args.dt = static_cast<Real>(step.dt);
     std::copy(step.gravity_impulse.begin(), step.gravity_impulse.end(), args.gravity_impulse);
     args.quantum = step.quantum;
+    args.averages = method_.averaged() != nullptr;
     args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
+    if (limits(round))
+        args.light = {stiffness_.data(), method_.limits, full_mass_, light_marks_.data(), limited_.data()};
     args.gradient = gradient_.data();
-    args.gradient_stride = stride;
+    args.gradient_stride = static_cast<std::uint64_t>(particles_.capacity());
+    return args;
+}
+
+/// One part's particles: part 0 is the boundary, 1 the interior.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const GatherArgs<Real, Dim>& args,
+                                          const Launch& launch) {
+    const Chosen chosen = part == 0 ? lists_.boundary() : lists_.interior();
+    const View<Real, Dim> v = view();
+    if (limits(round) && !epoch_.own.empty()) {
+        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(part) * epoch_.own.size();
+        std::uint32_t* count = limited_count_.data() + part;
+        find_limited_(v, chosen, args, blocks, count, launch);
+        gather_->run(v, chosen, args, launch);
+        gather_->run_limited(v, {blocks, count}, args, launch);
+    } else {
+        gather_->run(v, chosen, args, launch);
+    }
+    if (!(round.gather & gather_gradient)) return;
     StressArgs<Real, Dim> stress{
-        args.dt, step.quantum, gradient_.data(), stride, stress_.size() > 1 ? material_of_.data() : nullptr, 0};
-    const auto move = [&](const Chosen& chosen, const Launch& launch) {
-        gather_->run(view(), chosen, args, launch);
-        if (!(round.gather & gather_gradient)) return;
-        for (stress.mine = 0; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-            stress_[static_cast<std::size_t>(stress.mine)]->run(view(), chosen, stress, launch);
-    };
+        args.dt, args.quantum, args.gradient, args.gradient_stride, stress_.size() > 1 ? material_of_.data() : nullptr,
+        0};
+    for (; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
+        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, launch);
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
+    watch_.begin(2, stream_);
+    const GatherArgs<Real, Dim> args = gather_args(round, step);
     if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);
-        move(lists_.boundary(), {boundary_blocks_, exchange_->stream});
+        gather_part(0, round, args, {boundary_blocks_, exchange_->stream});
         exchange_->boundary_moved.record(exchange_->stream);
     }
-    move(lists_.interior(), {interior_blocks(), stream_});
+    gather_part(1, round, args, {interior_blocks(), stream_});
     if (exchange_) stream_.wait_for(exchange_->boundary_moved);
     watch_.end(2, stream_);
     timed_ = false;

@@ -78,7 +78,7 @@ void write_checkpoint(const Comm& comm, const std::string& path, const Checkpoin
                       std::span<const BlockRow> my_blocks, std::span<const Column> columns) {
     const std::string partial = path + ".partial";
     const FileOrder order = file_order(comm, my_blocks);
-    const RowOrder exchange(comm, order.mine, order.rows);
+    const RowOrder exchange(comm, order.of_ranks, order.rows);
     try {
         const std::vector<Address> places = places_of(columns, order.rows);
         comm.agree_no_error<MachineError>(message_of([&] {
@@ -86,11 +86,12 @@ void write_checkpoint(const Comm& comm, const std::string& path, const Checkpoin
         }));
         std::unique_ptr<DiskFile> file;
         std::string trouble = message_of([&] { file = std::make_unique<DiskFile>(partial, DiskFile::Mode::append); });
-        for (std::size_t c = 0; c < columns.size(); ++c) {
-            const auto rows = exchange.to_file(columns[c]);
-            if (trouble.empty())
+        for (const std::span<const Column> group : column_groups(columns)) {
+            const auto slices = exchange.to_file(group);
+            for (std::size_t k = 0; k < group.size() && trouble.empty(); ++k)
                 trouble = message_of([&] {
-                    file->write(rows,
+                    const auto c = static_cast<std::size_t>(&group[k] - columns.data());
+                    file->write(slices[k],
                                 static_cast<std::int64_t>(places[c]) + exchange.slice().start * columns[c].row_bytes());
                 });
         }

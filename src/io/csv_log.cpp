@@ -44,7 +44,7 @@ CsvLog::CsvLog(const Comm& comm, std::string path, std::vector<std::string> colu
     }));
 }
 
-std::string CsvLog::kept_rows(const ResumeAfter& resume) const {
+std::string CsvLog::kept_rows(const ResumeAfter& resume) {
     const auto column =
         static_cast<std::size_t>(std::find(columns_.begin(), columns_.end(), resume.column) - columns_.begin());
     std::ifstream file(path_);
@@ -52,11 +52,20 @@ std::string CsvLog::kept_rows(const ResumeAfter& resume) const {
     if (!std::getline(file, line) || line != fmt::format("{}", fmt::join(columns_, ",")))
         throw InputError(fmt::format("cannot continue {} (its columns are others). Another --output?", path_));
     std::string rows;
+    bool known = resume.row.empty();
     while (std::getline(file, line)) {
         if (file.eof()) break;  // the last line has no end: its write was cut short
         const auto value = field(line, column, columns_.size());
-        if (value && *value <= resume.last) rows += line + '\n';
+        if (!value || *value > resume.last) continue;
+        rows += line + '\n';
+        last_row_ = line;
+        known = known || line == resume.row;
     }
+    if (!known && !rows.empty())
+        throw InputError(
+            fmt::format("cannot continue {} (it lacks the row that was its last when the checkpoint was written: it is "
+                        "of another run). Another --output?",
+                        path_));
     return rows;
 }
 
@@ -65,15 +74,23 @@ void CsvLog::row(std::span<const double> values) {
 }
 
 void CsvLog::row(std::span<const CsvCell> values) {
+    rows({{values.begin(), values.end()}});
+}
+
+void CsvLog::rows(const std::vector<std::vector<CsvCell>>& list) {
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root()) return;
-        if (values.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
-        std::vector<std::string> words;
-        for (const CsvCell& cell : values)
-            words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
-        const std::string line = fmt::format("{}\n", fmt::join(words, ","));
-        file_->write(std::as_bytes(std::span(line)), end_);
-        end_ += static_cast<std::int64_t>(line.size());
+        std::string lines;
+        for (const std::vector<CsvCell>& row : list) {
+            if (row.size() != columns_.size()) throw std::logic_error(path_ + ": a row of another length");
+            std::vector<std::string> words;
+            for (const CsvCell& cell : row)
+                words.push_back(std::visit([](const auto& value) { return fmt::format("{}", value); }, cell));
+            last_row_ = fmt::format("{}", fmt::join(words, ","));
+            lines += last_row_ + '\n';
+        }
+        file_->write(std::as_bytes(std::span(lines)), end_);
+        end_ += static_cast<std::int64_t>(lines.size());
     }));
 }
 

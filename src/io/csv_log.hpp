@@ -20,6 +20,7 @@ namespace moraine {
 struct ResumeAfter {
     std::string column;
     double last = 0;
+    std::string row = {};  ///< what one of them must be: else the table is of another run; empty: not known
 };
 
 /// A number, or a word without a comma.
@@ -37,15 +38,20 @@ class CsvLog {
     /// Collective.
     void row(std::span<const CsvCell> values);
     void row(std::span<const double> values);
+    /// Several rows, one write. Collective.
+    void rows(const std::vector<std::vector<CsvCell>>& list);
+    /// The last that this run wrote or kept, without its end; rank 0 knows it, others get none. Not collective.
+    const std::string& last_row() const { return last_row_; }
 
   private:
-    std::string kept_rows(const ResumeAfter& resume) const;
+    std::string kept_rows(const ResumeAfter& resume);
 
     const Comm& comm_;
     std::string path_;
     std::vector<std::string> columns_;
     std::unique_ptr<DiskFile> file_;  ///< rank 0 only
     std::int64_t end_ = 0;            ///< [byte]
+    std::string last_row_;
 };
 
 }  // namespace moraine

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "io/deflate.hpp"
+
 namespace moraine::hdf5 {
 
 namespace {
@@ -61,6 +63,7 @@ enum MessageType {
     link = 6,
     layout = 8,
     group_info = 10,
+    filter_pipeline = 11,
     attribute_message = 12,
     reference_count = 22
 };
@@ -99,6 +102,15 @@ Bytes nan_or_zero(const ElementType& type) {
     const double wide = std::numeric_limits<double>::quiet_NaN();
     return type.bytes == 4 ? b.raw(&single, 4) : b.raw(&wide, 8);
 }
+
+/// Byte shuffle, then deflate (io/deflate.hpp): numbers 2 and 1 of the library.
+Bytes filters(const ElementType& type) {
+    Bytes b;
+    b.number(2, 1).number(2, 1);
+    b.number(2, 2).number(1, 2).number(1, 2).number(static_cast<std::uint64_t>(type.bytes), 4);
+    return b.number(1, 2).number(1, 2).number(1, 2).number(deflate_level, 4);
+}
+constexpr int number_of_filters = 2;
 
 /// An object: its messages between a prefix and a checksum.
 class Header {
@@ -199,6 +211,7 @@ std::vector<std::byte> dataset(const ElementType& type, const std::vector<std::i
         where.number(bytes > 0 ? storage.at : nowhere, 8).number(bytes, 8);
     }
     header.message(layout, where);
+    if (storage.filtered) header.message(filter_pipeline, filters(type));
     header.attributes(attributes);
     return header.finish(links);
 }
@@ -222,15 +235,17 @@ std::vector<std::byte> chunk_node(const ChunkShape& shape, int level, std::span<
                                   std::int64_t end_index) {
     Bytes b;
     b.text("TREE").number(1, 1).number(level, 1).number(children.size(), 2).number(nowhere, 8).number(nowhere, 8);
-    const auto key = [&](std::int64_t index) {
-        b.number(shape.rows * shape.row_bytes, 4).number(0, 4).number(index * shape.rows, 8);
-        b.zeros(shape.components > 1 ? 16 : 8);
+    const auto key = [&](const Chunk& c) {
+        const bool left_out = shape.filtered && c.bytes == 0;
+        b.number(static_cast<std::uint64_t>(c.bytes > 0 ? c.bytes : shape.rows * shape.row_bytes), 4);
+        b.number(left_out ? (1U << number_of_filters) - 1 : 0, 4);
+        b.number(static_cast<std::uint64_t>(c.index * shape.rows), 8).zeros(shape.components > 1 ? 16 : 8);
     };
     for (const Chunk& child : children) {
-        key(child.index);
+        key(child);
         b.number(child.at, 8);
     }
-    key(end_index);
+    key({end_index});
     const std::size_t key_bytes = shape.components > 1 ? 32 : 24;
     const std::size_t full = 24 + node_entries * 8 + (node_entries + 1) * key_bytes;
     return b.zeros(full - b.size()).get();

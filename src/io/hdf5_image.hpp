@@ -55,6 +55,7 @@ struct ElementType {
 struct Storage {
     Address at = nowhere;         ///< of the piece, or of the root of the tree of chunks
     std::int64_t chunk_rows = 0;  ///< 0: one piece
+    bool filtered = false;        ///< chunks pass the filters of io/deflate.hpp, but for those that say otherwise
 };
 
 struct Attribute {
@@ -107,6 +108,7 @@ class Region {
 struct Chunk {
     std::int64_t index = 0;
     Address at = nowhere;
+    std::int64_t bytes = 0;  ///< in the file, once filtered; 0: those of its rows
 };
 
 /// What the nodes of a chunk tree need to know of their dataset.
@@ -114,6 +116,7 @@ struct ChunkShape {
     std::int64_t rows = 0;  ///< of a chunk
     int components = 1;
     int row_bytes = 8;
+    bool filtered = false;  ///< chunks that tell no bytes were left out by the filters of the dataset
 };
 
 inline constexpr std::size_t node_entries = 64;  ///< 2 K, K = 32: the library's default

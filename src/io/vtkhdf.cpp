@@ -1,14 +1,13 @@
 #include "io/vtkhdf.hpp"
 
 #include <fmt/format.h>
+#include <omp.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstring>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <numeric>
+#include <utility>
 
 #include "core/error.hpp"
 #include "io/disk_file.hpp"
@@ -17,43 +16,14 @@
 namespace moraine {
 
 using vtkhdf::Address;
+using vtkhdf::OutputPlan;
 using vtkhdf::SeriesArray;
-
-/// Where the next output goes: known to rank 0, told to all.
-struct ParticleSeries::Plan {
-    Address at = 0;
-    std::int64_t chunk_rows = 0;
-    std::int64_t vertices = 0;  ///< numbers of vertices to write; 0: those of an earlier output suffice
-    bool first = true;          ///< there is no file yet: write under a temporary name
-};
+using vtkhdf::SeriesOutput;
 
 namespace {
 
 Address aligned(Address at) {
     return (at + 4095) / 4096 * 4096;
-}
-
-std::int64_t chunks_of(std::int64_t rows, std::int64_t chunk_rows) {
-    return (rows + chunk_rows - 1) / chunk_rows;
-}
-
-int components_in_file(const Column& column) {
-    return column.components == 2 ? 3 : column.components;
-}
-
-/// Bytes that an output of this column takes, its padding included.
-Address bytes_of(const Column& column, std::int64_t rows, std::int64_t chunk_rows) {
-    const int row_bytes = components_in_file(column) * Column::bytes_of(column.type);
-    return static_cast<Address>(chunks_of(rows, chunk_rows) * chunk_rows * row_bytes);
-}
-
-/// Rows of two numbers to rows of three.
-std::vector<std::byte> with_zero(const std::vector<std::byte>& rows, std::size_t number_bytes) {
-    const std::size_t count = rows.size() / (2 * number_bytes);
-    std::vector<std::byte> wide(count * 3 * number_bytes);
-    for (std::size_t r = 0; r < count; ++r)
-        std::memcpy(wide.data() + r * 3 * number_bytes, rows.data() + r * 2 * number_bytes, 2 * number_bytes);
-    return wide;
 }
 
 std::string partial_name(const std::string& path) {
@@ -71,7 +41,8 @@ std::vector<std::byte> head_of(const std::string& path) {
 
 }  // namespace
 
-ParticleSeries::ParticleSeries(const Comm& comm, std::string path) : comm_(comm), path_(std::move(path)) {
+ParticleSeries::ParticleSeries(const Comm& comm, std::string path, const SeriesOptions& options)
+    : comm_(comm), path_(std::move(path)), options_(options) {
     comm.agree_no_error<InputError>(message_of([&] {
         if (!comm.is_root() || !std::filesystem::exists(path_)) return;
         try {
@@ -107,66 +78,56 @@ void ParticleSeries::truncate_to(double time) {
     }));
 }
 
-ParticleSeries::Plan ParticleSeries::plan(std::int64_t rows) const {
-    std::vector<Plan> mine;
+OutputPlan ParticleSeries::plan(std::int64_t rows) const {
+    OutputPlan mine;
+    std::string trouble;
     if (comm_.is_root()) {
-        const bool first = state_.steps.empty();
-        // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay
-        // below the format's 4 GiB.
+        mine.first = state_.steps.empty();
+        mine.deflate = options_.deflate;
+        // Eight chunks an output: the last is padded by an eighth of the rows at most, and all stay below the format's
+        // 4 GiB. Compressed ones are padded by nothing, and small enough for many ranks and for the library's cache.
         constexpr std::int64_t few = 1024;
-        constexpr std::int64_t many = std::int64_t(1) << 25;
-        const std::int64_t chunk_rows = first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
-        mine.push_back({aligned(state_.end), chunk_rows, rows + 1 > state_.vertices_count ? rows + 1 : 0, first});
-    }
-    return comm_.all_gather(mine)[0];
-}
-
-void ParticleSeries::write_rows(const Plan& plan, const RowOrder& order, std::span<const Column> columns,
-                                std::int64_t rows) const {
-    std::unique_ptr<DiskFile> file;
-    std::string trouble = message_of(
-        [&] { file = std::make_unique<DiskFile>(plan.first ? partial_name(path_) : path_, DiskFile::Mode::append); });
-    Address at = plan.at;
-    for (const Column& column : columns) {
-        const auto number_bytes = static_cast<std::size_t>(Column::bytes_of(column.type));
-        std::vector<std::byte> slice = order.to_file(column);
-        if (column.components == 2) slice = with_zero(slice, number_bytes);
-        const auto row_bytes = components_in_file(column) * static_cast<std::int64_t>(number_bytes);
-        if (trouble.empty())
-            trouble = message_of(
-                [&] { file->write(slice, static_cast<std::int64_t>(at) + order.slice().start * row_bytes); });
-        at += bytes_of(column, rows, plan.chunk_rows);
-    }
-    if (plan.vertices > 0 && trouble.empty())
+        const std::int64_t many = std::int64_t(1) << (mine.deflate ? 15 : 25);
+        mine.chunk_rows = mine.first ? std::clamp((rows + 7) / 8, few, many) : state_.chunk_rows;
+        mine.at = aligned(state_.end);
+        mine.vertices = rows + 1 > state_.vertices_count ? rows + 1 : 0;
         trouble = message_of([&] {
-            const bool last = comm_.rank() + 1 == comm_.size();
-            std::vector<std::int64_t> numbers(static_cast<std::size_t>(order.slice().count + (last ? 1 : 0)));
-            std::iota(numbers.begin(), numbers.end(), order.slice().start);
-            file->write(std::as_bytes(std::span(numbers)), static_cast<std::int64_t>(at) + order.slice().start * 8);
+            if (mine.first)
+                DiskFile(partial_name(path_), DiskFile::Mode::create);
+            else
+                check_ours();
         });
-    if (trouble.empty()) trouble = message_of([&] { file->sync(); });
-    comm_.agree_no_error<MachineError>(trouble);
+        mine.failed = !trouble.empty();
+    }
+    const OutputPlan agreed = comm_.of_root(mine);
+    if (agreed.failed) comm_.agree_no_error<MachineError>(trouble);
+    return agreed;
 }
 
-void ParticleSeries::record(const Plan& plan, double time, std::int64_t rows, std::span<const Column> columns) {
+void ParticleSeries::record(const SeriesOutput& output, double time) {
     vtkhdf::SeriesState next = state_;
+    const OutputPlan& plan = output.plan();
     next.chunk_rows = plan.chunk_rows;
+    if (plan.deflate && !std::exchange(next.filtered, true))
+        for (SeriesArray& array : next.arrays) array.full_nodes.clear();  // they do not say that their chunks are plain
     const std::int64_t first_chunk = next.next_chunk();
-    next.steps.push_back({time, rows, first_chunk});
-    Address at = plan.at;
-    for (const Column& column : columns) {
+    next.steps.push_back({time, output.rows(), first_chunk});
+    for (std::size_t c = 0; c < output.columns().size(); ++c) {
+        const Column& column = output.columns()[c];
         auto found = std::find_if(next.arrays.begin(), next.arrays.end(),
                                   [&](const SeriesArray& a) { return a.name == column.name; });
         if (found == next.arrays.end())
-            found = next.arrays.insert(found, {column.name, column.unit, column.type, components_in_file(column)});
-        if (found->type != column.type || found->components != components_in_file(column))
+            found =
+                next.arrays.insert(found, {column.name, column.unit, column.type, vtkhdf::components_in_file(column)});
+        if (found->type != column.type || found->components != vtkhdf::components_in_file(column))
             throw MachineError(fmt::format("cannot continue array {} of {} (its type has changed). Another --output?",
                                            column.name, path_));
-        const std::int64_t chunk_bytes = plan.chunk_rows * found->row_bytes();
-        for (std::int64_t c = 0; c < chunks_of(rows, plan.chunk_rows); ++c)
-            found->chunks.push_back({first_chunk + c, at + static_cast<Address>(c * chunk_bytes)});
-        at += bytes_of(column, rows, plan.chunk_rows);
+        for (vtkhdf::Chunk chunk : output.chunks()[c]) {
+            chunk.index += first_chunk;
+            found->chunks.push_back(chunk);
+        }
     }
+    Address at = output.vertices_at();
     if (plan.vertices > 0) {
         next.vertices = at;
         next.vertices_count = plan.vertices;
@@ -202,33 +163,112 @@ void ParticleSeries::check_ours() const {
                     path_));
 }
 
-void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
-                            std::span<const Column> fields) {
-    const FileOrder order = file_order(comm_, my_blocks);
-    const auto per_block = [&](std::byte* rows, const auto& value_of) {
+void ParticleSeries::check_types(const Column& position, std::span<const Column> fields) const {
+    comm_.agree_no_error<InputError>(message_of([&] {
+        const auto check = [&](const std::string& name, const Column& column) {
+            for (const SeriesArray& array : state_.arrays)
+                if (array.name == name &&
+                    (array.type != column.type || array.components != vtkhdf::components_in_file(column)))
+                    throw InputError(fmt::format(
+                        "cannot continue {} (its {} has {} numbers of {} bytes a particle, this run's would have {} "
+                        "of {}). The output.precision it began with, or another --output?",
+                        path_, name, array.components, Column::bytes_of(array.type), vtkhdf::components_in_file(column),
+                        Column::bytes_of(column.type)));
+        };
+        check("Points", position);
+        for (const Column& field : fields) check(field.name, field);
+    }));
+}
+
+std::vector<Column> ParticleSeries::columns_of(std::span<const BlockRow> my_blocks, const Column& position,
+                                               std::span<const Column> fields, const SeriesLabels& labels) const {
+    const auto per_block = [my_blocks](std::byte* rows, const auto& value_of) {
         auto* at = reinterpret_cast<decltype(value_of(BlockRow{}))*>(rows);
         for (const BlockRow& block : my_blocks) at = std::fill_n(at, block.count, value_of(block));
     };
-    std::vector<Column> columns{position, {"rank", "", Column::Type::u32}, {"block_key", "", Column::Type::u64}};
+    std::vector<Column> columns{position};
     columns[0].name = "Points";
-    columns[1].make = [&](std::byte* rows) {
-        per_block(rows, [&](const BlockRow&) { return static_cast<std::uint32_t>(comm_.rank()); });
-    };
-    columns[2].make = [&](std::byte* rows) { per_block(rows, [](const BlockRow& block) { return block.key; }); };
+    if (labels.rank) columns.push_back({"rank", "", Column::Type::u32});
+    if (labels.rank)
+        columns.back().make = [this, per_block](std::byte* rows) {
+            per_block(rows, [&](const BlockRow&) { return static_cast<std::uint32_t>(comm_.rank()); });
+        };
+    if (labels.block_key) columns.push_back({"block_key", "", Column::Type::u64});
+    if (labels.block_key)
+        columns.back().make = [per_block](std::byte* rows) {
+            per_block(rows, [](const BlockRow& block) { return block.key; });
+        };
     columns.insert(columns.end(), fields.begin(), fields.end());
+    return columns;
+}
 
-    const Plan where = plan(order.rows);
-    comm_.agree_no_error<MachineError>(message_of([&] {
-        if (!comm_.is_root()) return;
-        if (where.first)
-            DiskFile(partial_name(path_), DiskFile::Mode::create);
-        else
-            check_ours();
-    }));
-    write_rows(where, RowOrder(comm_, order.mine, order.rows), columns, order.rows);
-    comm_.agree_no_error<MachineError>(message_of([&] {
-        if (comm_.is_root()) record(where, time, order.rows, columns);
-    }));
+void ParticleSeries::append(double time, std::span<const BlockRow> my_blocks, const Column& position,
+                            std::span<const Column> fields, const SeriesLabels& labels) {
+    finish();
+    const FileOrder order = file_order(comm_, my_blocks);
+    const std::vector<Column> columns = columns_of(my_blocks, position, fields, labels);
+    const OutputPlan where = plan(order.rows);
+    const RowOrder exchange(comm_, order.of_ranks, order.rows, where.deflate ? where.chunk_rows : 1);
+    output_ = std::make_unique<SeriesOutput>(where, where.first ? partial_name(path_) : path_, columns, order.rows,
+                                             exchange.slice());
+    time_ = time;
+    const int threads = options_.asynchronous ? 1 : omp_get_max_threads();
+    for (const std::span<const Column> group : column_groups(columns)) {
+        for (auto& slice : exchange.to_file(group)) output_->take(std::move(slice));
+        if (options_.asynchronous) continue;
+        output_->deflate(threads);
+        if (!where.deflate) output_->write();
+    }
+    begin(Stage::compress, [this, threads] { output_->deflate(threads); });
+    if (!options_.asynchronous) finish();
+}
+
+void ParticleSeries::begin(Stage stage, std::function<void()> work) {
+    stage_ = stage;
+    if (options_.asynchronous)
+        work_ = std::async(std::launch::async, std::move(work));
+    else
+        work();
+}
+
+bool ParticleSeries::busy() const {
+    return work_.valid() && work_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
+void ParticleSeries::advance() {
+    if (work_.valid()) work_.get();
+    if (stage_ == Stage::compress) {
+        output_->place(comm_);
+        begin(Stage::write, [this] {
+            output_->write();
+            output_->finish();
+        });
+    } else if (stage_ == Stage::write) {
+        trouble_ = output_->trouble();
+        end_if_trouble();
+        begin(Stage::commit, [this] {
+            if (comm_.is_root()) trouble_ = message_of([&] { record(*output_, time_); });
+        });
+    } else if (stage_ == Stage::commit) {
+        end_if_trouble();
+        output_.reset();
+        stage_ = Stage::none;
+    }
+}
+
+/// Throws on all ranks what any of them met; the output is given up.
+void ParticleSeries::end_if_trouble() {
+    try {
+        comm_.agree_no_error<MachineError>(trouble_);
+    } catch (const MachineError&) {
+        output_.reset();
+        stage_ = Stage::none;
+        throw;
+    }
+}
+
+void ParticleSeries::finish() {
+    while (under_way()) advance();
 }
 
 }  // namespace moraine

@@ -9,9 +9,9 @@ using namespace hdf5;
 namespace {
 
 /// The tree of an array's chunks, bottom up. Full leaves of earlier commits are used again.
-Address put_tree(Region& region, SeriesArray& array, std::int64_t chunk_rows) {
+Address put_tree(Region& region, SeriesArray& array, const SeriesState& state) {
     if (array.chunks.empty()) return nowhere;
-    const ChunkShape shape{chunk_rows, array.components, array.row_bytes()};
+    const ChunkShape shape{state.chunk_rows, array.components, array.row_bytes(), state.filtered};
     const std::int64_t end = array.chunks.back().index + 1;
     std::vector<Chunk> level = array.full_nodes;
     for (std::size_t i = level.size() * node_entries; i < array.chunks.size(); i += node_entries) {
@@ -37,10 +37,11 @@ Address put_tree(Region& region, SeriesArray& array, std::int64_t chunk_rows) {
 Address put_array(Region& region, SeriesArray& array, const SeriesState& state) {
     std::vector<std::int64_t> extent{state.next_chunk() * state.chunk_rows};
     if (array.components > 1) extent.push_back(array.components);
-    const Address tree = put_tree(region, array, state.chunk_rows);
+    const Address tree = put_tree(region, array, state);
     std::vector<Attribute> attributes;
     if (!array.unit.empty()) attributes.push_back(text_attribute("unit", array.unit));
-    return region.put(dataset(ElementType::of(array.type), extent, {tree, state.chunk_rows}, attributes));
+    return region.put(
+        dataset(ElementType::of(array.type), extent, {tree, state.chunk_rows, state.filtered}, attributes));
 }
 
 /// Sizes of the parts, and the part of each step: steps of one size share theirs, as they share their

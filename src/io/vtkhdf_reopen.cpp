@@ -59,6 +59,21 @@ std::int64_t chunk_rows_of(hid_t set, std::size_t dims) {
     return static_cast<std::int64_t>(chunk[0]);
 }
 
+/// Whether chunks may be compressed by our two filters; by no others.
+bool is_filtered(hid_t set) {
+    const H5Id plist(H5Dget_create_plist(set), H5Pclose, damaged);
+    const int filters = H5Pget_nfilters(plist);
+    if (filters == 0) return false;
+    for (int k = 0; k < filters; ++k) {
+        unsigned flags = 0, config = 0;
+        std::size_t values = 0;
+        const auto filter =
+            H5Pget_filter2(plist, static_cast<unsigned>(k), &flags, &values, nullptr, 0, nullptr, &config);
+        if (filters != 2 || filter != (k == 0 ? H5Z_FILTER_SHUFFLE : H5Z_FILTER_DEFLATE)) throw H5Failure(damaged);
+    }
+    return true;
+}
+
 SeriesArray read_array(hid_t file, const std::string& path, SeriesState& state) {
     const H5Id set = open(file, path);
     const auto extent = extent_of(set);
@@ -67,6 +82,9 @@ SeriesArray read_array(hid_t file, const std::string& path, SeriesState& state) 
     const std::int64_t chunk_rows = chunk_rows_of(set, extent.size());
     if (state.chunk_rows != 0 && state.chunk_rows != chunk_rows) throw H5Failure(damaged);
     state.chunk_rows = chunk_rows;
+    const bool filtered = is_filtered(set);
+    if (state.arrays.empty()) state.filtered = filtered;
+    if (state.filtered != filtered) throw H5Failure(damaged);
     const auto chunks = static_cast<std::int64_t>(extent[0]) / chunk_rows;
     for (std::int64_t index = 0; index < chunks; ++index) {
         const hsize_t corner[] = {static_cast<hsize_t>(index * chunk_rows), 0};
@@ -74,7 +92,8 @@ SeriesArray read_array(hid_t file, const std::string& path, SeriesState& state) 
         haddr_t at = HADDR_UNDEF;
         hsize_t bytes = 0;
         h5_check(H5Dget_chunk_info_by_coord(set, corner, &filters, &at, &bytes), damaged);
-        if (at != HADDR_UNDEF) array.chunks.push_back({index, at});
+        const auto packed = filtered && filters == 0 ? static_cast<std::int64_t>(bytes) : 0;
+        if (at != HADDR_UNDEF) array.chunks.push_back({index, at, packed});
     }
     return array;
 }

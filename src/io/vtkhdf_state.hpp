@@ -34,6 +34,7 @@ struct SeriesStep {
 
 struct SeriesState {
     std::int64_t chunk_rows = 0;
+    bool filtered = false;  ///< some chunks are compressed; which, they tell
     std::vector<SeriesStep> steps;
     std::vector<SeriesArray> arrays;   ///< Points first
     Address vertices = hdf5::nowhere;  ///< 0, 1, 2, ...: connectivity and offsets of the vertices of every step
@@ -45,6 +46,11 @@ struct SeriesState {
         return steps.empty() ? 0 : steps.back().first_chunk + chunks_of(steps.back().rows);
     }
 };
+
+/// Components of a column in the file: vectors of two become three.
+inline int components_in_file(const Column& column) {
+    return column.components == 2 ? 3 : column.components;
+}
 
 /// Metadata that describes `state`, to be written at `at`; sets `root` and remembers full nodes.
 std::vector<std::byte> metadata(SeriesState& state, Address at, Address& root);

@@ -61,6 +61,13 @@ double node_block_bytes(const Scene& scene) {
     return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
 }
 
+/// Of an output that a rank holds until it is written: one that is asynchronous, or compressed (then less).
+double held_output(const Scene& scene, const Prediction& p, int ranks) {
+    if (!scene.output.asynchronous && !scene.output.deflate) return 0;
+    const OutputPrediction o = predict_output(scene, p);
+    return o.row_bytes * o.particles / ranks;
+}
+
 }  // namespace
 
 double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
@@ -71,7 +78,8 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const double mine = static_cast<double>(p.blocks) / ranks;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
     return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
-           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables;
+           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables +
+           held_output(scene, p, ranks);
 }
 
 namespace {
@@ -160,7 +168,7 @@ double host_bytes_with_device(const Scene& scene, const Prediction& p, int ranks
     const double column = (ranks > 1 ? 3 : 1) * 24;  // of places: as made, as sent, as written
     const double lattice = 200 * std::min(particles / ranks, 1048576.0);
     const double seeding = is_lattice(scene) ? lattice : std::max(lattice, rows_on_host(scene, p, ranks));
-    const double output = writes_particles ? column * particles / ranks : 0;
+    const double output = writes_particles ? column * particles / ranks + held_output(scene, p, ranks) : 0;
     return 1e9 + blocks * replicated + grown(scene, blocks / ranks, 2) * own + std::max(seeding, output);
 }
 

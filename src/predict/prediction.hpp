@@ -35,8 +35,8 @@ Prediction predict(const Scene& scene);
 
 /// Of one of `ranks` ranks, above an empty run [B]. With R bytes per real and d dimensions:
 ///   particle: position, velocity d R each; stress (4 or 6) R; volume, mass, ln J R each; id 8; body 2;
-///             lists 10; one column while it is written 8 d; each scalar of the laws R; APIC and TPIC
-///             d^2 R; b (4 or 6) R; stretch of GIMP d R
+///             lists 10; one column while it is written 8 d, a whole output if that is asynchronous; each scalar of the
+///             laws R; APIC and TPIC d^2 R; b (4 or 6) R; stretch of GIMP d R
 ///   block:    tile (4 + w - 1)^d 8 R; w: width of the stencil. Nodes 4^d 8 R, also of one more layer
 ///             of blocks, and tables, of two more, as if the body were a cube
 double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
@@ -52,6 +52,17 @@ double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 /// seeded on the host: there all particles are in its memory at the start. Checkpoints need a column too, and are not
 /// counted.
 double host_bytes_with_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
+
+/// What particles.vtkhdf will hold.
+struct OutputPrediction {
+    double row_bytes = 0;  ///< of a particle in an output
+    double particles = 0;  ///< in an output: about a share of output.every
+    double outputs = 0;    ///< with those of the start and the end
+    double steps = 0;      ///< between two
+};
+
+/// Not collective. Once in a file there are also the numbers of its vertices, 8 bytes a particle.
+OutputPrediction predict_output(const Scene& scene, const Prediction& prediction);
 
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.
 void count_blocks(const Scene& scene, const std::vector<Key>& occupied, Prediction& p);

@@ -132,9 +132,8 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     return c;
 }
 
-/// One sum over ranks, as a checkpoint holds it. Collective.
-inline std::vector<std::int64_t> stored_sum(const Comm& comm, const ExactSum& mine) {
-    const ExactSum sum = comm.exact_sum(mine);
+/// A sum over ranks, as a checkpoint holds it.
+inline std::vector<std::int64_t> stored_sum(const ExactSum& sum) {
     return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
 }
 inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
@@ -146,10 +145,18 @@ inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& n
 /// Collective.
 template <class Real, int Dim>
 void save_structures(Simulation<Real, Dim>& sim, const Comm& comm, CheckpointHeader& header) {
-    StructureSet<Dim>& set = sim.structures();
+    StructureSet<Dim> set = sim.structures();
     if (set.empty()) return;
+    std::vector<StructureSums<Dim>> sums;
+    for (const StructureState<Dim>& state : set.states())
+        sums.insert(sums.end(), {state.pending, state.felt, state.reported});
+    sums = comm.exact_sums(sums);
+    for (std::size_t k = 0; k < set.size(); ++k) {
+        StructureState<Dim>& state = set.states()[k];
+        state.pending = sums[3 * k], state.felt = sums[3 * k + 1], state.reported = sums[3 * k + 2];
+    }
     each_structure_sum(
-        set, [&](const std::string& name, ExactSum& mine) { header["structure_" + name] = stored_sum(comm, mine); });
+        set, [&](const std::string& name, const ExactSum& all) { header["structure_" + name] = stored_sum(all); });
     std::vector<double> motion{set.reported_time};
     for (const StructureState<Dim>& state : set.states()) {
         motion.insert(motion.end(), state.displacement.e, state.displacement.e + Dim);
@@ -182,24 +189,33 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     }
 }
 
-/// Binned state only; after conclude().
+/// Binned state only; after conclude(). `history_row`: the last of history.csv, by which a restart knows that it goes
+/// on with that of this run.
 template <class Real, int Dim>
-void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path) {
+void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path, const std::string& history_row = {}) {
     CheckpointHeader header = clock_header(sim.clock());
+    header["history_row"] = history_row;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
     header["partitioner_state"] = sim.partitioner().state();
-    Budget<Dim> budget = sim.budget();
-    header["lost_count"] = comm.sum(budget.lost_count);
+    Budget<Dim> budget = comm.exact_sum(sim.budget());
+    header["lost_count"] = budget.lost_count;
     each_budget_entry(
-        budget, [&](const std::string& name, ExactSum& mine) { header["ledger_" + name] = stored_sum(comm, mine); });
+        budget, [&](const std::string& name, const ExactSum& all) { header["ledger_" + name] = stored_sum(all); });
 
     save_structures(sim, comm, header);
 
     std::vector<Column> columns;
     for (const ColumnBytes& c : sim.columns()) columns.push_back(listed_column(sim, c));
     write_checkpoint(comm, path, header, block_rows(sim), columns);
+}
+
+/// What save() was told; nothing in checkpoints that know none.
+inline std::string history_row_of(const CheckpointReader& file) {
+    const auto found = file.header().find("history_row");
+    const auto* row = found == file.header().end() ? nullptr : std::get_if<std::string>(&found->second);
+    return row ? *row : std::string();
 }
 
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.

@@ -38,29 +38,28 @@ std::vector<std::string> structure_columns() {
 template <class Real, int Dim>
 void record_structures(Simulation<Real, Dim>& sim, CsvLog& log) {
     StructureSet<Dim>& set = sim.structures();
-    std::vector<StructureSums<Dim>> felt, before;
-    for (const StructureState<Dim>& state : set.states()) {
-        felt.push_back(state.felt);
-        before.push_back(state.reported);
-    }
-    const auto now = sim.comm().exact_sums(felt), then = sim.comm().exact_sums(before);
+    std::vector<StructureSums<Dim>> sums;  // what was felt until now, and until the row before
+    for (const StructureState<Dim>& state : set.states()) sums.insert(sums.end(), {state.felt, state.reported});
+    sums = sim.comm().exact_sums(sums);
     const double time = sim.clock().time - set.reported_time;
-    constexpr std::size_t sums = Dim + moments<Dim>;
+    std::vector<std::vector<CsvCell>> rows;
     for (std::size_t k = 0; k < set.size(); ++k) {
         StructureState<Dim>& state = set.states()[k];
+        const StructureSums<Dim>&now = sums[2 * k], &then = sums[2 * k + 1];
         std::vector<CsvCell> row{static_cast<double>(sim.clock().step), sim.clock().time, set.spec(k).name};
-        for (std::size_t q = 0; q < sums; ++q) {
-            ExactSum gain = then[k].sum[q];
+        for (std::size_t q = 0; q < Dim + moments<Dim>; ++q) {
+            ExactSum gain = then.sum[q];
             gain.negate();
-            gain.add(now[k].sum[q]);
+            gain.add(now.sum[q]);
             row.emplace_back(time > 0 ? sim.quantum().value(gain) / time : 0.0);
         }
         for (int a = 0; a < Dim; ++a) row.emplace_back(state.displacement[a]);
         for (int a = 0; a < Dim; ++a) row.emplace_back(state.velocity[a]);
-        for (int a = 0; a < Dim; ++a) row.emplace_back(sim.quantum().value(now[k].sum[a]));
-        log.row(row);
+        for (int a = 0; a < Dim; ++a) row.emplace_back(sim.quantum().value(now.sum[a]));
+        rows.push_back(std::move(row));
         state.reported = state.felt;
     }
+    log.rows(rows);
     set.reported_time = sim.clock().time;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "records/structure_record.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {
@@ -67,36 +68,51 @@ inline double front_of(const std::vector<double>& columns, const Scene& scene) {
     return scene.min[0];
 }
 
-/// Binned state only. Collective.
+/// What the ranks add up for a row, all in one reduction.
+template <int Dim>
+struct RowSums {
+    TotalSums<Dim> totals;
+    Budget<Dim> budget;
+    std::int64_t particles = 0;
+
+    void add(const RowSums& o) {
+        totals.add(o.totals);
+        budget.add(o.budget);
+        particles += o.particles;
+    }
+};
+
+/// Binned state only. Three reductions at most. Collective.
 template <class Real, int Dim>
 TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
-    const Budget<Dim>& budget = sim.budget();
+    const RowSums<Dim> all =
+        comm.exact_sum(RowSums<Dim>{share_totals(sim), sim.budget(), sim.engine().census().particles});
+    const Budget<Dim>& budget = all.budget;
+    const auto value = [quantum = sim.quantum()](const ExactSum& sum) { return quantum.value(sum); };
     TimeSeriesRow<Dim> row;
     row.step = clock.step;
     row.time = clock.time;
     row.dt = clock.dt;
-    row.totals = totals_of(sim);
-    row.particles = comm.sum(sim.engine().census().particles);
-    row.lost_particles = comm.sum(budget.lost_count);
-    row.lost_mass = sum_of(sim, budget.lost_mass);
+    row.totals = all.totals.value(sim.quantum());
+    row.particles = all.particles;
+    row.lost_particles = budget.lost_count;
+    row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);
     row.potential = potential_energy(scene, row.totals);
-    row.dissipated = sum_of(sim, budget.work) - (row.totals.strain - clock.start_strain);
-    std::vector<StructureSums<Dim>> felt;
-    for (const StructureState<Dim>& state : sim.structures().states()) felt.push_back(state.felt);
-    felt = comm.exact_sums(felt);
+    row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
+    const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     for (std::size_t a = 0; a < Dim; ++a) {
-        row.wall_impulse[a] = sum_of(sim, budget.impulse[a]);
-        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - sum_of(sim, budget.lost_gravity_impulse[a]);
+        row.wall_impulse[a] = value(budget.impulse[a]);
+        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - value(budget.lost_gravity_impulse[a]);
         row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
-        row.momentum_error[a] = row.totals.momentum[a] + sum_of(sim, budget.lost_momentum[a]) -
-                                clock.start_momentum[a] - row.gravity_impulse[a] - row.wall_impulse[a];
-        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += sim.quantum().value(s.sum[a]);
+        row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
+                                row.gravity_impulse[a] - row.wall_impulse[a];
+        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
     }
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
-    for (const StructureSums<Dim>& s : felt) row.unaccounted -= sim.quantum().value(s.sum[StructureSums<Dim>::work]);
+    for (const StructureSums<Dim>& s : felt) row.unaccounted -= value(s.sum[StructureSums<Dim>::work]);
     return row;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -79,12 +80,24 @@ void check_transfer(const Scene& scene, const Places& places) {
                        scene.transfer == Transfer::apic ? "flip" : "pic"));
 }
 
+void check_names(const std::string& key, const std::vector<std::string>& names, const std::vector<std::string>& valid,
+                 const Places& places) {
+    for (auto name = names.begin(); name != names.end(); ++name) {
+        if (std::find(valid.begin(), valid.end(), *name) == valid.end())
+            refuse(places.of(key), fmt::format("{} has {}", key, quote(*name)), "no such field in this scene",
+                   suggest(*name, valid));
+        if (std::find(names.begin(), name, *name) != name)
+            refuse(places.of(key), fmt::format("{} has {} twice", key, quote(*name)), "a file has one array of a name",
+                   "Remove one?");
+    }
+}
+
 void check_fields(const Scene& scene, const Places& places) {
-    const std::vector<std::string> valid = output_field_names(scene);
-    for (const std::string& field : scene.output.fields)
-        if (std::find(valid.begin(), valid.end(), field) == valid.end())
-            refuse(places.of("output.fields"), fmt::format("output.fields has {}", quote(field)),
-                   "no such field in this scene", suggest(field, valid));
+    check_names("output.fields", scene.output.fields, output_field_names(scene), places);
+    check_names("output.labels", scene.output.labels, {"id", "rank", "block_key"}, places);
+    if (scene.output.deflate && !can_deflate())
+        refuse(places.of("output.compression"), "output.compression = \"deflate\"",
+               "the program was built without zlib", "Leave it out?");
 }
 
 void check_starts(const Scene& scene, const Places& places) {

@@ -96,7 +96,8 @@ void check_storage(hid_t file, hid_t set, hsize_t rows) {
     const bool packed = H5Pget_nfilters(list) > 0;
     const hsize_t stored = std::min(H5Dget_storage_size(set), file_bytes);
     const hsize_t most = packed ? stored * 100000 : stored;  // a column of one value packs well
-    if (rows > most / H5Tget_size(type)) throw H5Failure(fmt::format("its {} rows are not in the file", rows));
+    const std::size_t bytes = H5Tget_size(type);             // of a damaged file: 0
+    if (bytes == 0 || rows > most / bytes) throw H5Failure(fmt::format("its {} rows are not in the file", rows));
 }
 
 std::vector<double> read_dataset(hid_t file, const std::string& name) {

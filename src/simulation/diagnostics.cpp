@@ -21,37 +21,25 @@ Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real
 }  // namespace
 
 template <class Real, int Dim>
-Totals<Dim> totals_of(const Simulation<Real, Dim>& sim) {
+TotalSums<Dim> share_totals(const Simulation<Real, Dim>& sim) {
     const Quantum quantum = sim.quantum();
-    std::array<ExactSum, Totals<Dim>::sums> sums{};
-    Totals<Dim> extremes;
+    TotalSums<Dim> sums;
     sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
 #pragma omp parallel
         {
-            std::array<ExactSum, Totals<Dim>::sums> mine{};
-            Totals<Dim> widest;
+            TotalSums<Dim> mine;
 #pragma omp for schedule(dynamic, 64) nowait
             for (int b = piece.begin; b < piece.end; ++b) {
                 const Totals<Dim> block = block_totals(sim, piece, b);
                 const auto parts = block.additive();
-                for (std::size_t q = 0; q < parts.size(); ++q) mine[q].add(quantum.of(parts[q]));
-                widest.widen(block);
+                for (std::size_t q = 0; q < parts.size(); ++q) mine.sum[q].add(quantum.of(parts[q]));
+                mine.extremes.widen(block);
             }
 #pragma omp critical
-            {
-                for (std::size_t q = 0; q < sums.size(); ++q) sums[q].add(mine[q]);
-                extremes.widen(widest);
-            }
+            sums.add(mine);
         }
     });
-    std::array<double, Totals<Dim>::sums> whole{};
-    for (std::size_t q = 0; q < sums.size(); ++q) whole[q] = sum_of(sim, sums[q]);
-    extremes.set_additive(whole);
-    extremes.max_speed = sim.comm().max(extremes.max_speed);
-    extremes.max_J = sim.comm().max(extremes.max_J);
-    extremes.min_J = sim.comm().min(extremes.min_J);
-    extremes.max_x = sim.comm().max(extremes.max_x);
-    return extremes;
+    return sums;
 }
 
 template <int Dim>
@@ -113,7 +101,7 @@ template double potential_energy(const Scene&, const Totals<3>&);
 
 /// Of one precision and dimension.
 #define MORAINE_DIAGNOSTICS(Real, Dim)                                         \
-    template Totals<Dim> totals_of(const Simulation<Real, Dim>&);              \
+    template TotalSums<Dim> share_totals(const Simulation<Real, Dim>&);        \
     template std::vector<double> column_volumes(const Simulation<Real, Dim>&); \
     template std::uint64_t state_hash(const Simulation<Real, Dim>&, bool);
 MORAINE_DIAGNOSTICS(float, 2)

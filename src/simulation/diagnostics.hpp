@@ -25,9 +25,15 @@ void each_particle(Simulation<Real, Dim>& sim, const F& f) {
         for (std::uint32_t s : share.slots(b)) f(s, place_of(sim, share, b, s));
 }
 
+/// Of this rank's share. Not collective.
+template <class Real, int Dim>
+TotalSums<Dim> share_totals(const Simulation<Real, Dim>& sim);
+
 /// Of the whole run. Collective.
 template <class Real, int Dim>
-Totals<Dim> totals_of(const Simulation<Real, Dim>& sim);
+Totals<Dim> totals_of(const Simulation<Real, Dim>& sim) {
+    return sim.comm().exact_sum(share_totals(sim)).value(sim.quantum());
+}
 
 /// -sum m g . (x - domain.min) [J]. Not collective.
 template <int Dim>

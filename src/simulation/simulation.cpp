@@ -101,6 +101,7 @@ void Simulation<Real, Dim>::start_agreement() {
     own_.blocks = census.blocks;
     own_.migration_bound = census.migration_bound;
     own_.making = next_epoch_.is_ready() ? 0 : 1;
+    own_.writing = writing_ ? 1 : 0;
     own_.stop = asked_;
     asked_ = 0;
     reduction_.start(own_);

@@ -62,6 +62,8 @@ class Simulation {
     void refresh_signal();
     /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
     void ask(std::uint32_t what) { asked_ |= what; }
+    /// Whether this rank is writing an output meanwhile; travels with the next agreement (Agreement::writing).
+    void say_writing(bool writing) { writing_ = writing; }
     /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
     void make_epochs_async(bool async);
@@ -155,6 +157,7 @@ class Simulation {
     bool async_ = false;        ///< epochs are made asynchronously
     double computed_ = 0;       ///< computing time up to the last step [s]
     std::uint32_t asked_ = 0;
+    bool writing_ = false;
     bool report_pending_ = false;  ///< a step's report is still with the engine
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "balance/load.hpp"
@@ -16,13 +17,16 @@ inline const Layout run_layout{3, {31, 31, 8}};
 inline std::map<std::int64_t, std::vector<BlockLoad>> loads_of_run() {
     std::map<std::int64_t, std::vector<BlockLoad>> loads;
     std::ifstream file(SLURRY_LOADS);
-    std::string names;
-    std::getline(file, names);
+    std::string line;
+    std::getline(file, line);  // names
     std::int64_t step = 0, particles = 0;
     BlockPosition<3> at{};
     char comma = 0;
-    while (file >> step >> comma >> at[0] >> comma >> at[1] >> comma >> at[2] >> comma >> particles)
-        loads[step].push_back({Morton<3>::encode(at), particles, particles, -1});
+    while (std::getline(file, line)) {
+        std::istringstream row(line);
+        for (row >> step >> comma >> at[1] >> comma >> at[2] >> comma >> at[0]; row >> comma >> particles; ++at[0])
+            loads[step].push_back({Morton<3>::encode(at), particles, particles, -1});
+    }
     for (auto& [when, blocks] : loads)
         std::sort(blocks.begin(), blocks.end(), [](const BlockLoad& a, const BlockLoad& b) { return a.key < b.key; });
     return loads;

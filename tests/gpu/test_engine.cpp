@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "app/device.hpp"
@@ -180,6 +181,50 @@ TEST_CASE("volumetric means of cells, of all materials or of one, give the host'
             100, 1e-9);
 }
 
+TEST_CASE("layers, droplets and particles alone, whose light nodes are limited, give the host's answer") {
+    for (int dimensions : {2, 3})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+            for (Shape shape : {Shape::quadratic, Shape::cubic, Shape::gimp_contiguous})
+                for (StressUpdate scheme : {StressUpdate::usl, StressUpdate::musl})
+                    for (bool means : {false, true}) {
+                        Scene scene = test::spray(dimensions);
+                        scene.transfer = transfer;
+                        scene.shape = shape;
+                        scene.stress_update = scheme;
+                        if (means) scene.materials[0].volumetric = Volumetric::cell;
+                        CAPTURE(dimensions);
+                        CAPTURE(int(transfer));
+                        CAPTURE(int(shape));
+                        CAPTURE(int(scheme));
+                        CAPTURE(means);
+                        compare(scene, 60, 1e-8);
+                    }
+}
+
+TEST_CASE("light nodes are limited where gather and stress are one kernel too") {
+    for (int dimensions : {2, 3})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+            for (bool means : {false, true}) {
+                Scene scene = test::spray(dimensions);
+                scene.transfer = transfer;
+                scene.materials.pop_back();
+                if (means) scene.materials[0].volumetric = Volumetric::cell;
+                for (BodySpec& b : scene.bodies) b.material = 0;
+                CAPTURE(dimensions);
+                CAPTURE(int(transfer));
+                CAPTURE(means);
+                compare(scene, 100, 1e-8);
+                Scene free = scene;
+                free.limits_light_nodes = false;
+                const auto velocity = [&](const Scene& of) {
+                    const Outcome out = dimensions == 2 ? run<double, 2>(of, 20, true) : run<double, 3>(of, 20, true);
+                    const auto is_velocity = [](const Values& v) { return v.name == "velocity"; };
+                    return *std::find_if(out.values.begin(), out.values.end(), is_velocity);
+                };
+                CHECK(difference(velocity(scene), velocity(free)) > 1e-4);  // it matters here
+            }
+}
+
 TEST_CASE("scenes with structures, fixed, moved and free, give the host's answer") {
     compare(input("sliding_block", {}), 200, 1e-9);
     compare(input("pipe_penetration", {"domain.cell=0.1"}), 200, 1e-9);
@@ -202,8 +247,9 @@ TEST_CASE("thin layers on structures give the host's answer, for every shape and
 }
 
 TEST_CASE("a law of three scalars that begin by stress gives the host's answer, its stress fused or split") {
+    // in equilibrium rounding would decide which nodes approach the rough footing in the first step
     for (const char* method : {"numerics.transfer=flip", "numerics.transfer=apic", "numerics.stress_update=musl"})
-        compare(input("soft_clay_footing", {"domain.cell=0.25", method}), 100, 1e-8);
+        compare(input("soft_clay_footing", {"domain.cell=0.25", "gravity=[0, -9.8]", method}), 100, 1e-8);
 }
 
 TEST_CASE("single precision on the device follows the host's") {

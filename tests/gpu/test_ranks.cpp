@@ -138,3 +138,15 @@ TEST_CASE("thin layers on structures that rest, move and are free end with the s
     rounds.stress_update = StressUpdate::musl;
     compare<2>(rounds, 60);
 }
+
+TEST_CASE("light nodes are limited alike whoever owns their tiles") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+        Scene plane = test::spray(2), space = test::spray(3);
+        plane.transfer = space.transfer = transfer;
+        space.precision = Precision::single_;
+        space.materials.pop_back();
+        for (BodySpec& b : space.bodies) b.material = 0;
+        compare<2>(plane, 60);
+        compare<3>(space, 40);
+    }
+}

@@ -68,6 +68,30 @@ TEST_CASE("a resumed table keeps the rows up to the checkpoint and drops later a
     CHECK(content_of(folder / "new.csv") == "step\n");
 }
 
+TEST_CASE("a resumed table is of the run whose row it is told, or refused and left as it was") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "h.csv";
+    {
+        CsvLog log(comm, path, {"step", "x"});
+        for (const double step : {1, 2, 3}) log.row(std::vector<double>{step, step / 7});
+        if (comm.is_root()) CHECK(log.last_row() == "3,0.42857142857142855");
+    }
+    const std::string before = content_of(path);
+    comm.barrier();
+    CHECK_THROWS_AS(CsvLog(comm, path, {"step", "x"}, ResumeAfter{"step", 2, "2,0.3"}), InputError);
+    CHECK(content_of(path) == before);
+    comm.barrier();
+    CHECK_THROWS_AS(CsvLog(comm, path, {"step", "x"}, ResumeAfter{"step", 2, "3,0.42857142857142855"}), InputError);
+    {
+        const CsvLog log(comm, path, {"step", "x"}, ResumeAfter{"step", 2, "1,0.14285714285714285"});
+        if (comm.is_root()) CHECK(log.last_row() == "2,0.2857142857142857");
+    }
+    comm.barrier();
+    const CsvLog gone(comm, folder / "gone.csv", {"step", "x"}, ResumeAfter{"step", 2, "1,0.14285714285714285"});
+    CHECK(content_of(folder / "gone.csv") == "step,x\n");
+}
+
 TEST_CASE("a directory that is not there is not taken for a full disk") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

@@ -124,6 +124,67 @@ TEST_CASE("what follows a cut is found, not what was cut off") {
         CHECK((chunk.at >= std::stoull(end)) == (chunk.index >= state.steps[2].first_chunk));
 }
 
+TEST_CASE("a series may be compressed from any output on, or no more, and is read by the HDF5 library") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const std::string path = folder / "p.vtkhdf";
+    std::int64_t bytes[2] = {};
+    for (const bool first : {false, true}) {
+        for (int k = 0; k < 30; ++k) {  // more chunks than a node holds
+            ParticleSeries series(comm, path, {(k / 10 % 2 == 1) != first});
+            append_sample(comm, series, k, k % 3 == 0 ? 2000 : 400);
+            if (!comm.is_root()) continue;
+            CHECK(last_output_is(path, static_cast<std::size_t>(k) + 1, rows_of(k % 3 == 0 ? 2000 : 400)));
+            if (k == 9) bytes[first ? 1 : 0] = static_cast<std::int64_t>(std::filesystem::file_size(path));
+        }
+        comm.barrier();
+        ParticleSeries series(comm, path);
+        series.truncate_to(9);
+        if (comm.is_root()) CHECK(last_output_is(path, 10, rows_of(2000)));
+        series.truncate_to(-1);
+    }
+    if (comm.is_root()) CHECK(bytes[1] < 0.9 * static_cast<double>(bytes[0]));
+}
+
+TEST_CASE("outputs that are written asynchronously are the same bytes, and in the file when they are through") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    for (const bool deflate : {false, true}) {
+        ParticleSeries waiting(comm, folder / "w.vtkhdf", {deflate, false});
+        ParticleSeries series(comm, folder / "a.vtkhdf", {deflate, true});
+        for (int k = 0; k < 6; ++k) {
+            append_sample(comm, waiting, k, 4000);
+            CHECK(!waiting.under_way());
+            append_sample(comm, series, k, 4000);  // waits for the one before
+            CHECK(series.under_way());
+            while (k % 2 == 0 && series.under_way()) {
+                while (comm.max(std::int64_t(series.busy())) != 0) continue;
+                series.advance();
+            }
+            if (comm.is_root() && k > 0) CHECK(vtkhdf::read_state(folder / "a.vtkhdf").steps.size() >= std::size_t(k));
+        }
+        series.finish();
+        CHECK(!series.under_way());
+        CHECK(content_of(folder / "a.vtkhdf") == content_of(folder / "w.vtkhdf"));
+        comm.barrier();
+        series.truncate_to(-1);
+        waiting.truncate_to(-1);
+    }
+}
+
+TEST_CASE("an asynchronous output that cannot be written fails on all ranks, and the next one as well") {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    ParticleSeries series(comm, folder / "p.vtkhdf", {false, true});
+    append_sample(comm, series, 0, 20);
+    series.finish();
+    append_sample(comm, series, 1, 20);
+    if (comm.is_root()) std::filesystem::remove(folder / "p.vtkhdf");
+    comm.barrier();
+    for (int k = 2; k < 4; ++k) CHECK_THROWS_AS((append_sample(comm, series, k, 20), series.finish()), MachineError);
+    CHECK(!series.under_way());
+}
+
 TEST_CASE("a file that is no series is refused and left alone") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);

@@ -49,6 +49,9 @@ TEST_CASE("memory follows particles, precision and ranks") {
     CHECK(quarter < 1.1 * one / 4);
     const Scene apic = read_scene(path, {"domain.cell=0.2", "numerics.transfer=apic"});
     CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
+    const Scene held = read_scene(path, {"domain.cell=0.2", "output.asynchronous=on", "output.every=2"});
+    const double output = predict_output(held, p).row_bytes * static_cast<double>(p.particles) / 2;
+    CHECK(bytes_per_rank(held, p, 1) - one == doctest::Approx(output).epsilon(1e-4));
     const Scene single = read_scene(path, {"domain.cell=0.2", "numerics.precision=single"});
     CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
 }
@@ -88,9 +91,22 @@ TEST_CASE("beside devices the host's memory follows blocks where a lattice is ma
     CHECK(host_bytes_with_device(scene, p, 4, false) > 0.25 * 100 * static_cast<double>(p.particles));
 }
 
+TEST_CASE("outputs are predicted by their bytes, times and steps between") {
+    const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
+    const Scene scene = read_scene(path, {"output.fields=[\"velocity\"]", "output.precision=single", "output.labels=[]",
+                                          "output.interval=0.3", "output.every=10", "time.end=1.0", "time.dt=1e-3"});
+    const OutputPrediction o = predict_output(scene, predict(scene));
+    CHECK(o.row_bytes == 24);
+    CHECK(o.particles == std::ceil(static_cast<double>(predict(scene).particles) / 10));
+    CHECK(o.outputs == 5);  // at 0, 0.3, 0.6, 0.9 and the end
+    CHECK(o.steps == 250);
+    const Scene whole = read_scene(path, {"output.interval=0"});
+    CHECK(predict_output(whole, predict(whole)).outputs == 2);
+}
+
 TEST_CASE("the report names all that a run will need") {
     const std::string report = check_report(read_scene(inputs_folder() + "/elastic_bar.toml"), 4);
-    for (const char* word : {"particles  800", "blocks", "dt", "steps", "memory", "4 ranks"}) {
+    for (const char* word : {"particles  800", "blocks", "dt", "steps", "output", "memory", "4 ranks"}) {
         CAPTURE(word);
         CHECK(report.find(word) != std::string::npos);
     }

@@ -3,12 +3,14 @@
 A case is a word, "scene:17": its kind and the seed of its random numbers, so that any case can be had again by
 `python3 tests/program/test_fuzz.py --case scene:17`. A finding is a text; no finding is None.
 """
+import base64
 import pathlib
 import random
 import re
 import shutil
 import signal
 import subprocess
+import zlib
 
 import damage
 import moraine
@@ -21,7 +23,15 @@ WORDS = ["\n[[body]]\n", "[", "]]", '"""', "\\u001b", "=", ".", "#", "\x00", "\x
 TABLE = 'dimensions = 2\n[domain]\nmin = [0, 0]\nmax = [4, 2]\ncell = 0.25\n[time]\nend = 0.001\n[[material]]\nname = "m"\n' \
     'law = "linear-elastic"\ndensity = 1000\nyoung = 1e5\npoisson = 0.3\n[[body]]\nname = "b"\nmaterial = "m"\n' \
     'shape = "table"\nfile = "t.csv"\n'
-KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table")
+# x, y, mass (whole numbers) and a packed vx of 12 particles, as h5py writes them.
+TABLE_H5 = zlib.decompress(base64.b85decode(
+    b'c-rgqaB<`1lHy_j0S*oZ76t(ZWbhvf93)ZsF!=;1%?PDCp!5nRm^dR?P68?}2sIyFT}Y6tD@gT!Gyt>5fCWOMx^5JV6yV|N7yzOppnMG|eS!&9T?Le`gwk'
+    b'bDf!xI6V&rscK%~8l46G16j4(bVB{MQY1bCq8U^FvO9wZ~EV9&q-7I9!O;bt)T&kT`g1&V^?nV6Ws25>;lV`hXZhvz5;v>Y`!K(L>`3nQ?UP=JM_1b+1}='
+    b'?*sh>Y$!yP+-Qd4wnBbSci6creC^B7!v7<k%5iO@Q`PKR1FFY;v5X(^$cj?!3+rxZlF9P*gTl|9N?NMB{eN4u_P6022!{&F~QOr3luY8569sEKG@Hi2?8J'
+    b'Ojltlv{n;}h@Wnn248GYz)ct^}`)O|iR`(mK?hjPmKd3qe2Z%T@k%GYk`=A|it*-+g*e@xt<+{H3f&Dj)nEpdwAJ}_5tP)x0{t#;JL;E*@AcYU@?SQHZY#'
+    b'-SJ6#-Q~vWF;p1a;qId!S)Jg^%qk;;gHm^}LN#;bDmR!qthN%Lq+h#Ntsf3P!;w7zLwXm;zA0n-SQWLhpC;<4}J9+M0yPv!KbJN0aA3lfQ>1z=Ok_Q7{Td'
+    b'!6+C7qhJ&a9zgoIl>k_&00#qnoCXANk5|2gwh+)qXeSKH@BjcmLcNI'))
+KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table", "hdf5")
 
 
 def mutated_text(text, pick):
@@ -183,4 +193,9 @@ class Fuzzer:
         rows = "x,y,vx,vy\n" + "".join(f"{1 + 0.1 * k},{0.5 + 0.01 * k},0.1,{k}\n" for k in range(12))
         (place / "s.toml").write_text(TABLE)
         (place / "t.csv").write_text(mutated_text(rows, pick).replace("=", pick.choice(",;=")), errors="surrogateescape")
+        return self.ask(["check", "s.toml"], place)[1]
+
+    def try_hdf5(self, pick, place):
+        (place / "s.toml").write_text(TABLE.replace("t.csv", "t.h5"))
+        (place / "t.h5").write_bytes(mutated_bytes(TABLE_H5, pick))
         return self.ask(["check", "s.toml"], place)[1]

@@ -57,7 +57,6 @@ WRONG_WORDS = {
     "an unknown partitioner": (["--partitioner", "mortn"], "morton"),
     "an unknown device": (["--device", "gpu"], "cuda"),
     "a device that is not built in": (["--device", "cuda"], "cuda"),
-    "light nodes on a device": (["--set", "numerics.light_nodes=limited", "--device", "cuda"], "devices do not limit"),
     "two scenes": (["other.toml"], "other.toml"),
 }
 

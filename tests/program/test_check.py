@@ -3,7 +3,7 @@ import re
 import time
 
 import moraine
-from moraine import INPUTS, call, sets, summary
+from moraine import INPUTS, call, sets, summary, table
 
 
 class Check(moraine.ProgramTest):
@@ -47,6 +47,18 @@ class Check(moraine.ProgramTest):
                 scene = INPUTS / f"{name}.toml"
                 steps = summary(self.run_scene(scene, name, *keys))["steps"]
                 self.assertAlmostEqual(self.said("steps", scene, *keys), steps, delta=0.3 * steps)
+
+    def test_its_bytes_of_outputs_are_those_of_the_file(self):
+        scene = INPUTS / "slurry_runout.toml"
+        for more in ({}, {"output__precision": "single", "output__labels": "[]", "output__fields": '["velocity"]'}):
+            keys = sets(time__end=0.02, output__interval=0.005, **more)
+            directory = self.run_scene(scene, f"out-{len(more)}", *keys)
+            row, times = (int(word) for word in re.search(
+                r"(?m)^output +(\d+) bytes a particle: [\d.]+ MB at each of (\d+) times, ", self.report(scene, *keys)).groups())
+            self.assertEqual(times, len(table(directory, "history.csv")))
+            size = (directory / "particles.vtkhdf").stat().st_size
+            self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.03 * size)  # metadata
+        self.assertEqual(row, 24)
 
     def test_its_answer_is_said_once_on_three_ranks(self):
         ended = call("check", INPUTS / "first_scene.toml", ranks=3)

@@ -13,7 +13,7 @@ import time
 import fuzz
 import moraine
 
-COUNTS = {"scene": 50, "run": 12, "checkpoint": 10, "forged": 20, "series": 8, "csv": 6, "loads": 8, "summary": 6, "table": 10}
+COUNTS = {"scene": 50, "run": 12, "checkpoint": 10, "forged": 20, "series": 8, "csv": 6, "loads": 8, "summary": 6, "table": 10, "hdf5": 24}
 
 # What once crashed, hung or ended with another code than 2, as the text of a scene.
 CORPUS = {

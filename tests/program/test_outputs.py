@@ -3,6 +3,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import struct
 import subprocess
 
@@ -227,6 +228,22 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual([r["step"] for r in table(fresh, "balance.csv")], [r["step"] for r in rows if r["step"] > at])
         self.assertEqual({summary(d)["state_hash"] for d in (directory, fresh)}, {hash_})
         self.assertEqual({summary(d)["steps"] for d in (directory, fresh)}, {whole[-1]["step"]})
+
+    def test_a_restart_with_numbers_of_another_size_is_refused_and_leaves_all_as_it_was(self):
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END)
+        before = {path.name: path.read_bytes() for path in directory.iterdir()}
+        ended = call("run", SCENE, "--output", directory, "--quiet", "--restart", checkpoints(directory)[0],
+                     *sets(output__precision="single"), ranks=2)
+        self.assertIn("output.precision", self.assert_one_problem(ended))
+        self.assertEqual({path.name: path.read_bytes() for path in directory.iterdir()}, before)
+
+    def test_a_history_of_another_run_is_not_continued(self):
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END)
+        other = self.run_slurry(material__slurry__viscosity=60)
+        shutil.copy(other / "history.csv", directory)
+        ended = call("run", SCENE, "--output", directory, "--quiet", "--restart", checkpoints(directory)[0])
+        self.assertIn("history.csv (it lacks the row", self.assert_one_problem(ended))
+        self.assertEqual((directory / "history.csv").read_text(), (other / "history.csv").read_text())
 
     def test_the_cores_of_ranks_that_are_bound_to_their_own_are_counted_together(self):
         cores = sorted(os.sched_getaffinity(0))[:2]

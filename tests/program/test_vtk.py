@@ -1,4 +1,6 @@
 """particles.vtkhdf of a real run, as VTK's own reader sees it. Skipped (77) without a Python that has vtk."""
+import os
+import signal
 import sys
 
 import moraine
@@ -47,6 +49,12 @@ class Vtk(moraine.ProgramTest):
             self.assertAlmostEqual(points[:, 0].max(), rows[k]["max_x_m"], delta=tolerance)
             speed = np.linalg.norm(arrays["velocity"].astype(float), axis=1).max()
             self.assertAlmostEqual(speed, rows[k]["max_speed_m_s"], delta=tolerance)
+        fresh = Series(directory).reader  # as docs/python.md asks PyVista's reader, which wraps it
+        fresh.SetStep(1)
+        fresh.Update()
+        self.assertEqual(fresh.GetOutputDataObject(0).GetNumberOfPoints(), rows[1]["particles"])
+        points = vtk_to_numpy(fresh.GetOutputDataObject(0).GetPoints().GetData())
+        self.assertAlmostEqual(points[:, 0].astype(float).mean(), rows[1]["centre_x_m"], delta=tolerance)
         return arrays, len(rows)
 
     def test_a_slurry_runout_in_double_precision_on_3_ranks(self):
@@ -74,6 +82,7 @@ class Vtk(moraine.ProgramTest):
         keys = sets(output__interval=0.02, output__fields='["velocity"]')
         directory = self.run_scene(scene, "out", *keys, *sets(output__checkpoint_interval=0.05), ranks=2)
         before = Series(directory).times
+        keys += sets(output__compression="deflate")  # from there on
         self.run_scene(scene, "out", *keys, *sets(time__end=0.2), "--restart", checkpoints(directory)[0], ranks=3)
         self.compare(directory, "xy", ["velocity"], 1e-6)
         self.assertEqual(Series(directory).times[:5], before[:5])
@@ -81,6 +90,19 @@ class Vtk(moraine.ProgramTest):
         leaving = self.write(SMALL_SCENE.replace('"no-slip"', '"none"').replace("end = 0.1", "end = 1.0"))
         directory = self.run_scene(leaving, "fault", *keys, ranks=2, code=3)
         self.compare(directory, "xy", ["velocity"], 1e-6)
+
+    def test_outputs_that_were_under_way_when_a_run_was_killed_are_there_after_its_restart(self):
+        scene, name = INPUTS / "slurry_runout.toml", self.folder / "killed"
+        keys = sets(time__end=0.2, output__interval=0.002, output__asynchronous="on", output__compression="deflate",
+                    output__fields='["velocity"]', output__checkpoint_interval=0.05)
+        job = moraine.Job("run", scene, "--output", name, "--quiet", *keys, ranks=2)
+        self.addCleanup(job.stop)
+        job.wait_for(name, "checkpoint-*.h5")
+        os.kill(job.ranks()[0], signal.SIGKILL)
+        job.end(limit=30)
+        self.assertGreaterEqual(len(Series(name).times), 25)
+        self.run_scene(scene, name, *keys, "--restart", checkpoints(name)[-1], ranks=3)
+        self.assertEqual(self.compare(name, "xy", ["velocity"], 1e-6)[1], 101)
 
 
 if __name__ == "__main__":

@@ -53,6 +53,9 @@ TEST_CASE("an output field that is not there is refused") {
     CHECK(said_of("fields = [\"velocity\"]", "fields = [\"velocty\"]") ==
           "scene.toml:12: output.fields has \"velocty\" (no such field in this scene). Did you mean velocity?");
     CHECK(said_of_set("output.fields=[\"stress\", \"pressure\", \"body\"]").empty());
+    says(said_of_set("output.fields=[\"mass\", \"mass\"]"), "output.fields has \"mass\" twice");
+    says(said_of_set("output.labels=[\"id\", \"ranks\"]"), "output.labels has \"ranks\"");
+    CHECK(said_of_set("output.labels=[]").empty());
 }
 
 TEST_CASE("a body outside the domain is refused") {

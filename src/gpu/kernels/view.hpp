@@ -3,7 +3,8 @@
 //
 // Numbers of blocks, cells, tiles, corners and neighbours are those of core/block.hpp, tables those of comm/epoch.hpp.
 // Tiles: [tile][node of tile][2 quads]: (mass, momentum), (force, 0); node values: [node block][node][2 quads]:
-// (v', 0), (dv, 0). Only occupied blocks have a tile; every node block of the epoch has node values.
+// (v', 0), (dv, 0), and the mass in the last lane of the first where light nodes are marked. Only occupied blocks have
+// a tile; every node block of the epoch has node values.
 
 #include "core/exact_sum.hpp"
 #include "core/grid_views.hpp"

@@ -8,12 +8,16 @@
 // differ in rounding.
 //
 // A launch is any number of thread blocks >= 1: items are taken in turn up to a count that the device knows.
+//
+// Blocks in which light nodes limit an acceleration are few in most scenes: a kernel finds them, the gather passes them
+// by, and an instance of it that asks every particle takes them.
 
 #include <driver_types.h>
 
 #include <memory>
 
 #include "comm/fused_gather.hpp"
+#include "core/light_nodes.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/scene_spec.hpp"
@@ -27,16 +31,28 @@ struct Launch {
     cudaStream_t stream;
 };
 
+/// For a method that limits accelerations at light nodes (core/light_nodes.hpp).
+template <class Real>
+struct LightArgs {
+    const Stiffness<Real>* stiffness;  ///< by body, on the device; null: nothing is limited
+    ReactionLimits<Real> limits;
+    Real full_mass;             ///< the largest of the bodies' [kg]
+    const std::uint8_t* marks;  ///< of node blocks (kernels/nodes/nodes.hpp)
+    std::uint8_t* limited;      ///< own blocks: whether some particle's acceleration is limited
+};
+
 template <class Real, int Dim>
 struct GatherArgs {
     DomainEnds<Real, Dim> ends;
-    unsigned gather;                ///< bits of Gather (core/particle_update.hpp)
-    bool tpic;                      ///< C_p is the velocity gradient
-    Real flip;                      ///< share of FLIP [-]
-    Real dt;                        ///< [s]
-    double gravity_impulse[Dim];    ///< integral of gravity up to the end of this step [m/s]
-    Quantum quantum;                ///< of the exact sums
-    const std::uint8_t* averaged;   ///< by body, on the device: which take it from the cell; null: all
+    unsigned gather;               ///< bits of Gather (core/particle_update.hpp)
+    bool tpic;                     ///< C_p is the velocity gradient
+    Real flip;                     ///< share of FLIP [-]
+    Real dt;                       ///< [s]
+    double gravity_impulse[Dim];   ///< integral of gravity up to the end of this step [m/s]
+    Quantum quantum;               ///< of the exact sums
+    const std::uint8_t* averaged;  ///< by body, on the device: which take it from the cell; null: all
+    bool averages;                 ///< some do
+    LightArgs<Real> light;
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
     std::uint64_t gradient_stride;  ///< list entries between components
 };
@@ -56,9 +72,22 @@ template <class Real, int Dim>
 class GatherKernel {
   public:
     virtual ~GatherKernel() = default;
+    /// Of all chosen blocks that are not limited.
     virtual void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
                      const Launch& launch) const = 0;
+    /// Of limited blocks alone: the same, and what their light nodes cannot bear is taken from their gradients.
+    virtual void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+                             const Launch& launch) const = 0;
 };
+
+/// Looks for the chosen blocks in which an acceleration is limited: sets LightArgs::limited of each, and lists them
+/// behind one another; count begins at zero.
+template <class Real, int Dim>
+using FindLimited = void (*)(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+                             std::int32_t* blocks, std::uint32_t* count, const Launch& launch);
+
+template <class Real, int Dim>
+FindLimited<Real, Dim> choose_find_limited(moraine::Shape shape);
 
 /// One material's stress update. Not collective.
 template <class Real, int Dim>

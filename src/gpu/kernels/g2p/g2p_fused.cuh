@@ -3,10 +3,11 @@
 //
 // One thread per particle; its gradient never leaves the registers, and its rows are read and written once. Kernels
 // that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
-// many.
+// many. So are those of blocks with light nodes (light.cuh), which ask at run time whether means are wanted.
 
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/g2p/gather_affine.cuh"
+#include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/g2p/plain_law.cuh"
 #include "gpu/kernels/g2p/stress_particle.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
@@ -14,7 +15,7 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light>
 struct FusedGather {
     static_assert(!Affine || Shape::width == 3);
     using T = Team<Dim>;
@@ -24,6 +25,7 @@ struct FusedGather {
     struct Shared {
         Rows rows;
         Tile tile;
+        std::conditional_t<Light, LightShared<Real, Dim, Shape::width>, char> light;
         double sums[T::warps];
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
@@ -48,25 +50,35 @@ struct FusedGather {
         }
     }
 
+    static __device__ __forceinline__ bool averages(const Args& g) {
+        return Averages && (!Light || g.averages);
+    }
+
     /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        if constexpr (Light) load_light_tile<Shape>(v, work.block, shared.light.tile);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
-            average_cells(v, g, work, shared.means,
-                          [&](std::uint32_t, const U& u) { return sums_of(v, g, work.block, u, shared.tile); });
+            if (averages(g))
+                average_cells(v, g, work, shared.means, [&](std::uint32_t s, const U& u) {
+                    return gather_limited<Shape, Light, Affine>(
+                        v, g, work.block, shared.light, s, [&] { return sums_of(v, g, work.block, u, shared.tile); });
+                });
     }
 
     static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
                                                            Real inverse_density, const Work& work, std::uint32_t k,
-                                                           std::uint32_t s, int half, const Shared& shared,
-                                                           Seen<Real>& tally, double& power) {
+                                                           std::uint32_t s, int half, Shared& shared, Seen<Real>& tally,
+                                                           double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(p.place);
         U u = place_of<Real, Dim>(p);
-        auto sums = sums_of(v, g, work.block, u, shared.tile);
+        auto sums = gather_limited<Shape, Light, Affine>(v, g, work.block, shared.light, s,
+                                                         [&] { return sums_of(v, g, work.block, u, shared.tile); });
         if constexpr (Affine) store_affine(v, sums.affine, s);
-        if constexpr (Averages) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
+        if constexpr (Averages)
+            if (averages(g)) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
 
         const PlaceStep<Real> step = move_particle(v, g, work, k, sums.velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
@@ -81,10 +93,10 @@ struct FusedGather {
             take_velocity(g.flip, sums, p);
         p.row[p.normal] = row(p.normal);
         p.row[p.shear] = row(p.shear);
-        if constexpr (Averages) {
+        if (averages(g)) {
             CoreRows<Real, Dim> before;  // the cell is not kept in a register; in 2-D the shear row is the normal one
             before.row[p.place] = row(p.place);
-            shared.means.put_stress(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
+            if constexpr (Averages) shared.means.put_stress(number_of<4, Real, Dim>(place_of<Real, Dim>(before)), p);
         }
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
@@ -99,13 +111,13 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, int MinBlocks>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
               const Real inverse_density) {
     using T = Team<Dim>;
-    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages>;
+    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages, Light>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -113,6 +125,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
         const Work work = work_on(v.list, chosen, item);
+        if (!Light && is_limited(g, work.block)) continue;
         double power = 0;
         each_entry<Dim>(
             v.list.slot, work,
@@ -133,8 +146,9 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, class Law, bool Affine, bool Averages>
+template <class Real, class Law, bool Affine, bool Averages, bool Light>
 constexpr int fused_blocks() {
+    if (Light) return light_blocks;
     constexpr DeviceBlocks blocks = device_blocks_of<Law>();
     if (sizeof(Real) == 8) return blocks.double_fused;
     if (Affine) return Averages ? blocks.affine_averaged : blocks.affine;
@@ -147,19 +161,30 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(g2p_fused<Real, Dim, Shape, Law, Affine, Averages, fused_blocks<Real, Law, Affine, Averages>()>,
-                  sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Averages>::Shared),
-                  "Launching the gather with stress") {}
+          kernel_(make<Averages, false>()),
+          limited_(make<true, Shape::width != 2>()) {}  // of hats nothing is limited
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
         kernel_(launch, view, chosen, args, law_, inverse_density_);
     }
+    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+                     const Launch& launch) const override {
+        limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args, law_, inverse_density_);
+    }
 
   private:
+    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real>;
+    template <bool Mean, bool Light>
+    static Kernel make() {
+        return {g2p_fused<Real, Dim, Shape, Law, Affine, Mean, Light, fused_blocks<Real, Law, Affine, Mean, Light>()>,
+                sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Mean, Light>::Shared),
+                "Launching the gather with stress"};
+    }
+
     Law law_;
     Real inverse_density_;
-    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real> kernel_;
+    Kernel kernel_, limited_;
 };
 
 template <class Real, int Dim, class Shape, bool Affine, class Law>

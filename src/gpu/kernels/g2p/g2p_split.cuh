@@ -4,23 +4,25 @@
 // dL goes to a buffer by list entry, component by component: written and read in full lines, and free of the order in
 // which particles lie in memory.
 
-#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/find_limited.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
 #include "gpu/kernels/launch.cuh"
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light>
 struct SplitGather {
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
     static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
     static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
+    static constexpr bool rolled = Light && Shape::width > 3;   ///< or registers spill in double
     using Tile = GatherTile<Real, Dim, Shape::width>;
     using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
     struct Shared {
         Rows rows;
         Tile tile;
+        std::conditional_t<Light, LightShared<Real, Dim, Shape::width>, char> light;
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
     using V = View<Real, Dim>;
@@ -40,28 +42,27 @@ struct SplitGather {
         return 0;
     }
 
-    /// Half-size of a particle's box along an axis [cells].
-    static __device__ __forceinline__ Real half_size(const V& v, std::uint32_t body, const Row<Real>& stretch, int a) {
-        const Real half = v.context.half_size[body][a];
-        return held_half(v.p.log_stretch ? stretched_half(half, stretch.e[a]) : half);
-    }
+    static __device__ __forceinline__ bool averages(const Args& g) { return Averages && (!Light || g.averages); }
 
     /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
+        if constexpr (Light) load_light_tile<Shape>(v, work.block, shared.light.tile);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
-            if (g.gather & gather_gradient)
+            if (averages(g) && (g.gather & gather_gradient))
                 average_cells(v, g, work, shared.means, [&](std::uint32_t s, const U& u) {
-                    Row<Real> stretch;
-                    if constexpr (Shape::sized)
-                        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
-                    AxisWeights<Real, Shape, false> n[Dim];
+                    return gather_limited<Shape, Light, false>(v, g, work.block, shared.light, s, [&] {
+                        Row<Real> stretch;
+                        if constexpr (Shape::sized)
+                            if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
+                        AxisWeights<Real, Shape, false> n[Dim];
 #pragma unroll
-                    for (int a = 0; a < Dim; ++a)
-                        n[a] = axis_weights<Shape, false>(
-                            fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
-                            false);
-                    return gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+                        for (int a = 0; a < Dim; ++a)
+                            n[a] = axis_weights<Shape, false>(
+                                fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
+                                false);
+                        return gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+                    });
                 });
     }
 
@@ -101,7 +102,7 @@ struct SplitGather {
 
     /// The particle of list entry k in slot s.
     static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
-                                                std::uint32_t s, int half, std::uint32_t body, const Shared& shared,
+                                                std::uint32_t s, int half, std::uint32_t body, Shared& shared,
                                                 Seen<Real>& tally) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
@@ -110,13 +111,15 @@ struct SplitGather {
         if constexpr (Shape::sized)
             if (v.p.log_stretch) stretch = row(box);
         U u = place_of<Real, Dim>(p);
-        AxisWeights<Real, Shape, levers> n[Dim];
+        Sums sums = gather_limited<Shape, Light, levers>(v, g, work.block, shared.light, s, [&] {
+            AxisWeights<Real, Shape, levers> n[Dim];
 #pragma unroll
-        for (int a = 0; a < Dim; ++a)
-            n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
-                                               Shape::sized ? half_size(v, body, stretch, a) : Real(0),
-                                               levers && takes_gradient<Shape>(v, g, work.block, u, a));
-        Sums sums = gather<Shape, levers, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
+            for (int a = 0; a < Dim; ++a)
+                n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
+                                                   Shape::sized ? half_size(v, body, stretch, a) : Real(0),
+                                                   levers && takes_gradient<Shape>(v, g, work.block, u, a));
+            return gather<Shape, levers, Real, Dim, rolled>(shared.tile, number_of<side, Real, Dim>(u), n);
+        });
 
         if (g.gather & gather_velocity) {
             p.row[p.motion] = row(motion);
@@ -131,7 +134,7 @@ struct SplitGather {
             if constexpr (Shape::sized)
                 if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
             if constexpr (Averages)
-                if (!g.averaged || g.averaged[v.p.body[s]]) take_means(v, s, row(place), shared, sums);
+                if (averages(g) && (!g.averaged || g.averaged[v.p.body[s]])) take_means(v, s, row(place), shared, sums);
             store_gradient(v, g, sums, k);
         }
         if (moves_particles(g.gather)) {
@@ -148,12 +151,12 @@ struct SplitGather {
     }
 };
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, int MinBlocks>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgs<Real, Dim> g) {
     using T = Team<Dim>;
-    using S = SplitGather<Real, Dim, Shape, Affine, Averages>;
+    using S = SplitGather<Real, Dim, Shape, Affine, Averages, Light>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -161,6 +164,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
         const Work work = work_on(v.list, chosen, item);
+        if (!Light && is_limited(g, work.block)) continue;
         each_entry<Dim>(
             v.list.slot, work,
             [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
@@ -174,8 +178,9 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
-template <class Real, class Shape, bool Affine, bool Averages>
+template <class Real, class Shape, bool Affine, bool Averages, bool Light>
 constexpr int split_blocks() {
+    if (Light) return light_blocks;
     constexpr bool large = Shape::sized || Shape::width > 3;
     if (sizeof(Real) == 8) return Affine || (Averages && large) ? 2 : 3;
     return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
@@ -184,17 +189,26 @@ constexpr int split_blocks() {
 template <class Real, int Dim, class Shape, bool Affine, bool Averages>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
-    SplitKernel()
-        : kernel_(g2p_split<Real, Dim, Shape, Affine, Averages, split_blocks<Real, Shape, Affine, Averages>()>,
-                  sizeof(typename SplitGather<Real, Dim, Shape, Affine, Averages>::Shared), "Launching the gather") {}
+    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<true, Shape::width != 2>()) {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
         kernel_(launch, view, chosen, args);
     }
+    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+                     const Launch& launch) const override {
+        limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args);
+    }
 
   private:
-    TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>> kernel_;
+    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>>;
+    template <bool Mean, bool Light>
+    static Kernel make() {
+        return {g2p_split<Real, Dim, Shape, Affine, Mean, Light, split_blocks<Real, Shape, Affine, Mean, Light>()>,
+                sizeof(typename SplitGather<Real, Dim, Shape, Affine, Mean, Light>::Shared), "Launching the gather"};
+    }
+
+    Kernel kernel_, limited_;
 };
 
 template <class Real, int Dim, class Shape, bool Affine>

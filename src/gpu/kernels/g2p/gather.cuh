@@ -121,13 +121,13 @@ __device__ __forceinline__ Plane<Real, Dim, Affine> plane_of(const Tile& tile, i
     return plane;
 }
 
-/// at: tile offset of the particle's cell.
-template <class Shape, bool Affine, class Real, int Dim, class Tile>
+/// at: tile offset of the particle's cell. Rolled: plane by plane in a loop, with fewer registers.
+template <class Shape, bool Affine, class Real, int Dim, bool Rolled = false, class Tile>
 __device__ __forceinline__ Gathered<Real, Dim, Affine> gather(const Tile& tile, int at,
                                                               const AxisWeights<Real, Shape, Affine> (&n)[Dim]) {
     constexpr int side = tile_side(Shape::width);
     Gathered<Real, Dim, Affine> g;
-#pragma unroll
+#pragma unroll(Rolled ? 1 : Shape::width)
     for (int k = 0; k < (Dim == 3 ? Shape::width : 1); ++k) {
         const Plane<Real, Dim, Affine> plane = plane_of<Shape, Affine, Real, Dim>(tile, at + side * side * k, n);
         const Real w = Dim == 3 ? n[Dim - 1].w[k] : Real(1);

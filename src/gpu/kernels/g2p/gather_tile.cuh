@@ -118,23 +118,28 @@ __device__ __forceinline__ void set_ghosts(const View<Real, Dim>& v, int block, 
         }
 }
 
+/// The two rows of node n of a block's tile of `Side` nodes per axis.
+template <int Side, class Real, int Dim>
+__device__ __forceinline__ const Row<Real>* node_in_tile(const View<Real, Dim>& v, int block, int n) {
+    int corner = 0, at = 0, rest = n;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        const int x = rest % Side;
+        rest /= Side;
+        corner |= (x >> 2) << a;
+        at |= (x & 3) << (2 * a);
+    }
+    const std::int32_t node_block = v.grid.node_of[v.table.node_block[block * Block<Dim>::corners + corner]];
+    return reinterpret_cast<const Row<Real>*>(v.grid.nodes) + (std::size_t(node_block) * Block<Dim>::cells + at) * 2;
+}
+
 /// Fills the tile of a block; all threads of the team, which see it afterwards. Shape says where block 0 starts.
 template <class Shape, class Real, int Dim, class Tile>
 __device__ __forceinline__ void load_tile(const View<Real, Dim>& v, int block, Tile& tile) {
     constexpr int side = tile_side(Shape::width);
     auto& nodes = nodes_of(tile);
     for (int n = Team<Dim>::rank(); n < power<Dim>(side); n += Team<Dim>::threads) {
-        int corner = 0, at = 0, rest = n;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) {
-            const int x = rest % side;
-            rest /= side;
-            corner |= (x >> 2) << a;
-            at |= (x & 3) << (2 * a);
-        }
-        const std::int32_t node_block = v.grid.node_of[v.table.node_block[block * Block<Dim>::corners + corner]];
-        const auto* from =
-            reinterpret_cast<const Row<Real>*>(v.grid.nodes) + (std::size_t(node_block) * Block<Dim>::cells + at) * 2;
+        const Row<Real>* from = node_in_tile<side>(v, block, n);
         typename std::decay_t<decltype(nodes)>::Value x;
         const Row<Real> first = load_row(from);
         for (int q = 0; q < Dim; ++q) x.v[q] = first.e[q];

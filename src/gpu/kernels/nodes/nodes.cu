@@ -5,17 +5,17 @@ namespace moraine::gpu {
 
 namespace {
 
-template <bool Contact, class Real, int Dim>
+template <bool Contact, bool Marks, class Real, int Dim>
 void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) {
     constexpr int blocks = node_threads / Block<Dim>::cells;
     const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
     if (grid == 0) return;
     if (width == 2)
-        nodes_kernel<Real, Dim, 2, Contact><<<grid, node_threads, 0, stream>>>(work);
+        nodes_kernel<Real, Dim, 2, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
     else if (width == 3)
-        nodes_kernel<Real, Dim, 3, Contact><<<grid, node_threads, 0, stream>>>(work);
+        nodes_kernel<Real, Dim, 3, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
     else
-        nodes_kernel<Real, Dim, 4, Contact><<<grid, node_threads, 0, stream>>>(work);
+        nodes_kernel<Real, Dim, 4, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
     check(cudaGetLastError(), "Solving nodes");
 }
 
@@ -23,12 +23,16 @@ void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) 
 
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact, const GapTiles& gaps) {
+                 const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
+                 const ContactField<Dim>* contact, const GapTiles& gaps) {
+    const NodeWork<Real, Dim> work{
+        view, round, stencil.origin, quantum, marks, contact ? *contact : ContactField<Dim>{}, gaps};
     if (contact)
-        run_nodes<true>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, *contact, gaps}, stencil.width,
-                        stream);
+        marks.of ? run_nodes<true, true>(work, stencil.width, stream)
+                 : run_nodes<true, false>(work, stencil.width, stream);
     else
-        run_nodes<false>(NodeWork<Real, Dim>{view, round, stencil.origin, quantum, {}, {}}, stencil.width, stream);
+        marks.of ? run_nodes<false, true>(work, stencil.width, stream)
+                 : run_nodes<false, false>(work, stencil.width, stream);
 }
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
@@ -69,12 +73,12 @@ std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
 template class DeviceStructures<2>;
 template class DeviceStructures<3>;
 template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,
-                          cudaStream_t, const ContactField<2>*, const GapTiles&);
+                          const LightMarks<float>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<float, 3>&, const Stencil&, const NodeRound<float, 3>&, const Quantum&,
-                          cudaStream_t, const ContactField<3>*, const GapTiles&);
+                          const LightMarks<float>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
 template void solve_nodes(const View<double, 2>&, const Stencil&, const NodeRound<double, 2>&, const Quantum&,
-                          cudaStream_t, const ContactField<2>*, const GapTiles&);
+                          const LightMarks<double>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<double, 3>&, const Stencil&, const NodeRound<double, 3>&, const Quantum&,
-                          cudaStream_t, const ContactField<3>*, const GapTiles&);
+                          const LightMarks<double>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
 
 }  // namespace moraine::gpu

@@ -17,6 +17,7 @@ struct NodeWork {
     NodeRound<Real, Dim> round;
     int origin;
     Quantum quantum;
+    LightMarks<Real> marks;
     ContactField<Dim> contact;
     GapTiles gaps;
 };
@@ -100,7 +101,7 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
 }
 
 /// One node: its values, and what damping and walls gave it if it is counted here.
-template <int Width, bool Contact, class Real, int Dim>
+template <int Width, bool Contact, bool Marks, class Real, int Dim>
 __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                            const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
@@ -136,22 +137,38 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
+    if constexpr (Marks) first[quad - 1] = sums[0];
     store_row(out, first);
     store_row(out + 1, second);
 }
 
-template <class Real, int Dim, int Width, bool Contact>
-__global__ void __launch_bounds__(node_threads, Contact ? 1 : 0)
+/// Whole warps call it.
+template <class Real, int Dim>
+__device__ __forceinline__ void mark_light(const LightMarks<Real>& marks, int c, int node_blocks, int n, Real mass) {
+    constexpr int lanes = TilesAround<Dim>::lanes;
+    const unsigned light = __ballot_sync(all_lanes, !(mass >= marks.mass));
+    const int lane = lane_id();
+    if (lane % lanes != 0 || c >= node_blocks) return;
+    constexpr unsigned mine = lanes == 32 ? all_lanes : (1u << lanes % 32) - 1;
+    marks.of[c * light_marks<Dim> + n / 32] = (light >> lane & mine) != 0;
+}
+
+/// Marks: light nodes are marked, and masses left for the gather. Three thread blocks of a multiprocessor: without a
+/// number, and with four, the compiler spilled a register or two.
+template <class Real, int Dim, int Width, bool Contact, bool Marks>
+__global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
     nodes_kernel(const __grid_constant__ NodeWork<Real, Dim> w) {
     constexpr int cells = Block<Dim>::cells;
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
     const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+    if (Marks && c == 0 && n == 0) w.marks.count[0] = w.marks.count[1] = 0;
     if (__all_sync(all_lanes, around.own == 0)) return;
     Quad<Real> sums, force;
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
     ExactSum impulse[Dim];
-    if (around.own != 0) solve_node<Width, Contact>(w, c, n, sums, force, counted, impulse);
+    if constexpr (Marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+    if (around.own != 0) solve_node<Width, Contact, Marks>(w, c, n, sums, force, counted, impulse);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
 }
 

@@ -43,10 +43,21 @@ class DeviceStructures {
     bool empty_ = false;  ///< the sums are to begin anew
 };
 
+/// Which node blocks have light nodes (core/light_stencil.hpp), for those who limit what they do.
+template <class Real>
+struct LightMarks {
+    std::uint8_t* of;      ///< node block x light_marks: some of its nodes hold less than `mass`; null: nobody asks
+    Real mass;             ///< [kg]
+    std::uint32_t* count;  ///< two numbers of limited blocks, which begin anew
+};
+/// Marks of a node block: one per warp, or half a warp in 2-D.
+template <int Dim>
+inline constexpr int light_marks = Block<Dim>::cells < 32 ? 1 : Block<Dim>::cells / 32;
+
 /// `contact`: null where the scene has no structures; else with the gaps to them.
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                 const Quantum& quantum, cudaStream_t stream, const ContactField<Dim>* contact = nullptr,
-                 const GapTiles& gaps = {});
+                 const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
+                 const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
 
 }  // namespace moraine::gpu

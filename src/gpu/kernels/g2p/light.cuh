@@ -1,0 +1,211 @@
+#pragma once
+// Light nodes on the device (core/light_stencil.hpp): what one particle's gradients lose, read from memory node by
+// node. Slopes are per cell. Only blocks that find_limited.cuh has listed come here.
+
+#include "core/light_stencil.hpp"
+#include "gpu/kernels/g2p/g2p_particle.cuh"
+
+namespace moraine::gpu {
+
+/// The nodes of one block's particles in shared memory, their masses with them; ghosts behind walls as they lie there,
+/// for nobody asks for them.
+template <class Real, int Dim, int Width>
+struct LightTile {
+    static constexpr int size = power<Dim>(tile_side(Width));
+    Row<Real> first[size];   ///< v', and m in the last lane
+    Row<Real> second[size];  ///< dv, and 1 / m
+
+    __device__ __forceinline__ void set(int n, const Row<Real>* node) {
+        Row<Real> now = load_row(node), change = load_row(node + 1);
+        const Real m = now.e[quad - 1];
+        change.e[quad - 1] = m > Real(0) ? Real(1) / m : Real(0);
+        store_row(first + n, now);
+        store_row(second + n, change);
+    }
+    __device__ __forceinline__ Real mass(int n) const { return first[n].e[quad - 1]; }
+    __device__ __forceinline__ Real inverse(int n) const { return second[n].e[quad - 1]; }
+};
+
+/// The masses alone.
+template <class Real, int Dim, int Width>
+struct MassTile {
+    static constexpr int size = power<Dim>(tile_side(Width));
+    Real masses[size], inverses[size];
+
+    __device__ __forceinline__ void set(int n, const Row<Real>* node) {
+        masses[n] = node->e[quad - 1];
+        inverses[n] = masses[n] > Real(0) ? Real(1) / masses[n] : Real(0);
+    }
+    __device__ __forceinline__ Real mass(int n) const { return masses[n]; }
+    __device__ __forceinline__ Real inverse(int n) const { return inverses[n]; }
+};
+
+/// Fills the tile of a block; all threads of the team, which see it afterwards.
+template <class Shape, class Real, int Dim, class Tile>
+__device__ __forceinline__ void load_light_tile(const View<Real, Dim>& v, int block, Tile& tile) {
+    for (int n = Team<Dim>::rank(); n < Tile::size; n += Team<Dim>::threads)
+        tile.set(n, node_in_tile<tile_side(Shape::width)>(v, block, n));
+    Team<Dim>::sync();
+}
+
+/// A cell of a block: its first node, and the ghosts that its stencil reaches.
+template <class Shape, int Dim>
+struct LightCell {
+    int first;             ///< in the tile
+    int index[Dim];        ///< in the domain
+    unsigned ghosts[Dim];  ///< Walls::ghosts
+    bool at_wall;
+
+    /// at: of the cell in the block.
+    template <class Real>
+    __device__ __forceinline__ LightCell(const View<Real, Dim>& v, int block, const int (&at)[Dim]) {
+        first = 0;
+        at_wall = false;
+#pragma unroll
+        for (int a = Dim - 1; a >= 0; --a) {
+            first = first * tile_side(Shape::width) + at[a];
+            index[a] = first_node<Shape>(v.table.position[block][a]) + at[a];
+            ghosts[a] = v.table.border[block] ? v.context.walls.ghosts(a, index[a], Shape::width) : 0u;
+            at_wall = at_wall || ghosts[a] != 0;
+        }
+    }
+
+    template <class Tile>
+    __device__ __forceinline__ bool is_light(const Tile& tile, decltype(tile.mass(0)) full_mass) const {
+        auto least = tile.mass(first);
+        each_node<Dim, Shape::width>([&](int n, int, int, int) { least = min(least, tile.mass(first + n)); });
+        return at_wall || 2 * least < full_mass;
+    }
+};
+
+/// Half-size of a particle's box along an axis [cells]; stretch: its row, where the scene has one.
+template <class Real, int Dim>
+__device__ __forceinline__ Real half_size(const View<Real, Dim>& v, std::uint32_t body, const Row<Real>& stretch,
+                                          int a) {
+    const Real half = v.context.half_size[body][a];
+    return held_half(v.p.log_stretch ? stretched_half(half, stretch.e[a]) : half);
+}
+
+/// Thread blocks of a multiprocessor of the instances for limited blocks: a thread has all the registers that it can.
+inline constexpr int light_blocks = 2;
+
+/// Whether another instance takes the block.
+template <class Real, int Dim>
+__device__ __forceinline__ bool is_limited(const GatherArgs<Real, Dim>& g, int block) {
+    return g.light.stiffness && g.light.limited[block];
+}
+
+/// What a particle's limits are asked with.
+template <class Real, int Dim>
+struct LightParticle {
+    Vec<Coordinate<Real>, Dim> u;
+    std::uint32_t slot;
+    Real mass, volume;  ///< [kg], [m3]
+};
+
+/// The particle's stencil, folded, and its share. Whole where nothing is to be asked.
+template <class Shape, bool Affine, bool Unrolled, class Tile, class Real, int Dim>
+__device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g,
+                                                          const Tile& tile, const LightCell<Shape, Dim>& cell,
+                                                          const LightParticle<Real, Dim>& p,
+                                                          LightStencil<Real, Dim, Shape::width>& n) {
+    LightShare<Real, Dim> share;
+    share.whole = true;
+    const std::uint32_t body = v.p.body[p.slot];
+    const Stiffness<Real> k = g.light.stiffness[body];
+    if (!cell.is_light(tile, k.full_mass)) return share;
+    Row<Real> stretch;
+    if constexpr (Shape::sized)
+        if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + p.slot);
+    Real f[Dim];
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        f[a] = fraction_of<Real>(p.u[a]);
+        Shape::weights(f[a], Shape::sized ? half_size(v, body, stretch, a) : Real(0), n.w[a], n.dw[a]);
+    }
+    fold_stencil<Shape, Affine>(cell.ghosts, g.tpic, f, Real(1), n);
+    const auto inside = [&](int i, int j, int l) { return !cell.at_wall || is_inside<Dim>(cell.ghosts, i, j, l); };
+    Real around = Real(0);
+    each_node<Dim, Shape::width>(
+        [&](int at, int i, int j, int l) { around += inside(i, j, l) ? tile.mass(cell.first + at) : Real(0); });
+    Real full = p.mass / p.volume;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) full /= v.context.inverse_cell;
+    Vec<Real, Dim> reaction = reactions<Unrolled>(n, around, full, [&](int at, int i, int j, int l) {
+        return inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0);
+    });
+    const Real per_length = g.dt * v.context.inverse_cell;
+#pragma unroll
+    for (int b = 0; b < Dim; ++b) reaction[b] *= per_length * per_length * k.wave * p.volume / p.mass;
+    return light_share(g.light.limits, reaction, n.folded, k.dilation);
+}
+
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ LightCell<Shape, Dim> cell_at(const View<Real, Dim>& v, int block,
+                                                         const Vec<Coordinate<Real>, Dim>& u) {
+    int at[Dim];
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) at[a] = cell_of<Real>(u[a]);
+    return {v, block, at};
+}
+
+/// What light nodes take from each thread's particle, until it has gathered: in registers it would be too much.
+template <class Real, int Dim, int Width>
+struct LightShared {
+    LightTile<Real, Dim, Width> tile;
+    Real seen[Dim * Dim][Team<Dim>::threads], kept[Dim * Dim][Team<Dim>::threads];
+};
+
+/// What a particle's light nodes cannot bear, to shared memory; called before it gathers. Returns whether there is
+/// anything.
+template <class Shape, bool Affine, class Real, int Dim>
+__device__ __forceinline__ bool find_taken(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
+                                           const LightParticle<Real, Dim>& p,
+                                           LightShared<Real, Dim, Shape::width>& shared) {
+    const LightCell<Shape, Dim> cell = cell_at<Shape>(v, block, p.u);
+    LightStencil<Real, Dim, Shape::width> n;
+    const LightShare<Real, Dim> share = share_of<Shape, Affine, false>(v, g, shared.tile, cell, p, n);
+    if (share.whole) return false;
+    const auto taken = taken_gradients<Affine>(n, share, [&](int at, int i, int j, int k) {
+        const int place[3] = {i, j, k};
+        int index[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) index[a] = cell.index[a] + place[a];
+        const int node = cell.first + at;
+        return acceleration<Real, Dim>(v.context.walls, index, shared.tile.first[node].e, shared.tile.second[node].e);
+    });
+    const int rank = Team<Dim>::rank();
+#pragma unroll
+    for (int i = 0; i < Dim * Dim; ++i) {
+        shared.seen[i][rank] = taken.seen(i / Dim, i % Dim);
+        if constexpr (Affine) shared.kept[i][rank] = taken.kept(i / Dim, i % Dim);
+    }
+    return true;
+}
+
+/// gathered(): what the particle in slot s gathers; less what its light nodes cannot bear, in an instance for them.
+template <class Shape, bool Light, bool Affine, class LightOf, class Real, int Dim, class F>
+__device__ __forceinline__ auto gather_limited(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
+                                               LightOf& shared, std::uint32_t s, const F& gathered) {
+    if constexpr (Light) {
+        CoreRows<Real, Dim> p;
+#pragma unroll
+        for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
+        const bool any =
+            find_taken<Shape, Affine>(v, g, block, {place_of<Real, Dim>(p), s, p.mass(), p.volume()}, shared);
+        asm volatile("" ::: "memory");  // nothing of it stays in registers
+        auto sums = gathered();
+        const int rank = Team<Dim>::rank();
+#pragma unroll
+        for (int i = 0; i < Dim * Dim; ++i) {
+            if (any) sums.gradient[i % Dim][i / Dim] += shared.seen[i][rank];
+            if constexpr (Affine)
+                if (any) sums.affine[i % Dim][i / Dim] += shared.kept[i][rank];
+        }
+        return sums;
+    } else {
+        return gathered();
+    }
+}
+
+}  // namespace moraine::gpu

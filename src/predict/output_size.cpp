@@ -1,0 +1,46 @@
+// What particles.vtkhdf will hold (predict/prediction.hpp): the columns of records/output_frame.hpp, counted.
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "core/particle_state.hpp"
+#include "predict/prediction.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// Numbers of a field in the file; vectors of 2-D scenes have a third.
+template <int Dim>
+int components_of(const std::string& field) {
+    int components = 1;  // what is derived, and what a law remembers
+    each_variable<double, Dim>([&](const auto& v) {
+        if (field == v.name) components = v.components();
+    });
+    return components == 2 ? 3 : components;
+}
+
+int field_bytes(const Scene& scene, const std::string& field) {
+    if (field == "body") return 2;
+    const bool derived = field == "pressure" || field == "density";
+    const bool single = scene.output.single || (!derived && scene.precision == Precision::single_);
+    return (single ? 4 : 8) * (scene.dimensions == 2 ? components_of<2>(field) : components_of<3>(field));
+}
+
+}  // namespace
+
+OutputPrediction predict_output(const Scene& scene, const Prediction& p) {
+    OutputPrediction o;
+    o.row_bytes = scene.output.single ? 12 : 24;  // the place
+    for (const std::string& label : scene.output.labels) o.row_bytes += label == "rank" ? 4 : 8;
+    for (const std::string& field : scene.output.fields) o.row_bytes += field_bytes(scene, field);
+    o.particles = std::ceil(static_cast<double>(p.particles) / static_cast<double>(scene.output.every));
+    const double interval = scene.output.interval;
+    const double times = interval > 0 ? std::ceil(scene.end / interval * (1 - 1e-12)) : 1;
+    o.outputs = 1 + std::min(times, std::ceil(p.steps));
+    o.steps = o.outputs > 1 ? p.steps / (o.outputs - 1) : 0;
+    return o;
+}
+
+}  // namespace moraine
