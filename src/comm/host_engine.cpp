@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/particle_depth.hpp"
+
 namespace moraine {
 
 template <class Real, int Dim>
@@ -100,9 +102,12 @@ void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
     const TransferCall<Real, Dim> call = transfer_call(blocks);
-    method_.kernels.p2g(call, method_.cell);
+    const auto count = static_cast<std::int64_t>(pairs.size());
     if (finding_)
-        method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), static_cast<std::int64_t>(pairs.size())});
+        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
+                                                  static_cast<int>(count)});
+    method_.kernels.p2g(call, method_.cell);
+    if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count});
 }
 
 template <class Real, int Dim>

@@ -75,11 +75,13 @@ void DeviceEngine<Real, Dim>::sum() {
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
+        if (finding_) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
         p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
         if (finding_)
             gpu::find_gaps(view(), scene_.shape, contact_, gaps_.boundary(), gaps_.tiles(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
+    if (finding_) limit_depths(view(), contact_, gaps_.interior(), stream_);
     p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
     if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_.interior(), gaps_.tiles(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "comm/contact_pairs.hpp"
+#include "core/particle_depth.hpp"
 #include "core/sample.hpp"
 #include "core/structure_set.hpp"
 
@@ -152,4 +153,49 @@ TEST_CASE_TEMPLATE("the areas of the nodes add up to that of the particles, besi
         });
         for (int k = 0; k < 2; ++k) CHECK(found[k] == doctest::Approx(expected[k]).epsilon(1e-5));
     });
+}
+
+TEST_CASE_TEMPLATE("who stands too deep in a structure is brought back along its normal, within its cell", C,
+                   EVERY_CASE) {
+    using Real = typename C::Real;
+    constexpr int dim = C::dim;
+    Scene scene = test::sample_scene(dim, moraine::Shape::quadratic, false);
+    add_structures(scene);
+    Sample<Real, dim> sample(scene, dim == 2 ? 400 : 900, 17);
+    const Gaps<Real, dim> gaps(sample);
+    const ContactField<dim> field = gaps.set.field();
+    const ParticleView<Real, dim> p = sample.patch.particles.view();
+    std::map<std::uint32_t, std::array<double, dim>> before;
+    std::map<std::uint32_t, Vec<Coordinate<Real>, dim>> exactly;
+    sample.each_particle([&](std::uint32_t s, const auto& cells) { before[s] = cells, exactly[s] = p.position[s]; });
+    const std::vector<ContactPair>& pairs = gaps.pairs.interior();
+    const LimitDepth<Real, dim> limit{p.position, sample.patch.table(), sample.patch.list(),
+                                      field,      pairs.data(),         static_cast<int>(pairs.size())};
+    for (int k = 0; k < limit.count; ++k) limit(k);
+    int wholly = 0, in_part = 0;
+    sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& now) {
+        std::array<double, dim> expected = before[s];
+        bool within = true;
+        for (int k = 0; k < 2; ++k) {
+            Vec<double, dim> x;
+            for (std::size_t a = 0; a < dim; ++a) x[int(a)] = expected[a] * 0.5;
+            const Surface<dim> at = surface(field.structure[k], field.corners, x);
+            const double depth = -at.distance / 0.5;
+            if (!(depth > 0.1 && depth < 1)) continue;
+            for (std::size_t a = 0; a < dim; ++a) {
+                const double lower = std::floor(before[s][a] + 0.5) - 0.5,
+                             to = expected[a] + (depth - 0.1) * at.normal[int(a)];
+                within = within && to > lower && to < lower + 1;
+                expected[a] = std::clamp(to, lower, lower + 1);
+            }
+            ++(within ? wholly : in_part);
+        }
+        for (std::size_t a = 0; a < dim; ++a) {
+            CHECK(std::fabs(now[a] - expected[a]) <= 1e-8);
+            CHECK(cell_of<Real>(p.position[s][int(a)]) == cell_of<Real>(exactly[s][int(a)]));
+            if (expected == before[s]) CHECK(p.position[s][int(a)] == exactly[s][int(a)]);
+        }
+    });
+    CHECK(wholly > 10);
+    CHECK(in_part > 3);
 }

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "core/particle_depth.hpp"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
@@ -73,6 +75,31 @@ class NodePair {
             }
         }
         return worst;
+    }
+
+    /// Brings back who is too deep, on both: largest difference of the places [cells], and how many moved.
+    std::pair<double, int> limit_depths(const StructureSet<Dim>& structures) {
+        const ParticleView<Real, Dim> p = sample.patch.particles.view();
+        const std::vector<Vec<Coordinate<Real>, Dim>> before(p.position, p.position + sample.patch.particles.size());
+        const auto count = static_cast<int>(pairs.interior().size());
+        const LimitDepth<Real, Dim> limit{p.position,         sample.patch.table(),    sample.patch.list(),
+                                          structures.field(), pairs.interior().data(), count};
+        for (int k = 0; k < count; ++k) limit(k);
+        gpu::DeviceStructures<Dim> there;
+        gpu::limit_depths(device.view, there.place(structures, nullptr), device_gaps.interior(), nullptr);
+        gpu::check(cudaDeviceSynchronize(), "Limiting depths");
+        double worst = 0;
+        int moved = 0;
+        for (std::uint32_t s = 0; s < before.size(); ++s) {
+            const gpu::CoreRows<Real, Dim> found = device.particle(s);
+            bool here = false;
+            for (int a = 0; a < Dim; ++a) {
+                here = here || p.position[s][a] != before[s][a];
+                widen(worst, std::fabs(local_of<Real>(0, found.coordinate(a)) - local_of<Real>(0, p.position[s][a])));
+            }
+            moved += here;
+        }
+        return {worst, moved};
     }
 
     template <bool Contact = false>

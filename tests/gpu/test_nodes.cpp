@@ -132,6 +132,9 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
                 CHECK(std::fabs(pair.quantum.value(pair.felt_on_device[k].sum[q]) - felt) <= 1e4 * C::tolerance);
             }
         CHECK(most > 0);
+        const auto [apart, moved] = pair.limit_depths(structures);
+        CHECK(apart <= (sizeof(typename C::Real) == 8 ? 1e-14 : 1e-8));
+        if (pair.sample.patch.particles.size() > 100) CHECK(moved > 5);
     });
 }
 

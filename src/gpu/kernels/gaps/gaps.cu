@@ -1,4 +1,4 @@
-#include "core/particle_gaps.hpp"
+#include "core/particle_depth.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
 
 namespace moraine::gpu {
@@ -61,7 +61,37 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
     for (int n = static_cast<int>(threadIdx.x); n < nodes; n += gap_threads) to[n] = NodeGap{gap[n], area[n]};
 }
 
+/// A thread block per block: it takes all structures in turn.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(gap_threads, 1)
+    depths_kernel(const __grid_constant__ GapWork<Real, Dim> w, const int count) {
+    constexpr int row = CoreRows<Real, Dim>::place;
+    const std::int32_t block = w.pairs[blockIdx.x].block;
+    const ListView<Dim>& list = w.view.list;
+    each_of_block(w.pairs, count, static_cast<int>(blockIdx.x), [&](int k) {
+        for (std::uint32_t i = list.first[block] + threadIdx.x; i < list.first[block + 1]; i += gap_threads) {
+            const std::uint32_t s = list.slot[i];
+            CoreRows<Real, Dim> core;
+            core.row[row] = w.view.p.core[row][s];
+            Vec<Coordinate<Real>, Dim> u;
+            for (int a = 0; a < Dim; ++a) u[a] = core.coordinate(a);
+            if (!limit_depth<Real, Dim>(w.contact, w.contact.structure[k], w.view.table.position[block], u)) continue;
+            for (int a = 0; a < Dim; ++a) core.set_coordinate(a, u[a]);
+            w.view.p.core[row][s] = core.row[row];
+        }
+    });
+}
+
 }  // namespace
+
+template <class Real, int Dim>
+void limit_depths(const View<Real, Dim>& view, const ContactField<Dim>& contact, const Array<ContactPair>& pairs,
+                  cudaStream_t stream) {
+    if (pairs.size() == 0) return;
+    depths_kernel<Real, Dim><<<static_cast<unsigned>(pairs.size()), gap_threads, 0, stream>>>(
+        GapWork<Real, Dim>{view, contact, pairs.data(), nullptr}, static_cast<int>(pairs.size()));
+    check(cudaGetLastError(), "Limiting depths");
+}
 
 template <class Real, int Dim>
 void find_gaps(const View<Real, Dim>& view, Shape shape, const ContactField<Dim>& contact,
@@ -93,5 +123,10 @@ template void find_gaps(const View<double, 2>&, Shape, const ContactField<2>&, c
                         cudaStream_t);
 template void find_gaps(const View<double, 3>&, Shape, const ContactField<3>&, const Array<ContactPair>&, NodeGap*,
                         cudaStream_t);
+
+template void limit_depths(const View<float, 2>&, const ContactField<2>&, const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<float, 3>&, const ContactField<3>&, const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<double, 2>&, const ContactField<2>&, const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<double, 3>&, const ContactField<3>&, const Array<ContactPair>&, cudaStream_t);
 
 }  // namespace moraine::gpu

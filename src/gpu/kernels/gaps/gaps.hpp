@@ -41,6 +41,12 @@ class DeviceGaps {
     Array<NodeGap> tiles_;
 };
 
+/// Brings particles of these pairs that are too deep in their structure back (core/particle_depth.hpp). contact: on the
+/// device. Asynchronous.
+template <class Real, int Dim>
+void limit_depths(const View<Real, Dim>& view, const ContactField<Dim>& contact, const Array<ContactPair>& pairs,
+                  cudaStream_t stream);
+
 /// Fills the tiles of these pairs. contact: on the device. Asynchronous.
 template <class Real, int Dim>
 void find_gaps(const View<Real, Dim>& view, Shape shape, const ContactField<Dim>& contact,
