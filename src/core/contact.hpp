@@ -9,10 +9,10 @@
 // Bardenhagen et al. (2001). The gap g_i is that of the nearest of the particles that the node feels, less their half
 // size (core/particle_gaps.hpp): a node's mass cannot tell a thin layer that touches from a thick one at a distance.
 //
-// S: nodes up to 0.4 h outside the surface are held, those from 0.5 h on are free: on average over all places of the
-// surface between the nodes the last node that is held stands on it. Where no node stands near it the soil sinks in, as
-// the spline of the free node reaches half a cell past the last one that is held; particles more than 0.3 h closer than
-// touching make S reach 0.35 h further. The ramps are narrow because a node held in part is a dashpot m / dt: under
+// S: nodes up to 0.5 h outside the surface are held, those from 0.6 h on are free: on average over all places of the
+// surface between the nodes the last node that is held stands 0.05 h outside of it. Where no node stands near it the
+// soil sinks in, as the spline of the free node reaches half a cell past the last one that is held: how deep particles
+// may go is said in core/particle_depth.hpp. The ramp is narrow because a node held in part is a dashpot m / dt: under
 // load it is free, and more so the longer the step.
 //
 // The area A_i of a node is that of the particles that lie on the surface, by their weights: its sum over the nodes is
@@ -25,11 +25,8 @@
 
 namespace moraine {
 
-inline constexpr double held_below = 0.4;  ///< S = 1 [cells]
-inline constexpr double free_above = 0.5;  ///< S = 0
-inline constexpr double sunk_from = 0.3;   ///< negative gap from which S reaches further out [cells]
-inline constexpr double sunk_at = 0.344;   ///< and at which it does so
-inline constexpr double most_lift = 0.35;  ///< by that much
+inline constexpr double held_below = 0.5;  ///< S = 1 [cells]
+inline constexpr double free_above = 0.6;  ///< S = 0
 inline constexpr double touching = 0.05;   ///< gap of soil that a rough surface holds [cells]
 inline constexpr double look_from = 2.0;   ///< distance of nodes at which nothing of this is left [cells]
 
@@ -60,8 +57,7 @@ MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<
     n.hold = n.gap = n.area = 0;
     n.sticks = false;
     if (gap.is_none()) return n;
-    const double lift = most_lift * ramp(-gap.cells(), sunk_at, sunk_from);
-    n.hold = ramp(n.surface.distance / f.cell - lift, held_below, free_above);
+    n.hold = ramp(n.surface.distance / f.cell, held_below, free_above);
     n.gap = gap.cells() > 0 ? gap.cells() * f.cell : 0;
     n.sticks = s.law == InterfaceLaw::rough && gap.cells() < touching;
     n.area = gap.faces() * (Dim == 2 ? f.cell : f.cell * f.cell);
