@@ -136,6 +136,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     DeviceGaps<Dim> gaps_;
     ContactField<Dim> contact_{};  ///< of this step's gaps
     bool finding_ = false;         ///< gaps, in this round
+    bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting

@@ -59,7 +59,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     contact_ = structures_.place(structures, stream_);
     gaps_.make(epoch_, structures.field(), structures.any_moves(), method_.stencil.width, stream_);
-    finding_ = true;
+    finding_ = limiting_ = true;
 }
 
 /// Boundary and interior at once: the device has its queues.
@@ -72,16 +72,17 @@ void DeviceEngine<Real, Dim>::sum_boundary() {
 /// The boundary goes first, on the halo's stream, and the interior fills what it leaves free.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum() {
+    const bool limiting = std::exchange(limiting_, false);
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
-        if (finding_) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
+        if (limiting) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
         p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
         if (finding_)
             gpu::find_gaps(view(), scene_.shape, contact_, gaps_.boundary(), gaps_.tiles(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
-    if (finding_) limit_depths(view(), contact_, gaps_.interior(), stream_);
+    if (limiting) limit_depths(view(), contact_, gaps_.interior(), stream_);
     p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
     if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_.interior(), gaps_.tiles(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
