@@ -76,6 +76,29 @@ inline Scene column() {
     return s;
 }
 
+/// Thin layers fall on a slope, and a disk that is free on them; a rod goes through them.
+inline Scene layers_on_slope(int dimensions) {
+    Scene s = slurry();
+    s.dimensions = dimensions;
+    s.walls[1][0].kind = WallKind::none;
+    s.max[2] = dimensions == 3 ? 0.8 : 0;
+    s.walls[2][0].kind = s.walls[2][1].kind = WallKind::free_slip;
+    s.materials.push_back(material("drucker-prager", 1800, {{"young", 1e6}, {"poisson", 0.3}, {"friction_angle", 30}}));
+    s.bodies = {box({1.05, 0.5, 0}, {3.15, 0.55, 0.8}, 0), box({1.25, 0.8, 0}, {2.55, 1, 0.8}, 1)};
+    for (BodySpec& body : s.bodies) body.velocity = {1, -3, 0};
+    StructureSpec slope, disk, rod;
+    slope.name = "slope", slope.law = InterfaceLaw::undrained, slope.alpha = 0.5, slope.su = 400;
+    slope.point = {0, 0.43, 0}, slope.normal = {0.1, 1, 0};
+    disk.name = "disk", disk.shape = StructureShape::sphere, disk.law = InterfaceLaw::rough;
+    disk.center = {1.9, 1.25, 0.4}, disk.radius = 0.2;
+    disk.motion.kind = StructureMotion::free, disk.motion.mass = 40, disk.motion.velocity = {1, -3, 0};
+    rod.name = "rod", rod.shape = StructureShape::capsule, rod.law = InterfaceLaw::coulomb, rod.friction = 0.3;
+    rod.from = {3.4, 0.3, 0.2}, rod.to = {3.4, 0.9, 0.6}, rod.radius = 0.08;
+    rod.motion.kind = StructureMotion::velocity, rod.motion.velocity = {-4, 0, 0};
+    s.structures = {slope, disk, rod};
+    return s;
+}
+
 /// Nodes with little mass: a single layer near a floor and in its corner, droplets and particles alone that fall, over
 /// free-slip walls and one with friction. Two materials, one nearly incompressible.
 inline Scene spray(int dimensions) {

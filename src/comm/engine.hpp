@@ -117,6 +117,8 @@ class Engine {
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
+    /// The gaps to them are found with the sums of the next round, and kept for the step. Scenes with structures only.
+    virtual void find_gaps(const StructureSet<Dim>& structures) = 0;
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;

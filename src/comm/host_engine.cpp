@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/particle_depth.hpp"
+
 namespace moraine {
 
 template <class Real, int Dim>
@@ -25,6 +27,7 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& b
     halo_.reset();
     migration_.reset();
     patch_.install(std::move(tables), binned);
+    pairs_.forget();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
 }
@@ -87,8 +90,30 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks) {
-    method_.kernels.p2g(transfer_call(blocks), method_.cell);
+void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
+    field_ = structures.field();
+    finding_ = true;
+    if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
+    gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
+    gap_share_ = {&pairs_, gaps_.data()};
+    halo_->reserve(pairs_);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
+    const TransferCall<Real, Dim> call = transfer_call(blocks);
+    const auto count = static_cast<std::int64_t>(pairs.size());
+    if (finding_)
+        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
+                                                  static_cast<int>(count)});
+    method_.kernels.p2g(call, method_.cell);
+    if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count});
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::receive_halo() {
+    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ ? &gap_share_ : nullptr);
+    finding_ = false;
 }
 
 template <class Real, int Dim>
@@ -116,7 +141,8 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
                                                  method_.damping, static_cast<Real>(step.mass_cutoff)},
                                                 step.quantum,
                                                 impulse_.data(),
-                                                contact};
+                                                contact,
+                                                {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()}};
     Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <memory>
 
+#include "comm/contact_pairs.hpp"
 #include "comm/engine.hpp"
 #include "comm/halo.hpp"
 #include "comm/lattice_fill.hpp"
@@ -31,10 +32,11 @@ class HostEngine final : public Engine<Real, Dim> {
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void bin() override;
-    void sum_boundary() override { sum(patch_.boundary()); }
-    void send_halo() override { halo_->start(patch_.grid()); }
-    void sum_interior() override { sum(patch_.interior()); }
-    void receive_halo() override { halo_->finish(patch_.grid(), patch_.tile_of()); }
+    void find_gaps(const StructureSet<Dim>& structures) override;
+    void sum_boundary() override { sum(patch_.boundary(), pairs_.boundary()); }
+    void send_halo() override { halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr); }
+    void sum_interior() override { sum(patch_.interior(), pairs_.interior()); }
+    void receive_halo() override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>& step) override;
@@ -47,7 +49,7 @@ class HostEngine final : public Engine<Real, Dim> {
     template <bool Contact>
     void solve_nodes(const Round& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
-    void sum(std::span<const std::int32_t> blocks);
+    void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
     void record_step(const Quantum& quantum, bool moved);
     void note_fault(std::int32_t block, const BlockOutcome& out, bool moved);
     void lose(std::uint32_t slot, const StepScales<Dim>& step);
@@ -64,6 +66,12 @@ class HostEngine final : public Engine<Real, Dim> {
     std::vector<FaultRecord<Dim>> fault_records_;
     Host::Array<ExactSum> impulse_;
     bool moving_ = false;  ///< migration under way: not binned
+
+    ContactPairs<Dim> pairs_;
+    Host::Array<NodeGap> gaps_;
+    GapShare<Dim> gap_share_{};
+    ContactField<Dim> field_{};  ///< of this step's gaps
+    bool finding_ = false;       ///< gaps, in this round
 };
 
 /// Cells of a block that hold particles.

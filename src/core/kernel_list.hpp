@@ -7,6 +7,7 @@
 #include "core/g2p.hpp"
 #include "core/law_batch.hpp"
 #include "core/p2g.hpp"
+#include "core/particle_gaps.hpp"
 
 namespace moraine {
 
@@ -40,10 +41,20 @@ struct GatherCall {
     ReactionLimits<Real> limits = {};
 };
 
+/// What the gaps to structures need besides: they are found by pairs of a block and a structure.
+template <int Dim>
+struct GapCall {
+    ContactField<Dim> field;
+    NodeGap* tiles;
+    const ContactPair* pairs;
+    std::int64_t count;
+};
+
 template <class Real, int Dim>
 struct TransferKernels {
     void (*p2g)(const TransferCall<Real, Dim>&, Real cell);
     void (*g2p)(const TransferCall<Real, Dim>&, const GatherCall<Real, Dim>&);
+    void (*gaps)(const TransferCall<Real, Dim>&, const GapCall<Dim>&);
 };
 
 /// One row of the list; defined once per compiled combination.

@@ -151,6 +151,7 @@ struct SolveNodes {
     Quantum quantum;
     ExactSum* impulse;  ///< node blocks x Dim: impulse of walls and damping of this step [kg m/s]
     ContactField<Dim> contact = {};
+    GapTiles gaps = {};
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -218,7 +219,10 @@ struct SolveNodes {
         if constexpr (Contact) {
             motion =
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
-                    return near && touch_structures(contact, node, sums[0], round.dt, counted, quantum, v, given);
+                    return near &&
+                           touch_structures(
+                               contact, node, sums[0], round.dt, counted, quantum,
+                               [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given);
                 });
         } else {
             motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);

@@ -81,7 +81,7 @@ Place<Real> place(double local) {
 
 /// Inverse of place(): (x - min)/h + offset.
 template <class Real>
-double local_of(std::int32_t block, Coordinate<Real> u) {
+MORAINE_HD double local_of(std::int32_t block, Coordinate<Real> u) {
     return 4.0 * block + double(u) / double(one_cell<Real>);
 }
 

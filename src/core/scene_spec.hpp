@@ -103,7 +103,6 @@ struct StructureSpec {
     double friction = 0;  ///< coulomb [-]
     double alpha = 0;     ///< undrained: share of su [-]
     double su = 0;        ///< undrained [Pa]
-    double penalty = 1;   ///< share of m / dt^2 [-]
     MotionSpec motion;
 };
 

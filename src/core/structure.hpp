@@ -27,7 +27,6 @@ struct Structure {
     InterfaceLaw law;
     double friction;  ///< Coulomb coefficient [-]
     double cap;       ///< largest shear stress [Pa]
-    double penalty;   ///< share of m / dt^2 that holds a node, 0 to 1
 };
 
 template <int Dim>

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/shape.hpp"
+
 namespace moraine {
 
 namespace {
@@ -33,7 +35,6 @@ Structure<Dim> structure_of(const StructureSpec& spec, std::vector<Vec<double, 2
     s.law = spec.law;
     s.friction = spec.friction;
     s.cap = spec.alpha * spec.su;
-    s.penalty = spec.penalty;
     s.velocity = zero_vec<double, Dim>();
     const Vec<double, Dim> from = vec_of<Dim>(spec.from), to = vec_of<Dim>(spec.to);
     const Vec<double, Dim> low = vec_of<Dim>(spec.min), high = vec_of<Dim>(spec.max);
@@ -78,6 +79,7 @@ StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(sce
         values_.push_back(structure_of<Dim>(spec, corners_));
         start_.push_back(values_.back().at);
         any_free_ = any_free_ || spec.motion.kind == StructureMotion::free;
+        any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;
     }
     for (std::size_t k = 0; k < states_.size(); ++k)
         if (spec(k).motion.kind == StructureMotion::free)
@@ -107,9 +109,9 @@ void StructureSet<Dim>::begin_step(double time, double dt, std::span<const Struc
                 state.velocity[a] = (there[i] - here[i]) / dt;
             }
         }
-        values_[k].at = start_[k] - (-1.0) * state.displacement;
         values_[k].velocity = state.velocity;
     }
+    place();
 }
 
 template <int Dim>
@@ -136,8 +138,6 @@ void StructureSet<Dim>::forget_pending() {
     for (StructureState<Dim>& state : states_) state.pending = {};
 }
 
-/// The widths of the shapes: a hat averaged over a box is the linear shape (0), GIMP and the quadratic spline (1/2);
-/// the cubic one is wider by the square root of the ratio of their second moments, 1/3 over 1/4.
 template <int Dim>
 ContactField<Dim> StructureSet<Dim>::field() const {
     ContactField<Dim> f{};
@@ -145,25 +145,18 @@ ContactField<Dim> StructureSet<Dim>::field() const {
     f.count = static_cast<int>(values_.size());
     f.corners = corners_.data();
     f.cell = scene_.cell;
-    f.half = scene_.shape == Shape::linear ? 0 : 0.5;
-    if (scene_.shape == Shape::gimp || scene_.shape == Shape::gimp_contiguous)
-        f.half = 0.5 / scene_.bodies.front().particles_per_cell[0];
-    f.stretch = scene_.shape == Shape::cubic ? std::sqrt(4.0 / 3) : 1;
-    double lightest = scene_.materials.front().density;
-    for (const MaterialSpec& m : scene_.materials) lightest = std::min(lightest, m.density);
-    f.full_mass = lightest;
+    f.offset = stencil_of(scene_.shape).offset();
     for (int a = 0; a < Dim; ++a) {
         const auto i = static_cast<std::size_t>(a);
-        f.full_mass *= scene_.cell;
         f.origin[a] = scene_.min[i];
         f.period[a] = scene_.periodic[i] ? scene_.max[i] - scene_.min[i] : 0;
-        for (int side = 0; side < 2; ++side)
-            f.faces[a][side] = scene_.periodic[i] ? -1 << 30
-                               : side == 0
-                                   ? 0
-                                   : static_cast<int>(std::lround((scene_.max[i] - scene_.min[i]) / scene_.cell));
     }
     return f;
+}
+
+template <int Dim>
+void StructureSet<Dim>::place() {
+    for (std::size_t k = 0; k < values_.size(); ++k) values_[k].at = start_[k] - (-1.0) * states_[k].displacement;
 }
 
 template class StructureSet<2>;

@@ -45,6 +45,7 @@ class StructureSet {
 
     bool empty() const { return values_.empty(); }
     bool any_free() const { return any_free_; }
+    bool any_moves() const { return any_moves_; }
     std::size_t size() const { return values_.size(); }
     std::size_t corners() const { return corners_.size(); }
     const StructureSpec& spec(std::size_t k) const { return scene_.structures[k]; }
@@ -52,6 +53,8 @@ class StructureSet {
     std::vector<StructureState<Dim>>& states() { return states_; }
     double reported_time = 0;  ///< of the last row of the records [s]
 
+    /// Places at the start of a step, from which its gaps are taken.
+    void place();
     /// Velocities of the step that begins at `time`; `pending` are sums over all ranks (free structures only).
     void begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum);
     /// Places at the end of the step.
@@ -69,7 +72,7 @@ class StructureSet {
     std::vector<Vec<double, Dim>> start_;  ///< Structure::at at the start
     std::vector<Vec<double, 2>> corners_;
     std::vector<StructureState<Dim>> states_;
-    bool any_free_ = false;
+    bool any_free_ = false, any_moves_ = false;
 };
 
 }  // namespace moraine

@@ -17,6 +17,7 @@
 #include "gpu/exchange/exchange.hpp"
 #include "gpu/kernels/cells/lists.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
+#include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"
 #include "gpu/kernels/step_report.hpp"
@@ -55,6 +56,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void refresh_memory(bool) override {}  // every few steps, by itself
 
     void bin() override;
+    void find_gaps(const StructureSet<Dim>& structures) override;
     void sum_boundary() override;
     void send_halo() override;
     void sum_interior() override;
@@ -131,6 +133,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
     DeviceStructures<Dim> structures_;
+    DeviceGaps<Dim> gaps_;
+    ContactField<Dim> contact_{};  ///< of this step's gaps
+    bool finding_ = false;         ///< gaps, in this round
+    bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting

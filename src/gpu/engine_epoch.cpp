@@ -76,7 +76,8 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
     if (least > tile_capacity_ || 2 * capacity < tile_capacity_ || ghosts > ghost_capacity_) make_tiles(capacity);
     report_is_of_epoch_ = false;
-    if (exchange_) exchange_->open(epoch_, stream_);
+    gaps_.forget();
+    if (exchange_) exchange_->open(epoch_, scene_.structures.size(), stream_);
 }
 
 /// What the next report will say of the boundary, for those who need it before.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "gpu/engine.hpp"
 
@@ -54,6 +55,13 @@ void DeviceEngine<Real, Dim>::bin() {
     moving_ = false;
 }
 
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
+    contact_ = structures_.place(structures, stream_);
+    gaps_.make(epoch_, structures.field(), structures.any_moves(), method_.stencil.width, stream_);
+    finding_ = limiting_ = true;
+}
+
 /// Boundary and interior at once: the device has its queues.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_boundary() {
@@ -64,13 +72,19 @@ void DeviceEngine<Real, Dim>::sum_boundary() {
 /// The boundary goes first, on the halo's stream, and the interior fills what it leaves free.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum() {
+    const bool limiting = std::exchange(limiting_, false);
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
+        if (limiting) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
         p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
+        if (finding_)
+            gpu::find_gaps(view(), scene_.shape, contact_, gaps_.boundary(), gaps_.tiles(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
+    if (limiting) limit_depths(view(), contact_, gaps_.interior(), stream_);
     p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
+    if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_.interior(), gaps_.tiles(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     watch_.end(0, stream_);
     share_is_of_now_ = false;
@@ -81,7 +95,8 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_halo() {
     if (!exchange_) return;
     Exchange<Real, Dim>& e = *exchange_;
-    e.halo.start(e.routes.send(), view().grid, tile_side(method_.stencil.width), counters_.data(), e.stream);
+    e.halo.start(e.routes.send(), view().grid, finding_ ? &gaps_ : nullptr, tile_side(method_.stencil.width),
+                 counters_.data(), e.stream);
 }
 
 /// The interior's sums are queued already: what is left is the host's part of the halo.
@@ -92,10 +107,11 @@ void DeviceEngine<Real, Dim>::sum_interior() {
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::receive_halo() {
+    const bool finding = std::exchange(finding_, false);
     if (!exchange_) return;
     Exchange<Real, Dim>& e = *exchange_;
-    e.halo.finish(e.routes.receive(), view().grid, lists_.tile_of(), static_cast<int>(epoch_.own.size()),
-                  tile_side(method_.stencil.width), e.stream);
+    e.halo.finish(e.routes.receive(), view().grid, finding ? &gaps_ : nullptr, lists_.tile_of(),
+                  static_cast<int>(epoch_.own.size()), tile_side(method_.stencil.width), e.stream);
     e.halo_here.record(e.stream);
     stream_.wait_for(e.halo_here);
 }
@@ -142,7 +158,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     watch_.begin(1, stream_);
     if (step.structures) {
         const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
-        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_, &contact);
+        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_, &contact, gaps_.view());
         structures_.fetch(stream_);
     } else {
         gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_);

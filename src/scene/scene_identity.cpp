@@ -109,7 +109,6 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".contact.friction", r.friction);
         add(all, key + ".contact.alpha", r.alpha);
         add(all, key + ".contact.su", r.su);
-        add(all, key + ".contact.penalty", r.penalty);
         add(all, key + ".motion.kind", r.motion.kind);
         add(all, key + ".motion.velocity", r.motion.velocity);
         add(all, key + ".motion.ramp", r.motion.ramp);

@@ -118,12 +118,6 @@ const std::vector<KeyRow<StructureSpec>> structures{
       .only = {"undrained"},
       .meaning = "Undrained shear strength at the interface."},
      [](S& s, const V& v) { s.su = v.real; }},
-    {{.table = "structure.contact",
-      .name = "penalty",
-      .standard = "1.0",
-      .range = {0, 1, true, false},
-      .meaning = "Stiffness over the node's m / dt^2; below 1 loaded soil creeps into the structure."},
-     [](S& s, const V& v) { s.penalty = v.real; }},
 
     {{.table = "structure.motion",
       .name = "kind",

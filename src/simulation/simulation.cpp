@@ -3,6 +3,7 @@
 //   * bin: incoming particles of the last step join; the list of each block is binned by cell
 //   * for each round of the scheme (USL has one, USF and MUSL two, FMPM(k) k; core/method.hpp):
 //       - P2G of the blocks that other ranks need; their tiles are sent, unsummed, while P2G of the interior runs
+//       - first round: the gaps to structures, with the sums, and in the same message
 //       - first round: dt, faults and requests of all ranks in one reduction that overlaps with P2G; it needs no dt
 //       - first round: what free structures felt in the last step moves them, by one exact sum
 //       - nodes: the tiles in fixed order, gravity, damping, walls, contact
@@ -27,6 +28,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
     bin();  // incoming particles of the last step; each block's list is binned by cell
     apply_body_force();
+    find_gaps();
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
         phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });
@@ -60,6 +62,14 @@ void Simulation<Real, Dim>::apply_body_force() {
         const Vec<double, Dim> b = body_force_(p.id[s], x, clock_.time);
         for (int a = 0; a < Dim; ++a) p.body_force[s][a] = static_cast<Real>(b[a]);
     });
+}
+
+/// Structures stand where the last step left them.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::find_gaps() {
+    if (structures_.empty()) return;
+    structures_.place();
+    engine_->find_gaps(structures_);
 }
 
 /// Takes what the last step tells into the budget and into what the next agreement must know.

@@ -111,6 +111,7 @@ class Simulation {
     void report_faults() const;
     void agree_on_forces();
     void apply_body_force();
+    void find_gaps();
     StepScales<Dim> scales() const;
 
     // simulation_epoch.cpp: who owns which block, and for how long that is known to all

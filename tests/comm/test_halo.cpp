@@ -3,6 +3,7 @@
 #include "comm/random_world.hpp"
 #include "core/host.hpp"
 #include "core/nodes.hpp"
+#include "core/structure_set.hpp"
 
 using namespace moraine;
 using moraine::test::World;
@@ -117,6 +118,90 @@ void same_nodes_as_one_rank(const Comm& comm, std::uint64_t seed) {
     if (comm.size() == 1) CHECK(halo.bytes() == 0);
 }
 
+/// The gap tiles of a share, with numbers that depend on block, structure and node alone.
+template <class Real, int Dim>
+struct GapsOf {
+    Share<Real, Dim>& share;
+    ContactPairs<Dim> pairs;
+    std::vector<NodeGap> tiles;
+
+    GapsOf(Share<Real, Dim>& s, const ContactField<Dim>& field) : share(s) {
+        const int nodes = power<Dim>(tile_side(s.world.stencil.width));
+        pairs.make(s.patch.tables(), field, false);
+        tiles.assign(pairs.tiles() * static_cast<std::size_t>(nodes), NodeGap{-1 << 30, 1u << 30});  // stale
+        for (const auto* list : {&pairs.boundary(), &pairs.interior()})
+            for (const ContactPair& pair : *list) {
+                const Key key = s.patch.tables().own[static_cast<std::size_t>(pair.block)];
+                for (int n = 0; n < nodes; ++n) {
+                    const std::uint64_t number = mix(mix(key) + static_cast<unsigned>(pair.structure * 1000 + n));
+                    tiles[static_cast<std::size_t>(pair.tile * nodes + n)] = {static_cast<std::int32_t>(number % 1000),
+                                                                              static_cast<std::uint32_t>(number >> 50)};
+                }
+            }
+    }
+
+    NodeGap at(int c, int n, int k) {
+        const GapTiles view{pairs.structures(), pairs.tile_of().data(), tiles.data()};
+        return gap_at_node(view, share.patch.table(), share.patch.tile_of(), share.world.stencil.width, c, n, k);
+    }
+};
+
+/// Whether an occupied own block's tile covers node n of node block c.
+template <class Real, int Dim>
+bool needs_node(Share<Real, Dim>& share, int c, int n) {
+    const BlockTable<Dim> table = share.patch.table();
+    for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+        const std::int32_t source = table.source[c * Block<Dim>::corners + delta];
+        bool covers = source >= 0 && source < share.patch.own() && share.patch.tile_of()[source] >= 0;
+        for (int a = 0; a < Dim; ++a)
+            covers = covers && !(Block<Dim>::corner(delta, a) && ((n >> (2 * a)) & 3) >= share.world.stencil.width - 1);
+        if (covers) return true;
+    }
+    return false;
+}
+
+/// Two structures of a world: a slope and a ball.
+template <int Dim>
+Scene with_structures(Scene scene) {
+    StructureSpec slope, ball;
+    for (std::size_t a = 0; a < Dim; ++a)
+        slope.point[a] = ball.center[a] = scene.min[a] + 0.4 * (scene.max[a] - scene.min[a]);
+    slope.normal = {0.3, 1, 0.2};
+    ball.shape = StructureShape::sphere, ball.radius = 3 * scene.cell;
+    scene.structures = {slope, ball};
+    return scene;
+}
+
+template <class Real, int Dim>
+void same_gaps_as_one_rank(const Comm& comm, std::uint64_t seed) {
+    const World<Dim> world(seed, comm.size()), alone(seed, 1);
+    const Scene scene = with_structures<Dim>(world.scene);
+    const StructureSet<Dim> structures(scene);
+    Share<Real, Dim> share(world, comm.rank()), whole(alone, 0);
+    GapsOf<Real, Dim> mine(share, structures.field()), all(whole, structures.field());
+    PointToPoint messages(comm, 1);
+    Halo<Real, Dim> halo(share.patch.tables(), messages, world.stencil.width);
+    halo.reserve(mine.pairs);
+    const GapShare<Dim> gaps{&mine.pairs, mine.tiles.data()};
+    share.fill_tiles(0);
+    for (bool with : {true, false, true}) {
+        halo.start(share.patch.grid(), with ? &gaps : nullptr);
+        halo.finish(share.patch.grid(), share.patch.tile_of(), with ? &gaps : nullptr);
+    }
+    int different = 0;
+    const EpochTables<Dim>& here = share.patch.tables();
+    for (std::size_t c = 0; c < here.node_key.size(); ++c) {
+        const auto& keys = whole.patch.tables().node_key;
+        const auto there = std::find(keys.begin(), keys.end(), here.node_key[c]) - keys.begin();
+        for (int n = 0; n < Block<Dim>::cells; ++n)
+            for (int k = 0; needs_node(share, static_cast<int>(c), n) && k < 2; ++k) {
+                const NodeGap a = mine.at(static_cast<int>(c), n, k), b = all.at(static_cast<int>(there), n, k);
+                different += a.gap != b.gap || a.area != b.area;
+            }
+    }
+    CHECK(different == 0);
+}
+
 }  // namespace
 
 TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
@@ -130,6 +215,14 @@ TEST_CASE_TEMPLATE("nodes are the same to the bit on any number of ranks, and ea
     for (std::uint64_t seed = 0; seed < (C::dim == 2 ? 40 : 16); ++seed) {
         CAPTURE(seed);
         same_nodes_as_one_rank<typename C::Real, C::dim>(comm, seed);
+    }
+}
+
+TEST_CASE_TEMPLATE("gaps to structures are the same on any number of ranks", C, Case<float, 2>, Case<double, 3>) {
+    const Comm comm(MPI_COMM_WORLD);
+    for (std::uint64_t seed = 0; seed < (C::dim == 2 ? 40 : 16); ++seed) {
+        CAPTURE(seed);
+        same_gaps_as_one_rank<typename C::Real, C::dim>(comm, seed);
     }
 }
 

@@ -1,8 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <cmath>
-
-#include "core/shape.hpp"
 #include "core/structure_set.hpp"
 
 using namespace moraine;
@@ -27,30 +24,8 @@ Scene plane_scene(moraine::Shape shape, const Triple& normal, const Triple& poin
     return scene;
 }
 
-/// Mass of a node over that of a full one, `s` cells outside of a half-space of many particles, by the shape functions.
-template <class S>
-double filled(double s, double half) {
-    const int per_cell = 400;
-    double sum = 0;
-    for (int k = 0; k < 6 * per_cell; ++k) {
-        const double x = s + (k + 0.5) / per_cell;  // particle from the node
-        const double from = x - double(S::template reach<double>);
-        const int base = static_cast<int>(std::floor(from));
-        double w[S::width], dw[S::width];
-        S::weights(from - base, half, w, dw);
-        if (base <= 0 && -base < S::width) sum += w[-base] / per_cell;
-    }
-    return sum;
-}
-
-template <class S>
-double worst_fill(moraine::Shape shape) {
-    const Scene scene = plane_scene(shape, {0, 1, 0});
-    const StructureSet<2> set(scene);
-    double worst = 0;
-    for (double s = -2; s <= 2; s += 0.05)
-        worst = std::max(worst, std::fabs(fill(set.field(), s) - filled<S>(s, 0.25)));
-    return worst;
+NodeGap told(double gap, double area = 1) {
+    return {NodeGap::fixed(gap), NodeGap::fixed_area(area)};
 }
 
 /// The plane's field with sums to add to, and its one node.
@@ -74,48 +49,17 @@ struct Plane {
     }
 
     /// Velocity of a node of mass 0.4 that stands `above` cells over the plane, which is at node 8; v is from outside.
-    Vec<double, 2> touch(Vec<double, 2> v, int above = 0, double mass = 0.4) {
+    Vec<double, 2> touch(Vec<double, 2> v, int above = 0, const NodeGap& gap = told(0)) {
         const int node[2] = {5, 8 + above};
         Vec<double, 2> given = zero_vec<double, 2>();
-        touch_structures(field, node, mass, 0.1, true, quantum, v, given);
+        touch_structures(
+            field, node, 0.4, 0.1, true, quantum, [&](int) { return gap; }, v, given);
         for (int a = 0; a < 2; ++a) CHECK(quantum.value(sums.sum[a]) == doctest::Approx(given[a]));
         return v;
     }
 };
 
 }  // namespace
-
-TEST_CASE("fill is the mass of a node beside a half-space for every shape") {
-    CHECK(worst_fill<Linear>(moraine::Shape::linear) < 1e-3);
-    CHECK(worst_fill<Quadratic>(moraine::Shape::quadratic) < 1e-3);
-    CHECK(worst_fill<Gimp>(moraine::Shape::gimp) < 1e-3);
-    CHECK(worst_fill<Cubic>(moraine::Shape::cubic) < 0.01);
-}
-
-TEST_CASE("the nodes' areas add up to the area of the contact, whatever the plane's place and slope") {
-    for (double degrees : {0.0, 17.0, 45.0, 90.0})
-        for (double shift : {0.0, 0.13, 0.37}) {
-            CAPTURE(degrees);
-            CAPTURE(shift);
-            const double angle = degrees * 3.14159265358979323846 / 180;
-            const Triple normal{-std::sin(angle), std::cos(angle), 0};
-            const Scene scene =
-                plane_scene(moraine::Shape::quadratic, normal, {shift * normal[0], shift * normal[1], 0});
-            const StructureSet<2> set(scene);
-            const ContactField<2> f = set.field();
-            double area = 0;
-            const double half = 20;  // nodes of a strip along the plane, far longer than the stencil
-            for (int i = -60; i <= 60; ++i)
-                for (int j = -60; j <= 60; ++j) {
-                    const int node[2] = {8 + i, 8 + j};
-                    const double along = i * std::cos(angle) + j * std::sin(angle);
-                    if (std::fabs(along) > half) continue;
-                    const double d = (i * normal[0] + j * normal[1]) - shift / 0.5;
-                    area += look_at(f, f.structure[0], node, 0.5 * fill(f, -d)).area;
-                }
-            CHECK(area == doctest::Approx(2 * half * 0.5).epsilon(0.03));
-        }
-}
 
 TEST_CASE("a pressed node loses its velocity into the surface and nothing else on a smooth one") {
     Plane plane(InterfaceLaw::smooth);
@@ -125,35 +69,36 @@ TEST_CASE("a pressed node loses its velocity into the surface and nothing else o
     CHECK(plane.quantum.value(plane.sums.sum[1]) == doctest::Approx(-0.8));
 }
 
-TEST_CASE("a node that leaves the structure, or has too little mass for its soil to be there, is free") {
+TEST_CASE("a node that leaves the structure, or whose soil is not there, is free") {
     Plane plane(InterfaceLaw::rough);
     CHECK(plane.touch({{3, 2}})[1] == 2);
-    CHECK(plane.touch({{3, -2}}, 0, 0.1)[1] == -2);
+    CHECK(plane.touch({{3, -2}}, 0, told(0.5))[0] == 3);
+    CHECK(plane.touch({{3, -2}}, 0, told(0.5))[1] == -2);
+    CHECK(plane.touch({{3, -2}}, 0, NodeGap{})[1] == -2);
     CHECK(plane.touch({{3, -2}}, 1)[1] == -2);
-    CHECK(plane.touch({{3, -2}}, -1, 0.1)[1] == doctest::Approx(0));
+    CHECK(plane.touch({{3, -2}}, -1, told(-0.3))[1] == doctest::Approx(0));
 }
 
-TEST_CASE("a node is held wholly up to 0.65 cells outside the surface, and not at all from 0.75 on") {
-    const auto left = [](double below) {
+TEST_CASE("a node is held wholly up to 0.5 cells outside the surface, and not at all from 0.6 on") {
+    const auto left = [](double below, double gap) {
         Plane plane(InterfaceLaw::smooth);
         plane.structure.at[1] += (1 - below) * 0.5;  // node 9 is this many cells over it
-        return plane.touch({{3, -2}}, 1, 0.5)[1];
+        return plane.touch({{3, -2}}, 1, told(gap))[1];
     };
-    CHECK(left(0.3) == doctest::Approx(0).epsilon(1e-12));
-    CHECK(left(0.6) == doctest::Approx(0).epsilon(1e-12));
-    CHECK(left(0.7) == doctest::Approx(-1));
-    CHECK(left(0.8) == -2);
+    CHECK(left(0.2, 0) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(0.45, 0) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(0.55, 0) == doctest::Approx(-1));
+    CHECK(left(0.65, 0) == -2);
+    CHECK(left(0.65, -0.5) == -2);  // wherever its soil is
 }
 
-TEST_CASE("a node is held wholly once its soil is within 0.05 cells of the surface, and not at all at 0.15") {
-    const auto left = [](double gap) {
-        Plane plane(InterfaceLaw::smooth);
-        return plane.touch({{3, -2}}, 0, 0.5 * fill(plane.field, gap))[1];
-    };
-    CHECK(left(0.04) == doctest::Approx(0).epsilon(1e-12));
-    CHECK(left(0.1) < -0.5);
-    CHECK(left(0.1) > -1.5);
-    CHECK(left(0.16) == -2);
+TEST_CASE("a node comes nearer by its gap in a step and no more, and soil that is inside is not pushed out") {
+    const auto left = [](double gap) { return Plane(InterfaceLaw::smooth).touch({{3, -2}}, 0, told(gap))[1]; };
+    CHECK(left(0.1) == doctest::Approx(-0.5));  // 0.05 m in 0.1 s
+    CHECK(left(0.3) == doctest::Approx(-1.5));
+    CHECK(left(0.5) == -2);
+    CHECK(left(0) == doctest::Approx(0).epsilon(1e-12));
+    CHECK(left(-0.4) == doctest::Approx(0).epsilon(1e-12));
 }
 
 TEST_CASE("Coulomb friction takes at most mu times the normal impulse, and no more than the slip") {
@@ -170,7 +115,8 @@ TEST_CASE("a rough surface holds the node; an undrained one takes at most its st
     CHECK(Plane(InterfaceLaw::undrained).touch({{1.1, -2}})[0] == doctest::Approx(1));
     CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}})[0] == doctest::Approx(3 - most));
     CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}})[1] == 2);
-    CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}}, 0, 0.1)[0] == 3);
+    CHECK(Plane(InterfaceLaw::undrained).touch({{3, -2}}, 0, told(0, 0.5))[0] == doctest::Approx(3 - most / 2));
+    CHECK(Plane(InterfaceLaw::undrained).touch({{3, 2}}, 0, NodeGap{})[0] == 3);
 }
 
 TEST_CASE("the moment of what a node gives is its arm times the impulse") {

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "core/particle_depth.hpp"
 #include "gpu/device_sample.cuh"
+#include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 
 namespace moraine::test {
@@ -36,6 +39,69 @@ class NodePair {
 
     std::vector<StructureSums<Dim>> felt_on_host, felt_on_device;
 
+    /// The gaps by the loop of the host, and by the device's kernel.
+    ContactPairs<Dim> pairs;
+    std::vector<NodeGap> gaps;
+    gpu::DeviceGaps<Dim> device_gaps;
+
+    void find_gaps(const StructureSet<Dim>& structures) {
+        const ContactField<Dim> field = structures.field();
+        pairs.make(sample.patch.tables(), field, false);
+        const int width = sample.method.stencil.width;
+        gaps.assign(pairs.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(width))), NodeGap{});
+        sample.method.kernels.gaps(sample.call(), {field, gaps.data(), pairs.interior().data(),
+                                                   static_cast<std::int64_t>(pairs.interior().size())});
+        gpu::DeviceStructures<Dim> there;
+        device_gaps.forget();
+        device_gaps.make(sample.patch.tables(), field, false, width, nullptr);
+        gpu::check(cudaMemset(device_gaps.tiles(), 0, gaps.size() * sizeof(NodeGap)), "Emptying gaps");
+        gpu::find_gaps(device.view, sample.scene.shape, there.place(structures, nullptr), device_gaps.interior(),
+                       device_gaps.tiles(), nullptr);
+        gpu::check(cudaDeviceSynchronize(), "Finding gaps");
+    }
+
+    /// Largest difference of what the tiles of occupied blocks say: of gaps [cells] and areas [faces].
+    double difference_of_gaps() {
+        std::vector<NodeGap> found(gaps.size());
+        gpu::check(cudaMemcpy(found.data(), device_gaps.tiles(), gaps.size() * sizeof(NodeGap), cudaMemcpyDeviceToHost),
+                   "Copying gaps");
+        const auto nodes = static_cast<std::size_t>(power<Dim>(tile_side(sample.method.stencil.width)));
+        double worst = 0;
+        for (const ContactPair& pair : pairs.interior()) {
+            if (sample.patch.tile_of()[pair.block] < 0) continue;
+            for (std::size_t n = static_cast<std::size_t>(pair.tile) * nodes, end = n + nodes; n < end; ++n) {
+                widen(worst, std::fabs(found[n].cells() - gaps[n].cells()));
+                widen(worst, std::fabs(found[n].faces() - gaps[n].faces()));
+            }
+        }
+        return worst;
+    }
+
+    /// Brings back who is too deep, on both: largest difference of the places [cells], and how many moved.
+    std::pair<double, int> limit_depths(const StructureSet<Dim>& structures) {
+        const ParticleView<Real, Dim> p = sample.patch.particles.view();
+        const std::vector<Vec<Coordinate<Real>, Dim>> before(p.position, p.position + sample.patch.particles.size());
+        const auto count = static_cast<int>(pairs.interior().size());
+        const LimitDepth<Real, Dim> limit{p.position,         sample.patch.table(),    sample.patch.list(),
+                                          structures.field(), pairs.interior().data(), count};
+        for (int k = 0; k < count; ++k) limit(k);
+        gpu::DeviceStructures<Dim> there;
+        gpu::limit_depths(device.view, there.place(structures, nullptr), device_gaps.interior(), nullptr);
+        gpu::check(cudaDeviceSynchronize(), "Limiting depths");
+        double worst = 0;
+        int moved = 0;
+        for (std::uint32_t s = 0; s < before.size(); ++s) {
+            const gpu::CoreRows<Real, Dim> found = device.particle(s);
+            bool here = false;
+            for (int a = 0; a < Dim; ++a) {
+                here = here || p.position[s][a] != before[s][a];
+                widen(worst, std::fabs(local_of<Real>(0, found.coordinate(a)) - local_of<Real>(0, p.position[s][a])));
+            }
+            moved += here;
+        }
+        return {worst, moved};
+    }
+
     template <bool Contact = false>
     std::array<ExactSum, Dim> on_host(const NodeRound<Real, Dim>& round, ContactField<Dim> contact = {}) {
         felt_on_host.assign(static_cast<std::size_t>(contact.count), {});
@@ -53,7 +119,8 @@ class NodePair {
                                                     round,
                                                     quantum,
                                                     impulse.data(),
-                                                    contact};
+                                                    contact,
+                                                    {pairs.structures(), pairs.tile_of().data(), gaps.data()}};
         Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
         std::array<ExactSum, Dim> all{};
         for (std::size_t k = 0; k < impulse.size(); ++k) all[k % Dim].add(impulse[k]);
@@ -74,7 +141,7 @@ class NodePair {
             light = {marks.data(), light_mass, counts_of_marked.data()};
         }
         gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, light, nullptr,
-                         structures ? &contact : nullptr);
+                         structures ? &contact : nullptr, structures ? device_gaps.view() : GapTiles{});
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
         felt_on_device = there.take();

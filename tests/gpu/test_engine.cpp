@@ -231,6 +231,21 @@ TEST_CASE("scenes with structures, fixed, moved and free, give the host's answer
     compare(input("reference", {}), 100, 1e-9);
 }
 
+TEST_CASE("thin layers on structures give the host's answer, for every shape and in 3-D") {
+    for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic}) {
+        CAPTURE(int(shape));
+        Scene scene = test::layers_on_slope(2);
+        scene.shape = shape;
+        scene.cfl = 0.2;
+        compare(scene, 60, 1e-8);
+    }
+    compare(test::layers_on_slope(3), 40, 1e-8);
+    Scene rounds = test::layers_on_slope(2);
+    rounds.transfer = Transfer::apic;
+    rounds.stress_update = StressUpdate::musl;
+    compare(rounds, 60, 1e-8);
+}
+
 TEST_CASE("a law of three scalars that begin by stress gives the host's answer, its stress fused or split") {
     // in equilibrium rounding would decide which nodes approach the rough footing in the first step
     for (const char* method : {"numerics.transfer=flip", "numerics.transfer=apic", "numerics.stress_update=musl"})

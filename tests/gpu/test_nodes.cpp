@@ -118,6 +118,8 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
         }
         StructureSet<C::dim> structures(scene);
         structures.begin_step(0, 0.01, {}, {});
+        pair.find_gaps(structures);
+        CHECK(pair.difference_of_gaps() <= (sizeof(typename C::Real) == 8 ? 2e-7 : 1e-5));
         const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);
         pair.template on_host<true>(round, structures.field());
         pair.on_device(round, &structures);
@@ -130,6 +132,9 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
                 CHECK(std::fabs(pair.quantum.value(pair.felt_on_device[k].sum[q]) - felt) <= 1e4 * C::tolerance);
             }
         CHECK(most > 0);
+        const auto [apart, moved] = pair.limit_depths(structures);
+        CHECK(apart <= (sizeof(typename C::Real) == 8 ? 1e-14 : 1e-8));
+        if (pair.sample.patch.particles.size() > 100) CHECK(moved > 5);
     });
 }
 

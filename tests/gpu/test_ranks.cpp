@@ -120,6 +120,25 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     compare<3>(cubic, 30);
 }
 
+TEST_CASE("thin layers on structures that rest, move and are free end with the same bits on any number of devices") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        Scene flat = test::layers_on_slope(2), deep = test::layers_on_slope(3);
+        flat.precision = deep.precision = precision;
+        compare<2>(flat, 120);
+        compare<3>(deep, 60);
+    }
+    for (Shape shape : {Shape::linear, Shape::gimp_contiguous, Shape::cubic}) {
+        Scene scene = test::layers_on_slope(2);
+        scene.shape = shape;
+        scene.cfl = 0.2;
+        compare<2>(scene, 60);
+    }
+    Scene rounds = test::layers_on_slope(2);
+    rounds.transfer = Transfer::apic;
+    rounds.stress_update = StressUpdate::musl;
+    compare<2>(rounds, 60);
+}
+
 TEST_CASE("light nodes are limited alike whoever owns their tiles") {
     for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
         Scene plane = test::spray(2), space = test::spray(3);

@@ -14,8 +14,8 @@ struct Exchange {
         : comm(c), halo(transports.make(11)), migration(transports.make(12)), moves(c, transports.make(13)) {}
 
     /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
-    void open(const EpochTables<Dim>& tables, cudaStream_t steps) {
-        halo.open(tables);
+    void open(const EpochTables<Dim>& tables, std::size_t structures, cudaStream_t steps) {
+        halo.open(tables, structures);
         migration.begin_epoch(tables, steps);
     }
 

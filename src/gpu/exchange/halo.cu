@@ -13,8 +13,8 @@ __host__ __device__ constexpr std::size_t padded16(std::size_t bytes) {
     return (bytes + 15) / 16 * 16;
 }
 
-/// Places of a peer's tiles in its message; there(tile of the peer's list, tile of all) says whether there is one.
-/// Returns the nodes of all.
+/// Places of a peer's tiles in its message; there(tile of the peer's list, tile of all) says how often the tile's nodes
+/// are in it. Returns the nodes of all.
 template <class There>
 __device__ __forceinline__ std::uint32_t place_tiles(const Route& route, int k, std::uint32_t* place,
                                                      const There& there) {
@@ -22,45 +22,112 @@ __device__ __forceinline__ std::uint32_t place_tiles(const Route& route, int k, 
     std::uint32_t before = 0;
     for (std::uint32_t base = begin; base < end; base += plan_threads) {
         const std::uint32_t t = base + threadIdx.x;
-        const bool here = t < end && there(t - begin, t);
-        const std::uint32_t n = here ? route.node_first[t + 1] - route.node_first[t] : 0;
+        const std::uint32_t here = t < end ? there(t - begin, t) : 0;
+        const std::uint32_t n = here > 0 ? here * (route.node_first[t + 1] - route.node_first[t]) : 0;
         std::uint32_t total = 0;
         const std::uint32_t at = before + scan_exclusive(n, total);
-        if (t < end) place[t] = here ? at : nowhere;
+        if (t < end) place[t] = here > 0 ? at : nowhere;
         before += total;
     }
     return before;
 }
 
+/// Where the gaps of a message go: their places by tile, and the tiles. None in rounds without.
+struct GapRoute {
+    GapTiles gaps;    ///< structures: 0 where there are none
+    NodeGap* tiles;   ///< the same tiles, to write
+    int first_block;  ///< of the route's blocks, among own and ghosts
+    std::uint32_t* place;
+};
+
+/// Structures near the block of a tile.
+__device__ __forceinline__ std::uint32_t near_tile(const GapRoute& g, const Route& route, std::uint32_t t) {
+    std::uint32_t near = 0;
+    for (int k = 0; k < g.gaps.structures; ++k)
+        near += g.gaps.tile_of[std::size_t(g.first_block + route.block[t]) * std::size_t(g.gaps.structures) + k] >= 0;
+    return near;
+}
+
+template <class Real, int Dim>
+__host__ __device__ constexpr std::size_t bytes_before_gaps(std::size_t tiles, std::size_t nodes) {
+    return sizeof(MessageHead) + padded16(tiles) + padded16(nodes * node_sums<Dim> * sizeof(Real));
+}
+
 template <class Real, int Dim>
 __global__ void __launch_bounds__(plan_threads)
-    plan_send_kernel(Route route, const std::int32_t* tile_of, std::byte* const* out, std::uint32_t* place,
+    plan_send_kernel(Route route, const std::int32_t* tile_of, GapRoute g, std::byte* const* out, std::uint32_t* place,
                      Counters* counters) {
     const int k = static_cast<int>(blockIdx.x);
     auto* occupied = reinterpret_cast<std::uint8_t*>(out[k] + sizeof(MessageHead));
     const std::uint32_t nodes = place_tiles(route, k, place, [&](std::uint32_t i, std::uint32_t t) {
         const bool here = tile_of[route.block[t]] >= 0;
         occupied[i] = here;
-        return here;
+        return std::uint32_t(here);
     });
+    std::uint32_t gaps = 0;
+    if (g.gaps.structures > 0)
+        gaps = place_tiles(route, k, g.place, [&](std::uint32_t, std::uint32_t t) {
+            return tile_of[route.block[t]] >= 0 ? near_tile(g, route, t) : 0u;
+        });
     if (threadIdx.x > 0) return;
     const std::size_t tiles = route.peer_first[k + 1] - route.peer_first[k];
     const std::size_t bytes =
-        sizeof(MessageHead) + padded16(tiles) + padded16(std::size_t(nodes) * node_sums<Dim> * sizeof(Real));
+        bytes_before_gaps<Real, Dim>(tiles, nodes) + padded16(std::size_t(gaps) * sizeof(NodeGap));
     *reinterpret_cast<MessageHead*>(out[k]) = {bytes, nodes};
     atomicAdd(reinterpret_cast<unsigned long long*>(&counters->halo_bytes), static_cast<unsigned long long>(bytes));
 }
 
-__global__ void __launch_bounds__(plan_threads)
-    plan_receive_kernel(Route route, const std::byte* const* in, std::uint32_t* place, std::int32_t* ghost_tile) {
+__global__ void __launch_bounds__(plan_threads) plan_receive_kernel(Route route, GapRoute g, const std::byte* const* in,
+                                                                    std::uint32_t* place, std::int32_t* ghost_tile) {
     const int k = static_cast<int>(blockIdx.x);
     const auto* occupied = reinterpret_cast<const std::uint8_t*>(in[k] + sizeof(MessageHead));
     place_tiles(route, k, place, [&](std::uint32_t i, std::uint32_t t) {
         const bool here = occupied[i] != 0;
         const std::int32_t ghost = route.block[t];
         ghost_tile[ghost] = here ? ghost : -1;
-        return here;
+        return std::uint32_t(here);
     });
+    if (g.gaps.structures > 0)
+        place_tiles(route, k, g.place,
+                    [&](std::uint32_t i, std::uint32_t t) { return occupied[i] != 0 ? near_tile(g, route, t) : 0u; });
+}
+
+/// Calls f(a gap of tile t, its place in the message from `mail`) for each.
+template <class Real, int Dim, class Byte, class F>
+__device__ __forceinline__ void each_gap(const Route& route, const GapRoute& g, int t, int tile_nodes,
+                                         Byte* const* mail, const F& f) {
+    const int k = route.peer[t];
+    const std::size_t tiles = route.peer_first[k + 1] - route.peer_first[k];
+    const auto nodes = static_cast<std::size_t>(reinterpret_cast<const MessageHead*>(mail[k])->count);
+    std::size_t at = bytes_before_gaps<Real, Dim>(tiles, nodes) + std::size_t(g.place[t]) * sizeof(NodeGap);
+    const std::uint32_t first = route.node_first[t], count = route.node_first[t + 1] - first;
+    for (int s = 0; s < g.gaps.structures; ++s) {
+        const std::size_t block = static_cast<std::size_t>(g.first_block + route.block[t]);
+        const std::int32_t tile = g.gaps.tile_of[block * std::size_t(g.gaps.structures) + std::size_t(s)];
+        if (tile < 0) continue;
+        NodeGap* of_tile = g.tiles + std::size_t(tile) * std::size_t(tile_nodes);
+        for (std::uint32_t n = threadIdx.x; n < count; n += copy_threads)
+            f(of_tile[route.node[first + n]], mail[k] + at + n * sizeof(NodeGap));
+        at += count * sizeof(NodeGap);
+    }
+}
+
+template <class Real, int Dim>
+__global__ void __launch_bounds__(copy_threads)
+    pack_gaps_kernel(Route route, GapRoute g, int tile_nodes, std::byte* const* out) {
+    const int t = static_cast<int>(blockIdx.x);
+    if (g.place[t] == nowhere) return;
+    each_gap<Real, Dim>(route, g, t, tile_nodes, out,
+                        [](const NodeGap& gap, std::byte* to) { *reinterpret_cast<NodeGap*>(to) = gap; });
+}
+
+template <class Real, int Dim>
+__global__ void __launch_bounds__(copy_threads)
+    unpack_gaps_kernel(Route route, GapRoute g, int tile_nodes, const std::byte* const* in) {
+    const int t = static_cast<int>(blockIdx.x);
+    if (g.place[t] == nowhere) return;
+    each_gap<Real, Dim>(route, g, t, tile_nodes, in,
+                        [](NodeGap& gap, const std::byte* from) { gap = *reinterpret_cast<const NodeGap*>(from); });
 }
 
 /// The values of a tile in its message.
@@ -113,10 +180,10 @@ __global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileV
 }  // namespace
 
 template <class Real, int Dim>
-void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables) {
-    const auto capacity = [](const TileList& list) {
-        return sizeof(MessageHead) + padded16(list.block.size()) +
-               padded16(list.node.size() * node_sums<Dim> * sizeof(Real));
+void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables, std::size_t structures) {
+    const auto capacity = [&](const TileList& list) {
+        return bytes_before_gaps<Real, Dim>(list.block.size(), list.node.size()) +
+               padded16(list.node.size() * structures * sizeof(NodeGap));
     };
     std::vector<TransportPeer> peers;
     std::size_t most = 0, tiles_out = 0, tiles_in = 0;
@@ -126,33 +193,54 @@ void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables) {
     }
     most = std::max(tiles_out, tiles_in);
     place_.resize(most);
+    if (structures > 0) gap_place_.resize(most);
     transport_->open(peers);
 }
 
+namespace {
+
+template <int Dim>
+GapRoute gap_route(const DeviceGaps<Dim>* gaps, int first_block, const Array<std::uint32_t>& place) {
+    if (!gaps) return {};
+    return {gaps->view(), gaps->tiles(), first_block, place.data()};
+}
+
+}  // namespace
+
 template <class Real, int Dim>
-void DeviceHalo<Real, Dim>::start(const Route& send, const TileView<Real>& grid, int tile_side, Counters* counters,
-                                  cudaStream_t stream) {
+void DeviceHalo<Real, Dim>::start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                                  int tile_side, Counters* counters, cudaStream_t stream) {
     if (send.peers > 0) {
         std::byte* const* out = transport_->outgoing();
+        const GapRoute g = gap_route(gaps, 0, gap_place_);
+        const int tile_nodes = power<Dim>(tile_side);
         plan_send_kernel<Real, Dim><<<static_cast<unsigned>(send.peers), plan_threads, 0, stream>>>(
-            send, grid.tile_of, out, place_.data(), counters);
+            send, grid.tile_of, g, out, place_.data(), counters);
         pack_kernel<Real, Dim><<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(
-            send, grid, power<Dim>(tile_side) * node_reals, place_.data(), out);
+            send, grid, tile_nodes * node_reals, place_.data(), out);
+        if (gaps)
+            pack_gaps_kernel<Real, Dim>
+                <<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(send, g, tile_nodes, out);
         check(cudaGetLastError(), "Packing the halo");
     }
     transport_->start(stream);
 }
 
 template <class Real, int Dim>
-void DeviceHalo<Real, Dim>::finish(const Route& receive, const TileView<Real>& grid, std::int32_t* tile_of, int own,
-                                   int tile_side, cudaStream_t stream) {
+void DeviceHalo<Real, Dim>::finish(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                                   std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream) {
     transport_->finish(stream);
     if (receive.peers == 0) return;
     const std::byte* const* in = transport_->incoming();
-    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(receive, in, place_.data(),
-                                                                                           tile_of + own);
+    const GapRoute g = gap_route(gaps, own, gap_place_);
+    const int tile_nodes = power<Dim>(tile_side);
+    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(
+        receive, g, in, place_.data(), tile_of + own);
     unpack_kernel<Real, Dim><<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(
-        receive, grid, power<Dim>(tile_side) * node_reals, place_.data(), in);
+        receive, grid, tile_nodes * node_reals, place_.data(), in);
+    if (gaps)
+        unpack_gaps_kernel<Real, Dim>
+            <<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(receive, g, tile_nodes, in);
     check(cudaGetLastError(), "Unpacking the halo");
 }
 

@@ -2,11 +2,13 @@
 // The halo on devices: unsummed tiles travel as comm/halo.hpp has it, packed and unpacked by kernels.
 //
 // A message: its head, one byte per tile of the list (1: there is a tile), then node_sums reals for each node of those
-// that are there. A kernel with a thread block per peer finds where each tile stands; then a thread block per tile
+// that are there, padded to 16 bytes, then the gaps of the same nodes to each structure near their block, where gaps
+// are asked for. A kernel with a thread block per peer finds where each tile stands; then a thread block per tile
 // copies. The nodes read foreign tiles as those of ghost blocks.
 
 #include "core/grid_views.hpp"
 #include "gpu/exchange/routes.hpp"
+#include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/transport.hpp"
 
@@ -17,20 +19,22 @@ class DeviceHalo {
   public:
     explicit DeviceHalo(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
 
-    /// For an epoch. Collective.
-    void open(const EpochTables<Dim>& tables);
+    /// For an epoch, with capacity for gaps to that many structures. Collective.
+    void open(const EpochTables<Dim>& tables, std::size_t structures);
 
-    /// tile_side: nodes of a tile along an axis. Counts the bytes. On one stream; asynchronous but for what the
-    /// transport waits for.
-    void start(const Route& send, const TileView<Real>& grid, int tile_side, Counters* counters, cudaStream_t stream);
+    /// gaps: null in rounds without. tile_side: nodes of a tile along an axis. Counts the bytes. On one stream;
+    /// asynchronous but for what the transport waits for.
+    void start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, int tile_side,
+               Counters* counters, cudaStream_t stream);
     void post() { transport_->post(); }
     /// Puts foreign tiles in place: tile g is that of ghost g; tile_of: own blocks, then ghosts.
-    void finish(const Route& receive, const TileView<Real>& grid, std::int32_t* tile_of, int own, int tile_side,
-                cudaStream_t stream);
+    void finish(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, std::int32_t* tile_of,
+                int own, int tile_side, cudaStream_t stream);
 
   private:
     std::unique_ptr<Transport> transport_;
-    Array<std::uint32_t> place_;  ///< by tile of the way under work: nodes before it in its message
+    Array<std::uint32_t> place_;      ///< by tile of the way under work: nodes before it in its message
+    Array<std::uint32_t> gap_place_;  ///< gaps before those of the tile
 };
 
 }  // namespace moraine::gpu

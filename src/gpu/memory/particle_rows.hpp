@@ -70,6 +70,7 @@ struct CoreRows {
     Row<Real> row[core_rows<Dim>];
 
     static constexpr int place = place_of<Dim>("position").row, motion = place_of<Dim>("velocity").row;
+    static constexpr int volume_row = place_of<Dim>("volume").row, ln_J_row = place_of<Dim>("ln_J").row;
     static constexpr int normal = place_of<Dim>("stress").row,
                          shear = Dim == 3 ? place_of<Dim>("stress", 1).row : normal;
 
@@ -96,8 +97,8 @@ struct CoreRows {
 
   private:
     static constexpr int mass_row = place_of<Dim>("mass").row, mass_lane = place_of<Dim>("mass").lane;
-    static constexpr int volume_row = place_of<Dim>("volume").row, volume_lane = place_of<Dim>("volume").lane;
-    static constexpr int ln_J_row = place_of<Dim>("ln_J").row, ln_J_lane = place_of<Dim>("ln_J").lane;
+    static constexpr int volume_lane = place_of<Dim>("volume").lane;
+    static constexpr int ln_J_lane = place_of<Dim>("ln_J").lane;
     static constexpr int history_row = place_of<Dim>("history_0").row, history_lane = place_of<Dim>("history_0").lane;
 };
 

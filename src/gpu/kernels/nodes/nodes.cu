@@ -24,9 +24,9 @@ void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) 
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                  const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
-                 const ContactField<Dim>* contact) {
-    const NodeWork<Real, Dim> work{view,    round, stencil.origin,
-                                   quantum, marks, contact ? *contact : ContactField<Dim>{}};
+                 const ContactField<Dim>* contact, const GapTiles& gaps) {
+    const NodeWork<Real, Dim> work{
+        view, round, stencil.origin, quantum, marks, contact ? *contact : ContactField<Dim>{}, gaps};
     if (contact)
         marks.of ? run_nodes<true, true>(work, stencil.width, stream)
                  : run_nodes<true, false>(work, stencil.width, stream);
@@ -73,12 +73,12 @@ std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
 template class DeviceStructures<2>;
 template class DeviceStructures<3>;
 template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,
-                          const LightMarks<float>&, cudaStream_t, const ContactField<2>*);
+                          const LightMarks<float>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<float, 3>&, const Stencil&, const NodeRound<float, 3>&, const Quantum&,
-                          const LightMarks<float>&, cudaStream_t, const ContactField<3>*);
+                          const LightMarks<float>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
 template void solve_nodes(const View<double, 2>&, const Stencil&, const NodeRound<double, 2>&, const Quantum&,
-                          const LightMarks<double>&, cudaStream_t, const ContactField<2>*);
+                          const LightMarks<double>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
 template void solve_nodes(const View<double, 3>&, const Stencil&, const NodeRound<double, 3>&, const Quantum&,
-                          const LightMarks<double>&, cudaStream_t, const ContactField<3>*);
+                          const LightMarks<double>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
 
 }  // namespace moraine::gpu

@@ -19,6 +19,7 @@ struct NodeWork {
     Quantum quantum;
     LightMarks<Real> marks;
     ContactField<Dim> contact;
+    GapTiles gaps;
 };
 
 /// Whether a structure is near the node block c. Others look at none.
@@ -100,7 +101,7 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
 }
 
 /// One node: its values, and what damping and walls gave it if it is counted here.
-template <bool Contact, bool Marks, class Real, int Dim>
+template <int Width, bool Contact, bool Marks, class Real, int Dim>
 __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                            const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
@@ -120,7 +121,11 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
     if constexpr (Contact) {
         const bool near = structure_near(w, c);
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr, [&](auto& v) {
-            return near && touch_structures(w.contact, node, sums[0], w.round.dt, counting, w.quantum, v, given);
+            const auto gap_of = [&](int k) {
+                return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
+            };
+            return near &&
+                   touch_structures(w.contact, node, sums[0], w.round.dt, counting, w.quantum, gap_of, v, given);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
@@ -163,7 +168,7 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
     ExactSum impulse[Dim];
     if constexpr (Marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
-    if (around.own != 0) solve_node<Contact, Marks>(w, c, n, sums, force, counted, impulse);
+    if (around.own != 0) solve_node<Width, Contact, Marks>(w, c, n, sums, force, counted, impulse);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
 }
 

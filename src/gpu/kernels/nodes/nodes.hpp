@@ -57,10 +57,10 @@ struct LightMarks {
 template <int Dim>
 inline constexpr int light_marks = Block<Dim>::cells < 32 ? 1 : Block<Dim>::cells / 32;
 
-/// `contact`: null where the scene has no structures.
+/// `contact`: null where the scene has no structures; else with the gaps to them.
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                  const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
-                 const ContactField<Dim>* contact = nullptr);
+                 const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
 
 }  // namespace moraine::gpu

@@ -1,0 +1,132 @@
+#pragma once
+// What particles tell nodes about structures: the gap, and how much of the surface the soil lies on.
+//
+//   g_i = min over the particles that reach node i of (d(x_p) - s_p / 2),    s_p = V_p^(1/D)        [cells]
+//   A_i = sum_p w_ip a_p,    a_p = (s_p / J_p^(1/D))^(D-1) where d(x_p) < s_p, else 0               [cells^(D-1)]
+//
+// s_p is the side of a square or cube of the particle's present volume: soil of rows s_p apart touches when the centres
+// of its lowest row stand s_p / 2 over the surface, whatever its thickness. A particle whose centre is less than its
+// own size off the surface lies on it, and stands for a face of its cube: one row of a lattice, and of a disordered
+// body as many as fill a layer of that depth; pressed soil keeps its width. Both follow from particles alone. The mass
+// of a node, which told the gap before, cannot tell a thin layer that touches from a thick one at a distance.
+//
+// A block's particles give to a tile of their own per structure, as in P2G, but in whole numbers: fixed-point minima
+// and sums are the same in any order, by any thread and on any rank. Tiles of blocks that others need travel with the
+// halo. Positions change once per step, so all rounds of a step share the tiles. A scene without structures has none.
+
+#include "core/contact_field.hpp"
+#include "core/gap_tiles.hpp"
+#include "core/stencil.hpp"
+
+namespace moraine {
+
+/// A block and a structure that may touch its particles; `tile`: of the gaps.
+struct ContactPair {
+    std::int32_t block;
+    std::int32_t structure;
+    std::int32_t tile;
+};
+
+inline constexpr double lying_below = 0.9;  ///< distance of a particle that lies on the surface, over its size
+inline constexpr double lying_above = 1.1;  ///< of one that does not
+/// Particles further off a surface are not looked at [cells].
+inline constexpr double particle_reach = 1.5;
+
+/// Whether a particle of the block at `position` may be looked at. Exact distances grow by at most the way walked.
+template <int Dim>
+MORAINE_HD bool is_near_block(const ContactField<Dim>& f, const Structure<Dim>& s,
+                              const Vec<std::int32_t, Dim>& position) {
+    int lowest[Dim];
+    for (int a = 0; a < Dim; ++a) lowest[a] = 4 * position[a];
+    const double reach = f.cell * (particle_reach + 2 * (Dim == 2 ? 1.4143 : 1.7321));  // and half of the diagonal
+    return surface(s, f.corners, node_place(f, s, lowest, 2 - f.offset)).distance < reach;
+}
+
+/// Of one particle: what it tells the nodes that it reaches.
+struct ParticleGap {
+    std::int32_t gap;  ///< fixed point; NodeGap::none: too far
+    double area;       ///< a_p [cells^(D-1)]
+};
+
+/// Side of a square or cube.
+template <int Dim>
+MORAINE_HD double side_of(double volume) {
+    using std::cbrt;
+    using std::sqrt;
+    return Dim == 2 ? sqrt(volume) : cbrt(volume);
+}
+
+template <class Real, int Dim>
+MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
+                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
+    using std::exp;
+    Vec<double, Dim> x;
+    for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(block[a], u[a]) - f.offset);
+    const double d = surface(s, f.corners, image_near(f, s, x)).distance / f.cell;
+    if (!(d < particle_reach)) return {NodeGap::none, 0};
+    const double size = side_of<Dim>(double(volume)) / f.cell;
+    const double lies = ramp(d / size, lying_below, lying_above);
+    const double width = side_of<Dim>(double(volume) * exp(-double(ln_J))) / f.cell;
+    return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width)};
+}
+
+/// Calls f(node of the tile, what it is told) for the nodes that a particle reaches; half: of its box, where the shape
+/// has one [cells]. Weights of ghosts behind walls go to the nodes that they follow, as the masses do.
+template <class Shape, class Real, int Dim, class F>
+MORAINE_HD void each_gap_node(const Walls<Real, Dim>& walls, bool border, const Vec<std::int32_t, Dim>& block,
+                              const Vec<Coordinate<Real>, Dim>& u, const Vec<Real, Dim>& half, const ParticleGap& own,
+                              const F& f) {
+    constexpr int width = Shape::width;
+    Real w[Dim][width], dw[Dim][width];
+    int cell = 0;
+    for (int a = Dim - 1; a >= 0; --a) {
+        const int c = cell_of<Real>(u[a]);
+        cell = 4 * cell + c;
+        Shape::weights(fraction_of<Real>(u[a]), half[a], w[a], dw[a]);
+        if constexpr (width > 2)
+            if (border) fold_weights<width>(walls.ghosts(a, first_node<Shape>(block[a]) + c, width), w[a], dw[a]);
+    }
+    const int first = tile_offset<Dim, width>(cell);
+    each_node<Dim, width>([&](int at, int i, int j, int k) {
+        const double weight = double(w[0][i]) * double(w[1][j]) * (Dim == 2 ? 1.0 : double(w[Dim - 1][k]));
+        if (weight > 0) f(first + at, NodeGap{own.gap, NodeGap::fixed_area(weight * own.area)});
+    });
+}
+
+/// The loop of the host.
+template <class Real, int Dim, class Shape>
+struct ParticlesToGaps {
+    static constexpr int tile_nodes = power<Dim>(tile_side(Shape::width));
+    struct Scratch {};
+
+    StencilContext<Real, Dim> context;
+    ParticleView<Real, Dim> p;
+    BlockTable<Dim> table;
+    ListView<Dim> list;
+    ContactField<Dim> field;
+    NodeGap* tiles;
+    const ContactPair* chosen;
+
+    template <class Team>
+    MORAINE_HD void operator()(const Team& team, int item, Scratch&) const {
+        const ContactPair& pair = chosen[item];
+        if (list.count(pair.block) == 0) return;
+        const Vec<std::int32_t, Dim>& block = table.position[pair.block];
+        NodeGap* tile = tiles + std::size_t(pair.tile) * tile_nodes;
+        team.each(tile_nodes, [&](int n) { tile[n] = NodeGap{}; });
+        team.sync();
+        for (std::uint32_t k = list.first[pair.block]; k < list.first[pair.block + 1]; ++k) {
+            const std::uint32_t s = list.slot[k];
+            const ParticleGap own =
+                gap_of<Real, Dim>(field, field.structure[pair.structure], block, p.position[s], p.volume[s], p.ln_J[s]);
+            if (own.gap == NodeGap::none) continue;
+            Vec<Real, Dim> half = zero_vec<Real, Dim>();
+            if constexpr (Shape::sized)
+                for (int a = 0; a < Dim; ++a) half[a] = gimp_half(context, p, s, a);
+            each_gap_node<Shape>(context.walls, table.border[pair.block] != 0, block, p.position[s], half, own,
+                                 [&](int n, const NodeGap& gap) { tile[n].add(gap); });
+        }
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,55 @@
+#pragma once
+// Gaps on the device: minima and sums of whole numbers in shared memory, by the formulas of core/particle_gaps.hpp.
+//
+// A thread block per pair of a block and a structure. Integer atomics are exact in any order, so the tiles are the same
+// in every run. Which pairs there are follows from the epoch and from where structures stand, and is made by the host
+// (comm/contact_pairs.hpp): once per epoch, or in each step where one moves.
+
+#include <cuda_runtime.h>
+
+#include "comm/contact_pairs.hpp"
+#include "core/shape.hpp"
+#include "gpu/kernels/view.hpp"
+#include "gpu/memory/array.hpp"
+
+namespace moraine::gpu {
+
+/// The pairs on the device, and the tiles.
+template <int Dim>
+class DeviceGaps {
+  public:
+    void forget() { pairs_.forget(); }
+    /// Asynchronous.
+    void make(const EpochTables<Dim>& tables, const ContactField<Dim>& on_host, bool moved, int width,
+              cudaStream_t stream) {
+        if (!pairs_.make(tables, on_host, moved)) return;
+        tile_of_.assign(pairs_.tile_of(), stream);
+        boundary_.assign(pairs_.boundary(), stream);
+        interior_.assign(pairs_.interior(), stream);
+        tiles_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(width))));
+    }
+
+    GapTiles view() const { return {pairs_.structures(), tile_of_.data(), tiles_.data()}; }
+    NodeGap* tiles() const { return tiles_.data(); }
+    const Array<ContactPair>& boundary() const { return boundary_; }
+    const Array<ContactPair>& interior() const { return interior_; }
+
+  private:
+    ContactPairs<Dim> pairs_;
+    Array<std::int32_t> tile_of_;
+    Array<ContactPair> boundary_, interior_;
+    Array<NodeGap> tiles_;
+};
+
+/// Brings particles of these pairs that are too deep in their structure back (core/particle_depth.hpp). contact: on the
+/// device. Asynchronous.
+template <class Real, int Dim>
+void limit_depths(const View<Real, Dim>& view, const ContactField<Dim>& contact, const Array<ContactPair>& pairs,
+                  cudaStream_t stream);
+
+/// Fills the tiles of these pairs. contact: on the device. Asynchronous.
+template <class Real, int Dim>
+void find_gaps(const View<Real, Dim>& view, Shape shape, const ContactField<Dim>& contact,
+               const Array<ContactPair>& pairs, NodeGap* tiles, cudaStream_t stream);
+
+}  // namespace moraine::gpu
