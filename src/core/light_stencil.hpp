@@ -67,63 +67,6 @@ MORAINE_HD Vec<Real, Dim> reactions(const LightStencil<Real, Dim, Width>& n, Rea
     return sum;
 }
 
-/// Least masses of the nodes of a stencil, layer by layer along each axis; ghosts count as heavy [kg].
-template <class Real, int Dim, int Width>
-struct LayerMasses {
-    Real least[Dim][Width];
-};
-
-/// Sums over one axis of a stencil: of w^2, of dw^2, and of dw^2 / w.
-template <class Real>
-struct AxisSums {
-    Real square, slope, steep;
-};
-
-/// Whether reactions() cannot be more than the limits, by layers of nodes across each axis in turn: in layer k
-///   r_ip <= min(1 / w_ip, M_p / least_k),   so   R_b <= (c dt)^2 sum_k min(w_k T_b, w_k^2 M_p / least_k S_b W_c)
-/// with S, T, W the sums over the other axes of dw^2, dw^2 / w and w^2, and dw_k for w_k where b is the axis of the
-/// layers. One axis that says so is enough. squared: (c dt)^2 over the unit of the slopes; full: rho_p h^d.
-template <class Real, int Dim, int Width>
-MORAINE_HD bool surely_whole(const LightStencil<Real, Dim, Width>& n, const LayerMasses<Real, Dim, Width>& layers,
-                             Real full, Real squared, Real dilation, const ReactionLimits<Real>& limits) {
-    AxisSums<Real> sums[Dim];
-    for (int a = 0; a < Dim; ++a) {
-        sums[a] = {Real(0), Real(0), Real(0)};
-        for (int i = 0; i < Width; ++i) {
-            const Real slope = n.dw[a][i] * n.dw[a][i];
-            sums[a].square += n.w[a][i] * n.w[a][i];
-            sums[a].slope += slope;
-            if (n.w[a][i] > Real(0)) sums[a].steep += slope / n.w[a][i];
-        }
-    }
-    for (int a = 0; a < Dim; ++a) {
-        Real bound[Dim];
-        for (int b = 0; b < Dim; ++b) bound[b] = Real(0);
-        for (int k = 0; k < Width; ++k) {
-            const Real w = n.w[a][k], slope = n.dw[a][k] * n.dw[a][k];
-            if (!(w > Real(0))) continue;
-            const Real ratio = layers.least[a][k] > Real(0) ? full / layers.least[a][k] : Real(1e30);
-            for (int b = 0; b < Dim; ++b) {
-                Real across = ratio;  // the other axes' part of the sum with M_p / m_i
-                for (int c = 0; c < Dim; ++c)
-                    if (c != a) across *= c == b ? sums[c].slope : sums[c].square;
-                const Real alone = b == a ? slope / w : w * sums[b].steep;
-                const Real shared = (b == a ? slope : w * w) * across;
-                bound[b] += alone < shared ? alone : shared;
-            }
-        }
-        Real sum = Real(0);
-        bool within = true;
-        for (int b = 0; b < Dim; ++b) {
-            const Real most = Real(1.01) * squared * bound[b];  // 1 %: what rounding may add
-            within = within && !(n.folded[b] && most > limits.wall);
-            sum += most;
-        }
-        if (within && dilation * sum <= limits.volume) return true;
-    }
-    return false;
-}
-
 /// Products of weights with `slope` in place of the weight along each axis in turn.
 template <class Real, int Dim, int Width>
 MORAINE_HD Vec<Real, Dim> slopes_at(const LightStencil<Real, Dim, Width>& n, const Real (&slope)[Dim][Width], int i,

@@ -81,8 +81,8 @@ MORAINE_HD End end_passed(const DomainEnds<Real, Dim>& ends, const Vec<std::int3
 /// across such a wall falls to zero on it, so no motion crosses it: a step does where a node next to the wall hardly
 /// holds mass and is fast. Returns whether there was such a wall. u, carry: after the step.
 template <class Real, int Dim>
-MORAINE_HD bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
-                              const Vec<Coordinate<Real>, Dim>& old, Vec<Coordinate<Real>, Dim>& u, int* carry) {
+MORAINE_HD_RARE bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
+                                   Vec<Coordinate<Real>, Dim> old, Vec<Coordinate<Real>, Dim>& u, int (&carry)[Dim]) {
     bool stopped = false;
     for (int a = 0; a < Dim; ++a)
         for (int s = 0; s < 2; ++s) {
@@ -131,11 +131,17 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
     End end = border ? end_passed(ends, block, carry, u) : End::none;
     if (end == End::closed) {
         bool stays = true;
-        if constexpr (Stops)
-            if (stop_at_walls(ends, block, old, u, carry)) {
-                end = end_passed(ends, block, carry, u);
+        if constexpr (Stops) {
+            Vec<Coordinate<Real>, Dim> at = u;
+            int carried[Dim];
+            for (int a = 0; a < Dim; ++a) carried[a] = carry[a];
+            if (stop_at_walls(ends, block, old, at, carried)) {
+                end = end_passed(ends, block, carried, at);
                 stays = end == End::closed;
+                u = at;
+                for (int a = 0; a < Dim; ++a) carry[a] = carried[a];
             }
+        }
         if (stays) step.faults |= fault_left, u = old;
         code = stays ? Block<Dim>::centre : 0;
         cell = 0;

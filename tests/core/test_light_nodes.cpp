@@ -3,7 +3,7 @@
 #include <random>
 #include <type_traits>
 
-#include "core/light_stencil.hpp"
+#include "core/light_bound.hpp"
 #include "core/shape.hpp"
 
 using namespace moraine;

@@ -8,6 +8,7 @@
 //   find_limited  asks the particles of these, packed: a warp with one of them would take as long as one full of them
 // Nothing is read of other blocks but their marks.
 
+#include "core/light_bound.hpp"
 #include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
