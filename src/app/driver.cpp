@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
 #include "records/checkpoint_state.hpp"
@@ -185,12 +186,28 @@ void Driver<Real, Dim>::after_step() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::output() {
     sim_.phases().time(Phase::output, [&] {
-        history_->row(observe(sim_, comm_).values());
+        const TimeSeriesRow<Dim> row = observe(sim_, comm_);
+        history_->row(row.values());
+        watch_over_filling(row.over_filling);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
         if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);
+}
+
+/// Keeps the largest, and says once that places and volumes have come apart. fmax: a device's is not a number.
+template <class Real, int Dim>
+void Driver<Real, Dim>::watch_over_filling(double share) {
+    constexpr double most = 0.05;
+    if (share > most && !(over_filling_ > most) && comm_.is_root() && !options_.quiet) {
+        progress_->clear();
+        fmt::print(stderr,
+                   "Over-filling is {:.1f} % at t = {:.6g} s: so much of the volume does not fit where its particles "
+                   "are, and fronts fall short by it.\n",
+                   100 * share, sim_.clock().time);
+    }
+    over_filling_ = std::fmax(over_filling_, share);
 }
 
 template <class Real, int Dim>
@@ -224,7 +241,7 @@ void Driver<Real, Dim>::finish() {
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_));
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, over_filling_));
     if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}Results are in {}\n", times.text(), directory_);
 }
 

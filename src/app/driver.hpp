@@ -37,6 +37,7 @@ class Driver {
     void advance();
     void after_step();
     void output();
+    void watch_over_filling(double share);
     void record_balance();
     void record_structures();
     void checkpoint();
@@ -58,9 +59,10 @@ class Driver {
     double start_wall_ = 0;               ///< [s]
     double stepping_ = 0;                 ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
-    std::int64_t next_output_ = 1;      ///< in output intervals
-    std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
-    std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
+    std::int64_t next_output_ = 1;                                    ///< in output intervals
+    std::int64_t next_structures_ = 1;                                ///< in intervals of structures.csv
+    std::int64_t next_checkpoint_ = 1;                                ///< in checkpoint intervals
+    double over_filling_ = std::numeric_limits<double>::quiet_NaN();  ///< the largest so far
     std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv
     std::array<double, Phases::count> reported_seconds_{};

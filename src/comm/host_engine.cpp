@@ -1,6 +1,7 @@
 #include "comm/host_engine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace moraine {
@@ -89,6 +90,27 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks) {
     method_.kernels.p2g(transfer_call(blocks), method_.cell);
+}
+
+/// The sums of a step with volumes in place of masses; the next step makes all tiles anew.
+template <class Real, int Dim>
+std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
+    const auto sum_volumes = [&](std::span<const std::int32_t> blocks) {
+        TransferCall<Real, Dim> call = transfer_call(blocks);
+        call.particles.mass = call.particles.volume;
+        method_.kernels.p2g(call, method_.cell);
+    };
+    sum_volumes(patch_.boundary());
+    send_halo();
+    sum_volumes(patch_.interior());
+    receive_halo();
+    std::vector<NodeVolumes> volumes(patch_.node_blocks().size());
+    Host::launch_teams(static_cast<std::int64_t>(volumes.size()),
+                       CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,
+                                               method_.stencil.origin, std::pow(scene_.cell, -Dim), volumes.data()});
+    NodeVolumes sum;
+    for (const NodeVolumes& v : volumes) sum.add(v);
+    return sum;
 }
 
 template <class Real, int Dim>

@@ -28,6 +28,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
     void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.binned()); }
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
+    std::optional<NodeVolumes> node_volumes() override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void bin() override;

@@ -10,6 +10,7 @@
 #include "core/host.hpp"
 #include "core/kernel_list.hpp"
 #include "core/nodes.hpp"
+#include "core/over_filling.hpp"
 #include "core/scene_spec.hpp"
 
 namespace moraine {
@@ -98,6 +99,8 @@ struct Method {
     const Stiffness<Real>* stiffness() const { return stiffness_.empty() ? nullptr : stiffness_.data(); }
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
+    NodeCapacity<Real, Dim> capacity;
+
   private:
     std::vector<std::unique_ptr<LawBatch<Real, Dim>>> laws_;
     std::vector<const LawBatch<Real, Dim>*> law_pointers_;
@@ -123,6 +126,7 @@ template <class Space, class Real, int Dim>
 Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.shape)), needs(needs_of(scene)) {
     cell = static_cast<Real>(scene.cell);
     context.walls = make_walls<Real, Dim>(scene);
+    capacity = node_capacity<Real, Dim>(scene, context.walls);
     context.inverse_cell = static_cast<Real>(1 / scene.cell);
     kernels = choose_kernels<Real, Dim>(scene.shape, needs.affine);
     rounds = rounds_of(scene);

@@ -176,15 +176,9 @@ struct SolveNodes {
 
   private:
     MORAINE_HD void add_tile_node(int n, int delta, int source, int tile, Scratch& scratch) const {
-        const int side = tile_side(width);
-        int at = 0;
-        for (int a = Dim - 1; a >= 0; --a) {
-            const int x = cell_coordinate_of(n, a);
-            const int upper = Block<Dim>::corner(delta, a);
-            if (upper && x >= width - 1) return;
-            at = at * side + x + 4 * upper;
-        }
-        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(side) + at) * node_reals;
+        const int at = tile_node<Dim>(n, delta, width);
+        if (at < 0) return;
+        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(tile_side(width)) + at) * node_reals;
         scratch.sums[2 * n] = scratch.sums[2 * n] + Quad<Real>::load(from);
         scratch.sums[2 * n + 1] = scratch.sums[2 * n + 1] + Quad<Real>::load(from + quad);
         if (scratch.counted_by[n] < 0) scratch.counted_by[n] = source;

@@ -119,9 +119,10 @@ Json energies_in_summary(const TimeSeriesRow<Dim>& row) {
                        {"unaccounted", row.unaccounted}};
 }
 
-/// Binned state only. Collective.
+/// over_filling: the largest of the rows. Binned state only. Collective.
 template <class Real, int Dim>
-Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping) {
+Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
+               double over_filling) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
@@ -130,7 +131,6 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     comm.sum(sums);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
-    const std::string hash = fmt::format("{:016x}", state_hash(sim));
     const std::string machine = processor_name(comm);
     const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     Json::Named summary{
@@ -160,12 +160,13 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"halo_bytes", sums[2]},
         {"clamped_boxes", sums[3]},
         {"lost_particles", last.lost_particles},
-        {"state_hash", hash},
+        {"state_hash", fmt::format("{:016x}", state_hash(sim))},
         {"mass_kg", last.totals.mass},
         {"momentum", list(last.totals.momentum)},
         {"momentum_error", list(last.momentum_error)},
         {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
+        {"over_filling", over_filling},
     };
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
     return summary;

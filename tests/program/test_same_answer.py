@@ -147,6 +147,15 @@ class SameAnswer(moraine.ProgramTest):
                 last_row = (directory / "history.csv").read_text().splitlines()[-1]
                 self.assertEqual(last_row, (straight / "history.csv").read_text().splitlines()[-1])
 
+    def test_over_filling_is_in_the_records(self):
+        keys = sets(domain__cell=0.5, time__end=1.0, output__interval=0.1)
+        directory = self.run_scene(INPUTS / "slurry_runout.toml", "out", *keys)
+        lines = (directory / "history.csv").read_text().splitlines()
+        column = lines[0].split(",").index("over_filling")
+        rows = [float(line.split(",")[column]) for line in lines[1:]]
+        self.assertGreater(max(rows), 0)
+        self.assertEqual(summary(directory)["over_filling"], max(rows))
+
 
 if __name__ == "__main__":
     moraine.main()

@@ -267,6 +267,32 @@ TEST_CASE("it is the same where cells have one pressure") {
     CHECK(!(same_on_all_ranks<double, 2>(scene, 40) == r));
 }
 
+TEST_CASE("over-filling is the same on any number of ranks") {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = slurry();
+    scene.balance.partitioner = "shuffle";
+    scene.bodies[0].jitter = 0.5;
+    const auto volumes = [&](const Comm& on) {
+        Simulation<double, 2> sim(scene, on);
+        sim.seed();
+        for (int n = 0; n < 30; ++n) sim.step(), sim.balance();
+        sim.conclude();
+        const std::uint64_t before = state_hash(sim, true);
+        const NodeVolumes all = on.exact_sum(*sim.node_volumes());
+        CHECK(state_hash(sim, true) == before);
+        sim.step();
+        sim.conclude();
+        return std::pair(all, state_hash(sim, true));
+    };
+    const auto [alone, after] = volumes(self);
+    const auto [shared, after_shared] = volumes(comm);
+    CHECK(alone.over_filling() > 1e-3);
+    CHECK(shared.above.low == alone.above.low);
+    CHECK(shared.all.low == alone.all.low);
+    CHECK(shared.all.high == alone.all.high);
+    CHECK(after_shared == after);
+}
+
 TEST_CASE("two soils in a periodic channel are the same on any number of ranks, for every shape") {
     for (moraine::Shape shape : every_shape) {
         CAPTURE(int(shape));
