@@ -57,7 +57,7 @@ inline bool limits_accelerations(const Scene& scene) {
 template <class Real>
 ReactionLimits<Real> reaction_limits(const Scene& scene) {
     const bool mapped = scene.stress_update == StressUpdate::musl;
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    const bool affine = is_affine(scene.transfer);
     return {Real(mapped ? 1.2 : 1.6), Real(mapped ? 3 : affine ? 2.5 : 1.6), mapped};
 }
 
@@ -112,7 +112,7 @@ struct Method {
 
 inline ColumnNeeds needs_of(const Scene& scene) {
     ColumnNeeds needs;
-    needs.affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    needs.affine = is_affine(scene.transfer);
     needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
     for (const MaterialSpec& m : scene.materials) {
         const LawInfo& law = *find_law(m.law);
@@ -130,7 +130,8 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     context.inverse_cell = static_cast<Real>(1 / scene.cell);
     kernels = choose_kernels<Real, Dim>(scene.shape, needs.affine);
     rounds = rounds_of(scene);
-    flip = scene.transfer == Transfer::flip ? static_cast<Real>(scene.flip) : Real(0);
+    const bool blends = scene.transfer == Transfer::flip || scene.transfer == Transfer::aflip;
+    flip = blends ? static_cast<Real>(scene.flip) : Real(0);
     tpic = scene.transfer == Transfer::tpic;
     damping = static_cast<Real>(scene.damping);
     for (int a = 0; a < Dim; ++a) {

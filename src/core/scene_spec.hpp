@@ -16,12 +16,23 @@ namespace moraine {
 using Triple = std::array<double, 3>;
 
 enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
-enum class Transfer { flip, pic, apic, tpic, fmpm };  ///< pic is flip with blend 0
+/// pic is flip with blend 0; aflip is flip with the affine field of apic (Fei et al. 2021).
+enum class Transfer { flip, pic, apic, tpic, fmpm, aflip };
 
 /// The transfer of a scene that names none: what reaches 1 % of error soonest in most problems (docs/accuracy.md); hats
 /// have no affine one.
 constexpr Transfer standard_transfer(Shape shape) {
     return shape == Shape::linear ? Transfer::flip : Transfer::apic;
+}
+
+/// Share of FLIP where a scene does not say its own: all of it rings where the affine field has no part.
+constexpr double standard_flip(Transfer transfer) {
+    return transfer == Transfer::aflip ? 0.95 : 1;
+}
+
+/// Whether particles carry an affine velocity field.
+constexpr bool is_affine(Transfer transfer) {
+    return transfer == Transfer::apic || transfer == Transfer::tpic || transfer == Transfer::aflip;
 }
 
 enum class StressUpdate { usl, usf, musl };

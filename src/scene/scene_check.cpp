@@ -71,9 +71,10 @@ void check_transfer(const Scene& scene, const Places& places) {
         refuse(places.of("numerics.stress_update"), "numerics.stress_update with transfer \"fmpm\"",
                "its rounds are the terms of a series, and stress follows the last",
                "Remove it, or take transfer = \"apic\"?");
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    if (!affine || scene.shape != Shape::linear) return;
-    const char* transfer = scene.transfer == Transfer::apic ? "apic" : "tpic";
+    if (!is_affine(scene.transfer) || scene.shape != Shape::linear) return;
+    const char* transfer = scene.transfer == Transfer::apic   ? "apic"
+                           : scene.transfer == Transfer::tpic ? "tpic"
+                                                              : "aflip";
     refuse(places.of("numerics.transfer"), fmt::format("numerics.transfer = \"{}\" with shape \"linear\"", transfer),
            "the inertia D of a hat's weights is zero at nodes, and rounding grows there",
            fmt::format("Use shape = \"quadratic\", or transfer = \"{}\"?",

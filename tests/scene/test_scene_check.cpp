@@ -173,6 +173,7 @@ TEST_CASE("an affine transfer with linear shapes is refused") {
           "--set numerics.transfer=apic: numerics.transfer = \"apic\" with shape \"linear\" (the inertia D of a hat's "
           "weights is zero at nodes, and rounding grows there). Use shape = \"quadratic\", or transfer = \"flip\"?");
     says(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=tpic"}), "transfer = \"pic\"?");
+    says(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=aflip"}), "transfer = \"flip\"?");
     CHECK(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=pic"}).empty());
     CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
 }

@@ -213,7 +213,7 @@ TEST_CASE("it is the same where shares are balanced by measured time") {
 }
 
 TEST_CASE("it is the same for every transfer and stress update, and balances its momentum") {
-    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic, Transfer::aflip})
         for (StressUpdate update : {StressUpdate::usl, StressUpdate::usf, StressUpdate::musl}) {
             CAPTURE(int(transfer));
             CAPTURE(int(update));
