@@ -204,7 +204,7 @@ void Driver<Real, Dim>::watch_over_filling(double share) {
         progress_->clear();
         fmt::print(stderr,
                    "Over-filling is {:.1f} % at t = {:.6g} s: so much of the volume does not fit where its particles "
-                   "are, and fronts fall short by it.\n",
+                   "are, and fronts fall short by it. For fluids see material.particle_shifting.\n",
                    100 * share, sim_.clock().time);
     }
     over_filling_ = std::fmax(over_filling_, share);

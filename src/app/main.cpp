@@ -53,6 +53,10 @@ Machine machine_of(const Comm& comm, const Options& options) {
 void check_device_scene(const Scene& scene) {
     if (scene.transfer == Transfer::aflip)
         throw InputError("numerics.transfer = \"aflip\" (devices do not have it yet). Use --device cpu?");
+    for (const MaterialSpec& m : scene.materials)
+        if (has_fluid_terms(m))
+            throw InputError(fmt::format("material.{}.{} (devices do not have it yet). Use --device cpu?", m.name,
+                                         m.particle_shifting > 0 ? "particle_shifting" : "pressure_smoothing"));
 }
 
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads

@@ -122,6 +122,8 @@ class Engine {
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
+    /// Which mean the sums of this step make besides.
+    virtual void sum_mean(NodeMean /*mean*/) {}
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;

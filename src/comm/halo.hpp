@@ -2,8 +2,9 @@
 // Halo: the unsummed tiles that other ranks need travel to them, once per round.
 //
 // One message per peer: occupancy of its tiles, one byte each, then the shared nodes of the tiles
-// that exist, node_sums reals each. Both sides know the lists from the epoch's tables. A received
-// tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by one rule.
+// that exist, node_sums reals each, one more where they have a mean (NodeMean). Both sides know the lists from the
+// epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by
+// one rule.
 
 #include "comm/epoch.hpp"
 #include "comm/point_to_point.hpp"
@@ -16,7 +17,8 @@ template <class Real, int Dim>
 class Halo {
   public:
     /// Not collective; buffers for one epoch.
-    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width) : tables_(tables), messages_(messages) {
+    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width, bool with_mean = false)
+        : tables_(tables), messages_(messages), with_mean_(with_mean) {
         tile_reals_ = static_cast<std::size_t>(power<Dim>(tile_side(width)) * node_reals);
         for (const PeerHalo& peer : tables.peers) {
             out_.emplace_back(capacity(peer.send));
@@ -46,8 +48,9 @@ class Halo {
     std::int64_t bytes() const { return bytes_; }  ///< sent so far by this rank in this epoch
 
   private:
-    static std::size_t capacity(const TileList& list) {
-        return padded(list.block.size()) + list.node.size() * node_sums<Dim> * sizeof(Real);
+    std::size_t capacity(const TileList& list) const {
+        const std::size_t sums = node_sums<Dim> + (with_mean_ ? 1 : 0);
+        return padded(list.block.size()) + list.node.size() * sums * sizeof(Real);
     }
 
     std::int64_t pack(const TileList& list, const TileView<Real>& grid, std::byte* to) const {
@@ -62,6 +65,7 @@ class Halo {
                 const Real* node = from + list.node[n] * node_reals;
                 for (int q = 0; q <= Dim; ++q) *values++ = node[q];
                 for (int q = 0; q < Dim; ++q) *values++ = node[quad + q];
+                if (with_mean_) *values++ = node[2 * quad - 1];
             }
         }
         return static_cast<std::int64_t>(padded(list.block.size()) +
@@ -82,12 +86,14 @@ class Halo {
                 for (int q = 0; q < Dim; ++q) node[quad + q] = *values++;
                 for (int q = Dim + 1; q < quad; ++q) node[q] = Real(0);
                 for (int q = Dim; q < quad; ++q) node[quad + q] = Real(0);
+                if (with_mean_) node[2 * quad - 1] = *values++;
             }
         }
     }
 
     const EpochTables<Dim>& tables_;
     PointToPoint& messages_;
+    const bool with_mean_;
     std::size_t tile_reals_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Parcel> sends_, receives_;

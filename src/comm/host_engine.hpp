@@ -32,6 +32,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void bin() override;
+    void sum_mean(NodeMean mean) override { mean_ = mean; }
     void sum_boundary() override { sum(patch_.boundary()); }
     void send_halo() override { halo_->start(patch_.grid()); }
     void sum_interior() override { sum(patch_.interior()); }
@@ -64,6 +65,7 @@ class HostEngine final : public Engine<Real, Dim> {
     StepReport<Dim> report_;
     std::vector<FaultRecord<Dim>> fault_records_;
     Host::Array<ExactSum> impulse_;
+    NodeMean mean_ = NodeMean::none;
     bool moving_ = false;  ///< migration under way: not binned
 };
 

@@ -42,6 +42,10 @@ struct ListView {
     }
 };
 
+/// A mean over the mass of a node that its tiles sum in the force quad's idle lane: none, of the particles' mean stress
+/// (pressure_smoothing.hpp), or of their volume per mass (particle_shifting.hpp).
+enum class NodeMean { none, stress, volume };
+
 /// Place of node n of a node block in the tile of the block at offset delta, or -1: that tile does not reach it.
 template <int Dim>
 MORAINE_HD int tile_node(int n, int delta, int width) {

@@ -18,8 +18,9 @@ struct TransferCall {
     BlockTable<Dim> table;
     ListView<Dim> list;
     TileView<Real> grid;
-    const std::int32_t* chosen;  ///< own blocks
-    std::int64_t count;          ///< of them
+    const std::int32_t* chosen;      ///< own blocks
+    std::int64_t count;              ///< of them
+    NodeMean mean = NodeMean::none;  ///< what nodes sum besides
 };
 
 /// What the gather needs besides.
@@ -38,6 +39,8 @@ struct GatherCall {
     const std::uint8_t* averaged = nullptr;      ///< by body: takes its volumetric part from the cell; null: none does
     const Stiffness<Real>* stiffness = nullptr;  ///< by body; null: no acceleration is limited
     ReactionLimits<Real> limits = {};
+    const FluidTerms<Real>* fluid = nullptr;  ///< by body; null: pressures are not smoothed, particles not shifted
+    const Shifting<Real, Dim>* shifting = nullptr;  ///< null: not in this step
 };
 
 template <class Real, int Dim>

@@ -2,7 +2,7 @@
 // Nodes: from sums to velocities.
 //
 //   v_i = q_i / m_i,   v_i' = v_i + dt (f_i / m_i + g) , then structures (contact.hpp), damping, walls
-//   left for the gather: v_i' and dv_i = v_i' - v_i, and m_i in the first quad's idle lane
+//   left for the gather: v_i' and dv_i = v_i' - v_i; in the quads' idle lanes m_i and s_i / m_i (NodeMean)
 //
 // A node is +0 plus its tiles in the order of the offset delta, never of keys or ranks, so that an
 // absent tile and a zero tile are the same and all copies of a node are updated identically. Local
@@ -227,6 +227,7 @@ struct SolveNodes {
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);
         out[quad - 1] = sums[0];
+        if (sums[0] > round.mass_cutoff) out[2 * quad - 1] = scratch.sums[2 * n + 1][quad - 1] / sums[0];
     }
 };
 

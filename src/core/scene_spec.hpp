@@ -57,7 +57,14 @@ struct MaterialSpec {
     double density = 0;                            ///< at ln J = 0 [kg/m3]
     std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
     Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure; cell: its mean (core/volumetric.hpp)
+    double pressure_smoothing = 0;                 ///< k of core/pressure_smoothing.hpp [-]
+    double particle_shifting = 0;                  ///< gamma of core/particle_shifting.hpp [-]
 };
+
+/// Whether its particles take anything of core/pressure_smoothing.hpp and particle_shifting.hpp.
+inline bool has_fluid_terms(const MaterialSpec& material) {
+    return material.pressure_smoothing > 0 || material.particle_shifting > 0;
+}
 
 /// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.
 struct WaveSpec {

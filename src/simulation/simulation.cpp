@@ -27,6 +27,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
     bin();  // incoming particles of the last step; each block's list is binned by cell
     apply_body_force();
+    engine_->sum_mean(method_.mean_of(clock_.step));
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
         phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });

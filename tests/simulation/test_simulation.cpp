@@ -11,6 +11,7 @@ using namespace moraine;
 namespace {
 
 using test::column;
+using test::material;
 using test::slurry;
 
 struct Result {
@@ -265,6 +266,43 @@ TEST_CASE("it is the same where cells have one pressure") {
     const Result r = same_on_all_ranks<double, 2>(scene, 40);
     scene.materials[0].volumetric = Volumetric::particle;
     CHECK(!(same_on_all_ranks<double, 2>(scene, 40) == r));
+}
+
+TEST_CASE("it is the same where pressures are smoothed and particles shifted, and balances its momentum") {
+    Scene scene = slurry();
+    scene.bodies[0].particles_per_cell = {3, 3, 3};
+    scene.bodies[0].jitter = 0.5;  // crowded here and there
+    using enum StressUpdate;
+    for (auto [transfer, update] : {std::pair{Transfer::flip, usl}, {Transfer::apic, musl}, {Transfer::aflip, usl}}) {
+        CAPTURE(int(transfer));
+        scene.transfer = transfer;
+        scene.stress_update = update;
+        MaterialSpec& mud = scene.materials[0];
+        mud.pressure_smoothing = mud.particle_shifting = 0;
+        const Result plain = run<double, 2>(scene, Comm(MPI_COMM_SELF), 20);
+        mud.pressure_smoothing = 0.22;
+        const Result smooth = same_on_all_ranks<double, 2>(scene, 20);
+        CHECK(smooth.state != plain.state);
+        mud.particle_shifting = 0.1;
+        CHECK(same_on_all_ranks<double, 2>(scene, 20).state != smooth.state);
+    }
+}
+
+TEST_CASE("shifts are the same in 3-D, across a periodic axis, in single precision and beside a structure") {
+    Scene scene = column();
+    scene.materials = {material("newtonian", 1500, {{"young", 1e6}, {"poisson", 0.45}, {"viscosity", 100}}),
+                       material("linear-elastic", 1500, {{"young", 2e6}, {"poisson", 0.3}})};
+    scene.materials[0].pressure_smoothing = 0.22;
+    scene.materials[0].particle_shifting = 0.1;
+    scene.bodies[0].jitter = 0.5;
+    const Result one = same_on_all_ranks<float, 3>(scene, 15);
+    StructureSpec ball;
+    ball.name = "ball";
+    ball.shape = StructureShape::sphere;
+    ball.center = {2, 4, 6.5};
+    ball.radius = 1;
+    scene.structures.push_back(ball);
+    CHECK(same_on_all_ranks<float, 3>(scene, 15).state != one.state);
 }
 
 TEST_CASE("over-filling is the same on any number of ranks") {
