@@ -6,7 +6,7 @@ namespace moraine {
 
 std::string method_name(Shape shape, Transfer transfer, StressUpdate update, int order) {
     constexpr const char* shapes[] = {"linear", "gimp", "gimp-contiguous", "quadratic", "cubic"};
-    constexpr const char* transfers[] = {"FLIP", "PIC", "APIC", "TPIC"};
+    constexpr const char* transfers[] = {"FLIP", "PIC", "APIC", "TPIC", "FMPM", "AFLIP"};
     constexpr const char* updates[] = {"USL", "USF", "MUSL"};
     if (transfer == Transfer::fmpm) return fmt::format("{} FMPM({})", shapes[static_cast<int>(shape)], order);
     return fmt::format("{} {} {}", shapes[static_cast<int>(shape)], transfers[static_cast<int>(transfer)],

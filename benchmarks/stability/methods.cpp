@@ -11,8 +11,8 @@ const std::vector<Choice>& all_methods() {
         using enum StressUpdate;
         std::vector<Choice> methods;
         for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic}) {
-            for (Transfer transfer : {Transfer::flip, Transfer::pic, Transfer::apic, Transfer::tpic}) {
-                if (shape == Shape::linear && transfer != Transfer::flip && transfer != Transfer::pic) continue;
+            for (Transfer transfer : {Transfer::flip, Transfer::pic, Transfer::apic, Transfer::tpic, Transfer::aflip}) {
+                if (shape == Shape::linear && is_affine(transfer)) continue;
                 for (StressUpdate update : {usl, usf, musl}) {
                     names.push_back(method_name(shape, transfer, update));
                     methods.push_back({names.back().c_str(), shape, transfer, update});

@@ -202,7 +202,7 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::warn(const TimeSeriesRow<Dim>& row) {
     for (const HealthWarning<Dim>& w :
          health_.observe(row, sim_.clock().start_strain, std::numeric_limits<Real>::epsilon())) {
-        if (!comm_.is_root()) continue;
+        if (!comm_.is_root() || options_.quiet) continue;
         progress_->clear();
         fmt::print(stderr, "{}\n", w.message());
     }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "comm/share_piece.hpp"
 #include "core/lattice.hpp"
 #include "core/method.hpp"
+#include "core/over_filling.hpp"
 #include "core/structure_set.hpp"
 #include "core/totals.hpp"
 
@@ -112,6 +114,9 @@ class Engine {
     /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Binned state only.
     /// Collective.
     virtual BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) = 0;
+    /// Volumes at the nodes that this rank counts; nothing where an engine cannot tell. Binned state only. Collective
+    /// over peers.
+    virtual std::optional<NodeVolumes> node_volumes() { return std::nullopt; }
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 
@@ -119,6 +124,8 @@ class Engine {
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
     /// The gaps to them are found with the sums of the next round, and kept for the step. Scenes with structures only.
     virtual void find_gaps(const StructureSet<Dim>& structures) = 0;
+    /// Which mean the sums of this step make besides.
+    virtual void sum_mean(NodeMean /*mean*/) {}
     virtual void sum_boundary() = 0;
     virtual void send_halo() = 0;
     virtual void sum_interior() = 0;

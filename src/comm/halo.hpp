@@ -2,9 +2,10 @@
 // Halo: the unsummed tiles that other ranks need travel to them, once per round.
 //
 // One message per peer: occupancy of its tiles, one byte each, then the shared nodes of the tiles
-// that exist, node_sums reals each; in the first round of a step with structures the same nodes of the gap tiles of
-// those (contact_pairs.hpp). Both sides know the lists from the epoch's tables. A received
-// tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by one rule.
+// that exist, node_sums reals each, one more where they have a mean (NodeMean); in the first round of a step with
+// structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides know the lists from the epoch's
+// tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by one
+// rule.
 
 #include "comm/contact_pairs.hpp"
 #include "comm/epoch.hpp"
@@ -25,8 +26,11 @@ template <class Real, int Dim>
 class Halo {
   public:
     /// Not collective; buffers for one epoch.
-    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width) : tables_(tables), messages_(messages) {
-        tile_nodes_ = static_cast<std::size_t>(power<Dim>(tile_side(width)));
+    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width, bool with_mean = false)
+        : tables_(tables),
+          messages_(messages),
+          tile_nodes_(static_cast<std::size_t>(power<Dim>(tile_side(width)))),
+          with_mean_(with_mean) {
         for (const PeerHalo& peer : tables.peers) {
             out_.emplace_back(capacity(peer.send));
             in_.emplace_back(capacity(peer.receive));
@@ -68,8 +72,9 @@ class Halo {
     std::int64_t bytes() const { return bytes_; }  ///< sent so far by this rank in this epoch
 
   private:
-    static std::size_t capacity(const TileList& list) {
-        return padded(list.block.size()) + list.node.size() * node_sums<Dim> * sizeof(Real);
+    std::size_t capacity(const TileList& list) const {
+        const std::size_t sums = node_sums<Dim> + (with_mean_ ? 1 : 0);
+        return padded(list.block.size()) + list.node.size() * sums * sizeof(Real);
     }
 
     static std::size_t gap_bytes(const TileList& list, const ContactPairs<Dim>& pairs, std::size_t first_block) {
@@ -106,6 +111,7 @@ class Halo {
                 const Real* node = from + list.node[n] * node_reals;
                 for (int q = 0; q <= Dim; ++q) *values++ = node[q];
                 for (int q = 0; q < Dim; ++q) *values++ = node[quad + q];
+                if (with_mean_) *values++ = node[2 * quad - 1];
             }
         }
         std::size_t packed = 0;
@@ -146,6 +152,7 @@ class Halo {
                 for (int q = 0; q < Dim; ++q) node[quad + q] = *values++;
                 for (int q = Dim + 1; q < quad; ++q) node[q] = Real(0);
                 for (int q = Dim; q < quad; ++q) node[quad + q] = Real(0);
+                if (with_mean_) node[2 * quad - 1] = *values++;
             }
         }
         return reinterpret_cast<const std::byte*>(values);
@@ -153,7 +160,8 @@ class Halo {
 
     const EpochTables<Dim>& tables_;
     PointToPoint& messages_;
-    std::size_t tile_nodes_;
+    const std::size_t tile_nodes_;
+    const bool with_mean_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Parcel> sends_, receives_;
     std::int64_t bytes_ = 0;

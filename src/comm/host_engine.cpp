@@ -1,6 +1,7 @@
 #include "comm/host_engine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/particle_depth.hpp"
@@ -28,7 +29,8 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& b
     migration_.reset();
     patch_.install(std::move(tables), binned);
     pairs_.forget();
-    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width);
+    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
+                                              method_.fluid() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
 }
 
@@ -86,7 +88,8 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
             patch_.list(),
             patch_.grid(),
             blocks.data(),
-            static_cast<std::int64_t>(blocks.size())};
+            static_cast<std::int64_t>(blocks.size()),
+            mean_};
 }
 
 template <class Real, int Dim>
@@ -114,6 +117,28 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::receive_halo() {
     halo_->finish(patch_.grid(), patch_.tile_of(), finding_ ? &gap_share_ : nullptr);
     finding_ = false;
+}
+
+/// The sums of a step with volumes in place of masses; the next step makes all tiles anew.
+template <class Real, int Dim>
+std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
+    const auto sum_volumes = [&](std::span<const std::int32_t> blocks) {
+        TransferCall<Real, Dim> call = transfer_call(blocks);
+        call.particles.mass = call.particles.volume;
+        call.mean = NodeMean::none;
+        method_.kernels.p2g(call, method_.cell);
+    };
+    sum_volumes(patch_.boundary());
+    send_halo();
+    sum_volumes(patch_.interior());
+    receive_halo();
+    std::vector<NodeVolumes> volumes(patch_.node_blocks().size());
+    Host::launch_teams(static_cast<std::int64_t>(volumes.size()),
+                       CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,
+                                               method_.stencil.origin, std::pow(scene_.cell, -Dim), volumes.data()});
+    NodeVolumes sum;
+    for (const NodeVolumes& v : volumes) sum.add(v);
+    return sum;
 }
 
 template <class Real, int Dim>
@@ -148,14 +173,24 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    const GatherCall<Real, Dim> gather{
-        method_.stress(),   method_.ends,
-        round.gather,       method_.tpic,
-        method_.flip,       static_cast<Real>(step.dt),
-        patch_.moves(),     patch_.outgoing_count(),
-        patch_.shuffled(),  patch_.outcome(),
-        method_.averaged(), round.nodes == NodeTask::solve ? method_.stiffness() : nullptr,
-        method_.limits};
+    Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
+    const bool shifts = mean_ == NodeMean::volume;
+    if (shifts && step.structures) shifting.contact = step.structures->field();
+    const GatherCall<Real, Dim> gather{method_.stress(),
+                                       method_.ends,
+                                       round.gather,
+                                       method_.tpic,
+                                       method_.flip,
+                                       static_cast<Real>(step.dt),
+                                       patch_.moves(),
+                                       patch_.outgoing_count(),
+                                       patch_.shuffled(),
+                                       patch_.outcome(),
+                                       method_.averaged(),
+                                       round.nodes == NodeTask::solve ? method_.stiffness() : nullptr,
+                                       method_.limits,
+                                       method_.fluid(),
+                                       shifts ? &shifting : nullptr};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);

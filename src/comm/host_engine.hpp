@@ -29,6 +29,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
     void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.binned()); }
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
+    std::optional<NodeVolumes> node_volumes() override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void bin() override;
@@ -37,6 +38,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void send_halo() override { halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr); }
     void sum_interior() override { sum(patch_.interior(), pairs_.interior()); }
     void receive_halo() override;
+    void sum_mean(NodeMean mean) override { mean_ = mean; }
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>& step) override;
@@ -65,6 +67,7 @@ class HostEngine final : public Engine<Real, Dim> {
     StepReport<Dim> report_;
     std::vector<FaultRecord<Dim>> fault_records_;
     Host::Array<ExactSum> impulse_;
+    NodeMean mean_ = NodeMean::none;
     bool moving_ = false;  ///< migration under way: not binned
 
     ContactPairs<Dim> pairs_;

@@ -35,6 +35,8 @@ constexpr double stable_courant(Shape shape, Transfer transfer, StressUpdate upd
             return limits.apic[k];
         case Transfer::tpic:
             return limits.tpic[k];
+        case Transfer::aflip:
+            return limits.flip[k];
         case Transfer::fmpm:
             return update == StressUpdate::usl ? limits.fmpm : 0;
     }

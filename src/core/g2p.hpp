@@ -5,6 +5,7 @@
 //   x_p <- x_p + dt v_pic          dL = dt sum_i v_i' grad w_ip
 //   C_p = grad v (TPIC), or sum_i w_ip v_i' (x_i - x_p)ᵀ / D  (APIC, D = sum w (x_i - x_p)^2 per axis; Jiang et al.
 //   2015)
+// Pressures of fluids are smoothed, and particles shifted (pressure_smoothing.hpp, particle_shifting.hpp).
 // What this step adds to dL and C is limited where a particle's nodes hold little mass (light_nodes.hpp).
 //
 // One team reads the nodes of one block into its scratch and goes through the list cell by cell.
@@ -15,6 +16,7 @@
 
 #include "core/grid_views.hpp"
 #include "core/light_stencil.hpp"
+#include "core/particle_shifting.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/quad.hpp"
@@ -37,6 +39,7 @@ struct GridToParticles {
         Q nodes[2 * tile_nodes];
         Mat<Real, Dim> gradient[batch];
         std::uint32_t slot[batch];
+        Real excess[tile_nodes];  ///< e_i, in steps that shift (particle_shifting.hpp)
     };
 
     StencilContext<Real, Dim> context;
@@ -58,6 +61,8 @@ struct GridToParticles {
     BlockOutcome* outcome;             ///< own blocks
     const Stiffness<Real>* stiffness;  ///< by body; null: nothing is limited
     ReactionLimits<Real> limits;
+    const FluidTerms<Real>* fluid;        ///< by body; null: pressures are not smoothed, particles not shifted
+    const Shifting<Real, Dim>* shifting;  ///< null: not in this step
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -70,6 +75,11 @@ struct GridToParticles {
             team.sync();
             if (Shape::width > 2 && table.border[block]) set_ghosts(block, scratch.nodes);
             int filled = 0;
+            if (shifting) {
+                int base[Dim];
+                for (int a = 0; a < Dim; ++a) base[a] = first_node<Shape>(table.position[block][a]);
+                find_excess<Shape>(*shifting, context.walls, base, scratch.nodes, scratch.excess);
+            }
             for (int c = 0; c < Block<Dim>::cells; ++c) gather_cell(block, c, scratch, filled, out);
             flush(scratch, filled, out);
         }
@@ -146,6 +156,7 @@ struct GridToParticles {
             if (stiffness) limit_acceleration(s, n, nodes, light, g);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
+                if (fluid && !shifting) smooth(s, g);
                 scratch.gradient[filled] = increment_of(g);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
                 if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
@@ -153,8 +164,11 @@ struct GridToParticles {
                 if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
                 if (filled == batch) flush(scratch, filled, out);
             }
-            if (moves_particles(gather))
-                move(block, s, k, c, moving_velocity(gather, g.velocity, g.change), border, out);
+            if (moves_particles(gather)) {
+                Q velocity = moving_velocity(gather, g.velocity, g.change);
+                if (shifting) add_shift(block, c, s, n, scratch, velocity);
+                move(block, s, k, c, velocity, border, out);
+            }
         }
     }
 
@@ -291,6 +305,29 @@ struct GridToParticles {
             light.around += m;
             light.inverse[n++] = m > Real(0) ? Real(1) / m : Real(0);
         });
+    }
+
+    MORAINE_HD void smooth(std::uint32_t s, const Gathered& g) const {
+        const FluidTerms<Real>& of = fluid[p.body[s]];
+        if (of.smoothing > Real(0))
+            smooth_pressure(smoothing_share(of.smoothing, dt), g.change[quad - 1], of.compliance, p.stress[s],
+                            p.ln_J[s]);
+    }
+
+    /// Adds the shift of a particle in cell c to the velocity that moves it.
+    MORAINE_HD void add_shift(int block, int c, std::uint32_t s, const W& n, const Scratch& scratch,
+                              Q& velocity) const {
+        const Real shifts = fluid[p.body[s]].shifting;
+        if (!(shifts > Real(0))) return;
+        const Real* excess = scratch.excess + tile_offset<Dim, width>(c);
+        const Vec<Real, Dim> gradient = gradient_of_excess<Shape>(n, excess);
+        Vec<Real, Dim> shift = shift_by(shifts, dt, Real(1) / context.inverse_cell, gradient);
+        if (table.border[block]) {
+            Vec<Real, Dim> move;
+            for (int a = 0; a < Dim; ++a) move[a] = dt * velocity[a] * context.inverse_cell;
+            keep_from_ends(shifting->ends, table.position[block], p.position[s], move, shift);
+        }
+        velocity = velocity + Q::scaled(Real(1) / dt, shift);
     }
 
     MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {

@@ -42,6 +42,24 @@ struct ListView {
     }
 };
 
+/// A mean over the mass of a node that its tiles sum in the force quad's idle lane: none, of the particles' mean stress
+/// (pressure_smoothing.hpp), or of their volume per mass (particle_shifting.hpp).
+enum class NodeMean { none, stress, volume };
+
+/// Place of node n of a node block in the tile of the block at offset delta, or -1: that tile does not reach it.
+template <int Dim>
+MORAINE_HD int tile_node(int n, int delta, int width) {
+    const int side = tile_side(width);
+    int at = 0;
+    for (int a = Dim - 1; a >= 0; --a) {
+        const int x = (n >> (2 * a)) & 3;
+        const int upper = Block<Dim>::corner(delta, a);
+        if (upper && x >= width - 1) return -1;
+        at = at * side + x + 4 * upper;
+    }
+    return at;
+}
+
 /// Where the tiles and node values of this step are: storage index by block, or -1.
 template <class Real>
 struct TileView {

@@ -19,8 +19,9 @@ struct TransferCall {
     BlockTable<Dim> table;
     ListView<Dim> list;
     TileView<Real> grid;
-    const std::int32_t* chosen;  ///< own blocks
-    std::int64_t count;          ///< of them
+    const std::int32_t* chosen;      ///< own blocks
+    std::int64_t count;              ///< of them
+    NodeMean mean = NodeMean::none;  ///< what nodes sum besides
 };
 
 /// What the gather needs besides.
@@ -39,6 +40,8 @@ struct GatherCall {
     const std::uint8_t* averaged = nullptr;      ///< by body: takes its volumetric part from the cell; null: none does
     const Stiffness<Real>* stiffness = nullptr;  ///< by body; null: no acceleration is limited
     ReactionLimits<Real> limits = {};
+    const FluidTerms<Real>* fluid = nullptr;  ///< by body; null: pressures are not smoothed, particles not shifted
+    const Shifting<Real, Dim>* shifting = nullptr;  ///< null: not in this step
 };
 
 /// What the gaps to structures need besides: they are found by pairs of a block and a structure.

@@ -10,6 +10,7 @@
 #include "core/host.hpp"
 #include "core/kernel_list.hpp"
 #include "core/nodes.hpp"
+#include "core/particle_shifting.hpp"
 #include "core/scene_spec.hpp"
 
 namespace moraine {
@@ -56,16 +57,44 @@ inline bool limits_accelerations(const Scene& scene) {
 template <class Real>
 ReactionLimits<Real> reaction_limits(const Scene& scene) {
     const bool mapped = scene.stress_update == StressUpdate::musl;
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    const bool affine = is_affine(scene.transfer);
     return {Real(mapped ? 1.2 : 1.6), Real(mapped ? 3 : affine ? 2.5 : 1.6), mapped};
+}
+
+/// 1/2 where the law has none.
+inline double poisson_ratio(const MaterialSpec& material) {
+    const LawInfo& law = *find_law(material.law);
+    for (std::size_t k = 0; k < law.parameters.size(); ++k)
+        if (law.parameters[k].key == std::string_view("poisson")) return material.parameters[k];
+    return 0.5;
+}
+
+inline bool has_fluid_terms(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const MaterialSpec& m) { return has_fluid_terms(m); });
+}
+
+inline bool has_shifts(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const MaterialSpec& m) { return m.particle_shifting > 0; });
+}
+
+/// In scenes with shifts the steps between them smooth for those that shift.
+template <class Real>
+FluidTerms<Real> fluid_terms_of(const Scene& scene, const MaterialSpec& material) {
+    const double poisson = poisson_ratio(material), between = has_shifts(scene) ? shift_interval - 1 : shift_interval;
+    const double wave = find_law(material.law)->wave_modulus(material.parameters.data());  // K + 4G/3
+    const double bulk = wave * (1 + poisson) / (3 * (1 - poisson));
+    const double speed = std::sqrt(wave / material.density);
+    return {static_cast<Real>(material.pressure_smoothing * speed / scene.cell * shift_interval / between),
+            static_cast<Real>(1 / bulk),
+            static_cast<Real>(shift_interval * material.particle_shifting * speed * scene.cell)};
 }
 
 template <class Real, int Dim>
 Stiffness<Real> stiffness_of(const MaterialSpec& material, double cell) {
     const LawInfo& law = *find_law(material.law);
-    double poisson = 0.5;
-    for (std::size_t k = 0; k < law.parameters.size(); ++k)
-        if (law.parameters[k].key == std::string_view("poisson")) poisson = material.parameters[k];
+    const double poisson = poisson_ratio(material);
     const double twice_shear = (1 - 2 * poisson) / (1 - poisson);  // over lambda + 2 G
     return {static_cast<Real>(law.wave_modulus(material.parameters.data())),
             static_cast<Real>(1 - twice_shear + twice_shear / Dim),
@@ -96,7 +125,16 @@ struct Method {
     const std::uint8_t* averaged() const { return averaged_.empty() ? nullptr : averaged_.data(); }
     /// By body, for light nodes; null where the method does not limit what they do (light_nodes.hpp).
     const Stiffness<Real>* stiffness() const { return stiffness_.empty() ? nullptr : stiffness_.data(); }
+    /// By body, of fluids; null where none has any (pressure_smoothing.hpp, particle_shifting.hpp).
+    const FluidTerms<Real>* fluid() const { return fluid_.empty() ? nullptr : fluid_.data(); }
+    /// What nodes sum besides in the step with this number.
+    NodeMean mean_of(std::int64_t step) const {
+        if (fluid_.empty()) return NodeMean::none;
+        return shifts_ && shifts_in(step) ? NodeMean::volume : NodeMean::stress;
+    }
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
+
+    NodeCapacity<Real, Dim> capacity;
 
   private:
     std::vector<std::unique_ptr<LawBatch<Real, Dim>>> laws_;
@@ -105,11 +143,13 @@ struct Method {
     std::vector<std::uint8_t> averaged_;      ///< by body; empty: none
     std::vector<Vec<Real, Dim>> half_size_;   ///< by body [cells]
     std::vector<Stiffness<Real>> stiffness_;  ///< by body; empty: not wanted
+    std::vector<FluidTerms<Real>> fluid_;     ///< by body; empty: none
+    bool shifts_ = false;                     ///< some body\'s particles are shifted
 };
 
 inline ColumnNeeds needs_of(const Scene& scene) {
     ColumnNeeds needs;
-    needs.affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
+    needs.affine = is_affine(scene.transfer);
     needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
     for (const MaterialSpec& m : scene.materials) {
         const LawInfo& law = *find_law(m.law);
@@ -123,10 +163,12 @@ template <class Space, class Real, int Dim>
 Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.shape)), needs(needs_of(scene)) {
     cell = static_cast<Real>(scene.cell);
     context.walls = make_walls<Real, Dim>(scene);
+    capacity = node_capacity<Real, Dim>(scene, context.walls);
     context.inverse_cell = static_cast<Real>(1 / scene.cell);
     kernels = choose_kernels<Real, Dim>(scene.shape, needs.affine);
     rounds = rounds_of(scene);
-    flip = scene.transfer == Transfer::flip ? static_cast<Real>(scene.flip) : Real(0);
+    const bool blends = scene.transfer == Transfer::flip || scene.transfer == Transfer::aflip;
+    flip = blends ? static_cast<Real>(scene.flip) : Real(0);
     tpic = scene.transfer == Transfer::tpic;
     damping = static_cast<Real>(scene.damping);
     for (int a = 0; a < Dim; ++a) {
@@ -157,6 +199,10 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
         for (const BodySpec& b : scene.bodies)
             stiffness_.push_back(
                 stiffness_of<Real, Dim>(scene.materials[static_cast<std::size_t>(b.material)], scene.cell));
+    shifts_ = has_shifts(scene);
+    if (has_fluid_terms(scene))
+        for (const BodySpec& b : scene.bodies)
+            fluid_.push_back(fluid_terms_of<Real>(scene, scene.materials[static_cast<std::size_t>(b.material)]));
     const auto wants_mean = [&](const BodySpec& b) {
         return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
     };

@@ -2,7 +2,7 @@
 // Nodes: from sums to velocities.
 //
 //   v_i = q_i / m_i,   v_i' = v_i + dt (f_i / m_i + g) , then structures (contact.hpp), damping, walls
-//   left for the gather: v_i' and dv_i = v_i' - v_i, and m_i in the first quad's idle lane
+//   left for the gather: v_i' and dv_i = v_i' - v_i; in the quads' idle lanes m_i and s_i / m_i (NodeMean)
 //
 // A node is +0 plus its tiles in the order of the offset delta, never of keys or ranks, so that an
 // absent tile and a zero tile are the same and all copies of a node are updated identically. Local
@@ -177,15 +177,9 @@ struct SolveNodes {
 
   private:
     MORAINE_HD void add_tile_node(int n, int delta, int source, int tile, Scratch& scratch) const {
-        const int side = tile_side(width);
-        int at = 0;
-        for (int a = Dim - 1; a >= 0; --a) {
-            const int x = cell_coordinate_of(n, a);
-            const int upper = Block<Dim>::corner(delta, a);
-            if (upper && x >= width - 1) return;
-            at = at * side + x + 4 * upper;
-        }
-        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(side) + at) * node_reals;
+        const int at = tile_node<Dim>(n, delta, width);
+        if (at < 0) return;
+        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(tile_side(width)) + at) * node_reals;
         scratch.sums[2 * n] = scratch.sums[2 * n] + Quad<Real>::load(from);
         scratch.sums[2 * n + 1] = scratch.sums[2 * n + 1] + Quad<Real>::load(from + quad);
         if (scratch.counted_by[n] < 0) scratch.counted_by[n] = source;
@@ -237,6 +231,7 @@ struct SolveNodes {
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);
         out[quad - 1] = sums[0];
+        if (sums[0] > round.mass_cutoff) out[2 * quad - 1] = scratch.sums[2 * n + 1][quad - 1] / sums[0];
     }
 };
 

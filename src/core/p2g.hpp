@@ -4,6 +4,7 @@
 //   m_i = sum_p w_ip m_p                                                       [kg]
 //   q_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p))                               [kg m/s]
 //   f_i = sum_p (w_ip m_p b_p - V_p sigma_p grad w_ip)                         [N]
+//   s_i = sum_p w_ip m_p tr sigma_p / 3, or sum_p w_ip V_p, for fluids that want it (NodeMean)
 //
 // Mass, momentum and internal force stay apart, so that no dt is needed yet. One team sums the
 // particles of one block into its private tile: each cell's particles in list order into sums of
@@ -32,8 +33,9 @@ struct ParticlesToGrid {
     BlockTable<Dim> table;
     ListView<Dim> list;
     TileView<Real> grid;
-    const std::int32_t* chosen;  ///< own blocks to sum
-    Real cell;                   ///< h [m]
+    const std::int32_t* chosen;      ///< own blocks to sum
+    Real cell;                       ///< h [m]
+    NodeMean mean = NodeMean::none;  ///< s_i
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -90,11 +92,11 @@ struct ParticlesToGrid {
 
     /// What one particle brings to every node of its stencil.
     struct Load {
-        Q carried;        ///< (m, q) at the stencil's first node
-        Q slope[Dim];     ///< change of (m, q) from node to node
-        Q traction[Dim];  ///< -V sigma, column by column
-        Q body_force;     ///< m b
-        bool has_body_force;
+        Q carried;            ///< (m, q) at the stencil's first node
+        Q slope[Dim];         ///< change of (m, q) from node to node
+        Q traction[Dim];      ///< -V sigma, column by column
+        Q body_force;         ///< (m b, s)
+        bool has_body_force;  ///< or s
     };
 
     MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
@@ -107,8 +109,12 @@ struct ParticlesToGrid {
         Load load;
         const Sym<Real, Dim> sigma = p.stress[s];
         load.carried = Q::scaled_after(m, m, p.velocity[s]);
-        load.has_body_force = p.body_force != nullptr;
-        load.body_force = load.has_body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
+        load.has_body_force = p.body_force != nullptr || mean != NodeMean::none;
+        load.body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
+        if (mean != NodeMean::none) {
+            const Real s_of_p = mean == NodeMean::volume ? p.volume[s] : m * (sigma.trace() * Real(1.0 / 3.0));
+            load.body_force = load.body_force + Q::of(Real(0), Real(0), Real(0), s_of_p);
+        }
         for (int b = 0; b < Dim; ++b) {
             Vec<Real, Dim> column;
             for (int a = 0; a < Dim; ++a) column[a] = sigma(a, b);

@@ -16,12 +16,23 @@ namespace moraine {
 using Triple = std::array<double, 3>;
 
 enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
-enum class Transfer { flip, pic, apic, tpic, fmpm };  ///< pic is flip with blend 0
+/// pic is flip with blend 0; aflip is flip with the affine field of apic (Fei et al. 2021).
+enum class Transfer { flip, pic, apic, tpic, fmpm, aflip };
 
 /// The transfer of a scene that names none: what reaches 1 % of error soonest in most problems (docs/accuracy.md); hats
 /// have no affine one.
 constexpr Transfer standard_transfer(Shape shape) {
     return shape == Shape::linear ? Transfer::flip : Transfer::apic;
+}
+
+/// Share of FLIP where a scene does not say its own: all of it rings where the affine field has no part.
+constexpr double standard_flip(Transfer transfer) {
+    return transfer == Transfer::aflip ? 0.95 : 1;
+}
+
+/// Whether particles carry an affine velocity field.
+constexpr bool is_affine(Transfer transfer) {
+    return transfer == Transfer::apic || transfer == Transfer::tpic || transfer == Transfer::aflip;
 }
 
 enum class StressUpdate { usl, usf, musl };
@@ -46,7 +57,14 @@ struct MaterialSpec {
     double density = 0;                            ///< at ln J = 0 [kg/m3]
     std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
     Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure; cell: its mean (core/volumetric.hpp)
+    double pressure_smoothing = 0;                 ///< k of core/pressure_smoothing.hpp [-]
+    double particle_shifting = 0;                  ///< gamma of core/particle_shifting.hpp [-]
 };
+
+/// Whether its particles take anything of core/pressure_smoothing.hpp and particle_shifting.hpp.
+inline bool has_fluid_terms(const MaterialSpec& material) {
+    return material.pressure_smoothing > 0 || material.particle_shifting > 0;
+}
 
 /// v += velocity * sin(2 pi (x[axis] - origin) / wavelength) at the start.
 struct WaveSpec {

@@ -6,6 +6,7 @@
 //   energy  more energy than there was: unaccounted_J below -1 % of the most that was ever in motion, stored or
 //           dissipated, in two rows in turn. In one row it may be the step's own phase: velocities are half a step
 //           apart from stresses. Not judged once particles have left through open walls: what they took is not known.
+//   filling more than 5 % of the volume does not fit where its particles are (core/over_filling.hpp)
 //
 // Each is said once. What is kept of it goes into checkpoints, so a restarted run neither forgets nor repeats it.
 
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,18 +23,21 @@
 
 namespace moraine {
 
-enum class HealthProblem { volume, energy };
+enum class HealthProblem { volume, energy, filling };
 
 /// One thing that went wrong, where and when it was first seen.
 template <int Dim>
 struct HealthWarning {
     HealthProblem problem = HealthProblem::volume;
-    double amount = 0;  ///< volume: |ln J|; energy: gain over what was in motion [-]
+    double amount = 0;  ///< volume: |ln J|; energy: gain over what was in motion; filling: share of the volume [-]
     std::int64_t step = 0;
     double time = 0;              ///< [s]
-    std::array<double, Dim> x{};  ///< of the particle; of energy: of the fastest one [m]
+    std::array<double, Dim> x{};  ///< of the particle; of energy and filling: of the fastest one [m]
 
-    std::string name() const { return problem == HealthProblem::volume ? "volume" : "energy"; }
+    std::string name() const {
+        constexpr const char* names[] = {"volume", "energy", "filling"};
+        return names[static_cast<int>(problem)];
+    }
 
     std::string message() const {
         std::string place;
@@ -44,6 +49,12 @@ struct HealthWarning {
                 "times (J; up to 2 is sound). What follows is doubtful. Try numerics.light_nodes = \"limited\", a "
                 "smaller numerics.cfl or smaller cells?",
                 when, place, std::exp(amount));
+        if (problem == HealthProblem::filling)
+            return fmt::format(
+                "Warning: {} {:.2g} % of the volume does not fit where its particles are (over_filling in "
+                "history.csv), "
+                "and fronts fall short by it. For fluids try material.particle_shifting?",
+                when, 100 * amount);
         return fmt::format(
             "Warning: {} there is {:.2g} % more energy than there was (unaccounted_J in history.csv; the fastest "
             "particle is at ({}) m). What follows is doubtful. Try numerics.light_nodes = \"limited\", a smaller "
@@ -65,6 +76,7 @@ class RunHealth {
   public:
     static constexpr double most_stretch = 0.6931471805599453;  ///< |ln J| of twice or half the volume
     static constexpr double most_gain = 0.01;
+    static constexpr double most_filling = 0.05;
 
     /// rounding: of the run's reals, their epsilon. start_strain: stored at the start [J]. What is new.
     std::vector<HealthWarning<Dim>> observe(const TimeSeriesRow<Dim>& row, double start_strain, double rounding) {
@@ -76,15 +88,21 @@ class RunHealth {
         if (gain > most_gain && last_gain_ > most_gain && !has(HealthProblem::energy))
             found.push_back({HealthProblem::energy, gain, row.step, row.time, t.speed.x});
         last_gain_ = gain;
+        if (row.over_filling > most_filling && !has(HealthProblem::filling))
+            found.push_back({HealthProblem::filling, row.over_filling, row.step, row.time, t.speed.x});
+        over_filling_ = std::fmax(over_filling_, row.over_filling);
         warnings_.insert(warnings_.end(), found.begin(), found.end());
         return found;
     }
 
     const std::vector<HealthWarning<Dim>>& warnings() const { return warnings_; }
+    /// The largest share of the rows; not a number where none has one.
+    double over_filling() const { return over_filling_; }
 
-    /// For a checkpoint: the energy so far, the last gain, and problem, amount, step, time, place of each warning.
+    /// For a checkpoint: the energy so far, the last gain, the largest over-filling (-1: none), and problem, amount,
+    /// step, time, place of each warning.
     std::vector<double> stored() const {
-        std::vector<double> all{moved_, last_gain_};
+        std::vector<double> all{moved_, last_gain_, std::isnan(over_filling_) ? -1 : over_filling_};
         for (const HealthWarning<Dim>& w : warnings_) {
             all.insert(all.end(), {double(int(w.problem)), w.amount, double(w.step), w.time});
             all.insert(all.end(), w.x.begin(), w.x.end());
@@ -94,12 +112,13 @@ class RunHealth {
     /// False: no run has stored this.
     bool restore(const std::vector<double>& all) {
         constexpr std::size_t words = 4 + Dim;
-        if (all.size() < 2 || (all.size() - 2) % words != 0 || all.size() > 2 + 2 * words) return false;
+        if (all.size() < 3 || (all.size() - 3) % words != 0 || all.size() > 3 + 3 * words) return false;
         if (std::any_of(all.begin(), all.end(), [](double x) { return std::isnan(x); })) return false;
         moved_ = all[0], last_gain_ = all[1];
+        if (all[2] >= 0) over_filling_ = all[2];
         warnings_.clear();
-        for (std::size_t at = 2; at < all.size(); at += words) {
-            if (all[at] != 0 && all[at] != 1) return false;
+        for (std::size_t at = 3; at < all.size(); at += words) {
+            if (all[at] != 0 && all[at] != 1 && all[at] != 2) return false;
             HealthWarning<Dim> w{HealthProblem(int(all[at])), all[at + 1], std::int64_t(all[at + 2]), all[at + 3], {}};
             std::copy_n(all.begin() + std::ptrdiff_t(at) + 4, Dim, w.x.begin());
             warnings_.push_back(w);
@@ -125,6 +144,7 @@ class RunHealth {
 
     double moved_ = 0;      ///< the most energy in motion, dissipated or stored since the start [J]
     double last_gain_ = 0;  ///< in the row before
+    double over_filling_ = std::numeric_limits<double>::quiet_NaN();
     std::vector<HealthWarning<Dim>> warnings_;
 };
 

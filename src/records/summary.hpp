@@ -140,7 +140,6 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     const std::string hash = fmt::format("{:016x}", state_hash(sim));
-    const double speed = stepping > 0 ? counts.particle_steps / stepping : 0;
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
@@ -157,7 +156,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"simulated_time_s", sim.clock().time},
         {"wall_s", times.wall},
         {"stepping_s", comm.max(stepping)},
-        {"particle_steps_per_s", speed},
+        {"particle_steps_per_s", stepping > 0 ? counts.particle_steps / stepping : 0.0},
         {"imbalance_mean", counts.steps > 0 ? std::min(counts.imbalance_sum / steps, counts.imbalance_max) : 1.0},
         {"imbalance_max", counts.imbalance_max},
         {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
@@ -168,12 +167,13 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"halo_bytes", sums[2]},
         {"clamped_boxes", sums[3]},
         {"lost_particles", last.lost_particles},
-        {"state_hash", hash},
+        {"state_hash", fmt::format("{:016x}", state_hash(sim))},
         {"mass_kg", last.totals.mass},
         {"momentum", list(last.totals.momentum)},
         {"momentum_error", list(last.momentum_error)},
         {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
+        {"over_filling", health.over_filling()},
         {"warnings", warnings_in_summary(health)},
     };
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));

@@ -1,6 +1,8 @@
 #pragma once
 // history.csv: what the flow did, at each output time.
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct TimeSeriesRow {
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
+    double over_filling = std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not known
 
     static std::vector<std::string> columns() {
         std::vector<std::string> names{"step", "time_s", "dt_s", "particles", "mass_kg"};
@@ -39,6 +42,7 @@ struct TimeSeriesRow {
         per_axis("gravity_impulse", "kg_m_s");
         for (const char* n : {"lost_particles", "lost_mass_kg"}) names.push_back(n);
         per_axis("momentum_error", "kg_m_s");
+        names.push_back("over_filling");
         return names;
     }
 
@@ -55,6 +59,7 @@ struct TimeSeriesRow {
         add(gravity_impulse);
         v.insert(v.end(), {static_cast<double>(lost_particles), lost_mass});
         add(momentum_error);
+        v.push_back(over_filling);
         return v;
     }
 };
@@ -73,10 +78,12 @@ template <int Dim>
 struct RowSums {
     TotalSums<Dim> totals;
     Budget<Dim> budget;
+    NodeVolumes volumes;
     std::int64_t particles = 0;
 
     void add(const RowSums& o) {
         totals.add(o.totals);
+        volumes.add(o.volumes);
         budget.add(o.budget);
         particles += o.particles;
     }
@@ -87,8 +94,9 @@ template <class Real, int Dim>
 TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
-    const RowSums<Dim> all =
-        comm.exact_sum(RowSums<Dim>{share_totals(sim), sim.budget(), sim.engine().census().particles});
+    const std::optional<NodeVolumes> volumes = sim.node_volumes();
+    const RowSums<Dim> all = comm.exact_sum(RowSums<Dim>{
+        share_totals(sim), sim.budget(), volumes.value_or(NodeVolumes{}), sim.engine().census().particles});
     const Budget<Dim>& budget = all.budget;
     const auto value = [quantum = sim.quantum()](const ExactSum& sum) { return quantum.value(sum); };
     TimeSeriesRow<Dim> row;
@@ -97,6 +105,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.dt = clock.dt;
     row.totals = all.totals.value(sim.quantum());
     row.particles = all.particles;
+    if (volumes) row.over_filling = all.volumes.over_filling();
     row.lost_particles = budget.lost_count;
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);

@@ -48,6 +48,7 @@ class Reader {
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
                    "Remove one of them?");
         if (!places_.has("numerics.transfer")) scene_.transfer = standard_transfer(scene_.shape);
+        if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
         each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/material/laws.hpp"
 #include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
 
@@ -71,13 +72,29 @@ void check_transfer(const Scene& scene, const Places& places) {
         refuse(places.of("numerics.stress_update"), "numerics.stress_update with transfer \"fmpm\"",
                "its rounds are the terms of a series, and stress follows the last",
                "Remove it, or take transfer = \"apic\"?");
-    const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    if (!affine || scene.shape != Shape::linear) return;
-    const char* transfer = scene.transfer == Transfer::apic ? "apic" : "tpic";
+    if (!is_affine(scene.transfer) || scene.shape != Shape::linear) return;
+    const char* transfer = scene.transfer == Transfer::apic   ? "apic"
+                           : scene.transfer == Transfer::tpic ? "tpic"
+                                                              : "aflip";
     refuse(places.of("numerics.transfer"), fmt::format("numerics.transfer = \"{}\" with shape \"linear\"", transfer),
            "the inertia D of a hat's weights is zero at nodes, and rounding grows there",
            fmt::format("Use shape = \"quadratic\", or transfer = \"{}\"?",
-                       scene.transfer == Transfer::apic ? "flip" : "pic"));
+                       scene.transfer == Transfer::tpic ? "pic" : "flip"));
+}
+
+/// Smoothing and shifting are for what remembers no shape.
+void check_fluid_terms(const Scene& scene, const Places& places) {
+    for (const MaterialSpec& m : scene.materials) {
+        if (!has_fluid_terms(m)) continue;
+        const std::string path = "material." + m.name;
+        const std::string key = path + (m.particle_shifting > 0 ? ".particle_shifting" : ".pressure_smoothing");
+        if (!find_law(m.law)->is_fluid)
+            refuse(places.of(key), fmt::format("{} with law \"{}\"", key, m.law),
+                   "it is for fluids: bingham, herschel-bulkley, newtonian", "Remove it?");
+        if (m.volumetric == Volumetric::cell)
+            refuse(places.of(path + ".volumetric"), path + ".volumetric = \"cell\" with " + key,
+                   "means of cells smooth pressures already, and crowd particles", "Remove one of them?");
+    }
 }
 
 void check_names(const std::string& key, const std::vector<std::string>& names, const std::vector<std::string>& valid,
@@ -119,6 +136,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_domain(scene, places);
     check_axes(scene, places);
     check_transfer(scene, places);
+    check_fluid_terms(scene, places);
     check_fields(scene, places);
     check_starts(scene, places);
     check_bodies(scene, places);

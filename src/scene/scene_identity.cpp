@@ -58,6 +58,8 @@ void add_materials(Entries& all, const Scene& s) {
         add(all, key + ".law", m.law);
         add(all, key + ".density", m.density);
         add(all, key + ".volumetric", m.volumetric);
+        if (m.pressure_smoothing > 0) add(all, key + ".pressure_smoothing", m.pressure_smoothing);
+        if (m.particle_shifting > 0) add(all, key + ".particle_shifting", m.particle_shifting);
         const LawInfo& law = *find_law(m.law);
         for (std::size_t p = 0; p < m.parameters.size(); ++p)
             add(all, key + "." + law.parameters[p].key, m.parameters[p]);

@@ -37,6 +37,20 @@ const std::vector<KeyRow<MaterialSpec>> materials{
       .meaning =
           "Volumetric rate and pressure: each particle's, or the mean of a cell, against locking near nu = 0.5."},
      [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
+    {{.table = "material",
+      .name = "pressure_smoothing",
+      .standard = "0.0",
+      .range = from_zero,
+      .meaning = "For fluids (bingham, herschel-bulkley, newtonian): the share of its pressure that a particle takes "
+                 "from the grid while a wave crosses a cell; 0: none. 0.22 leaves little noise."},
+     [](M& m, const V& v) { m.pressure_smoothing = v.real; }},
+    {{.table = "material",
+      .name = "particle_shifting",
+      .standard = "0.0",
+      .range = {0, 0.4},
+      .meaning = "For the same: how far particles are shifted out of over-filled nodes while a wave crosses a cell, in "
+                 "cells per filling and cell; 0: not at all. 0.1 keeps over-filling below 1 %."},
+     [](M& m, const V& v) { m.particle_shifting = v.real; }},
 };
 
 const std::vector<KeyRow<BodySpec>> bodies{

@@ -87,7 +87,7 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "transfer",
       .type = choice,
       .standard = "",
-      .choices = {"flip", "pic", "apic", "tpic", "fmpm"},
+      .choices = {"flip", "pic", "apic", "tpic", "fmpm", "aflip"},
       .meaning = "How velocity goes between particles and grid; left out: apic, or flip with linear shapes "
                  "(docs/accuracy.md)."},
      [](S& s, const V& v) { s.transfer = static_cast<Transfer>(v.choice); }},
@@ -95,7 +95,7 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "flip",
       .standard = "1.0",
       .range = share,
-      .meaning = "Share of FLIP against PIC; used by transfer flip."},
+      .meaning = "Share of FLIP against PIC; used by transfers flip and aflip (left out there: 0.95)."},
      [](S& s, const V& v) { s.flip = v.real; }},
     {{.table = "numerics",
       .name = "order",

@@ -29,6 +29,7 @@ void Simulation<Real, Dim>::step() {
     bin();  // incoming particles of the last step; each block's list is binned by cell
     apply_body_force();
     find_gaps();
+    engine_->sum_mean(method_.mean_of(clock_.step));
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
         phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });

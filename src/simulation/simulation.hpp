@@ -97,6 +97,8 @@ class Simulation {
     }
     /// The columns of its particles, without rows.
     std::vector<ColumnBytes> columns() const { return Particles<Host, Real, Dim>(method_.needs).columns(); }
+    /// Volumes at the nodes that this rank counts, as in comm/engine.hpp. Binned state only. Collective.
+    std::optional<NodeVolumes> node_volumes() { return engine_->node_volumes(); }
     /// Occupied blocks of this rank. Binned state only. Not collective.
     BlockCounts block_counts() { return engine_->block_counts(false); }
     /// Of all ranks and who holds them, in key order; bins the particles first. Collective.

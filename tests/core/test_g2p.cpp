@@ -76,7 +76,7 @@ template <class C, class F>
 void each_method(const F& f) {
     using moraine::Shape;
     for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic})
-        for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic, Transfer::aflip})
             for (bool periodic : {false, true}) {
                 CAPTURE(int(shape));
                 CAPTURE(int(transfer));
@@ -307,4 +307,14 @@ TEST_CASE_TEMPLATE(
             CHECK(off <= 1500 * C::tolerance);
             CHECK(worst <= 20 * C::tolerance);
         }
+}
+
+TEST_CASE("AFLIP has FLIP's share and APIC's affine field") {
+    Scene scene = test::sample_scene(2, moraine::Shape::quadratic, false);
+    scene.transfer = Transfer::aflip;
+    scene.flip = 0.95;
+    const Method<Host, double, 2> method(scene);
+    CHECK(method.flip == 0.95);
+    CHECK(method.needs.affine);
+    CHECK(!method.tpic);
 }

@@ -44,6 +44,12 @@ MORE_FAULTS = {
     "an unknown wall": ('kind = "no-slip"', 'kind = "sticky"', ["sticky", "no-slip"], "sticky"),
     "a wall of another dimension": ('"x-min"', '"z-min"', ["z-min"], None),
     "a length of half a cell": ("max = [4.0, 2.0]", "max = [4.1, 2.0]", ["domain"], None),
+    "shifting of a solid": (
+        "density = 1000.0", "density = 1000.0\nparticle_shifting = 0.1", ["material.jelly.particle_shifting", "fluids"],
+        "particle_shifting"),
+    "a negative smoothing": (
+        "density = 1000.0", "density = 1000.0\npressure_smoothing = -0.1", ["pressure_smoothing", "-0.1"],
+        "pressure_smoothing"),
     "a key given twice": ("cfl = 0.5", "cfl = 0.5\ncfl = 0.4", ["cfl"], "cfl = 0.4"),
 }
 
@@ -57,6 +63,10 @@ WRONG_WORDS = {
     "an unknown partitioner": (["--partitioner", "mortn"], "morton"),
     "an unknown device": (["--device", "gpu"], "cuda"),
     "a device that is not built in": (["--device", "cuda"], "cuda"),
+    "aflip on a device": (["--set", "numerics.transfer=aflip", "--device", "cuda"], "devices do not have it"),
+    "shifting on a device": (
+        ["--set", "material.jelly.law=newtonian", "--set", "material.jelly.viscosity=1", "--set",
+         "material.jelly.particle_shifting=0.1", "--device", "cuda"], "devices do not have it"),
     "two scenes": (["other.toml"], "other.toml"),
 }
 

@@ -147,6 +147,28 @@ class SameAnswer(moraine.ProgramTest):
                 last_row = (directory / "history.csv").read_text().splitlines()[-1]
                 self.assertEqual(last_row, (straight / "history.csv").read_text().splitlines()[-1])
 
+    def test_checkpoints_between_two_shifts(self):
+        scene = self.write(LEAKY_SCENE.replace('"neo-hookean"', '"newtonian"\nviscosity = 10.0').replace(
+            "poisson = 0.3", "poisson = 0.45\npressure_smoothing = 0.22\nparticle_shifting = 0.1"))
+        keys = sets(numerics__transfer="aflip")
+        straight = self.run_scene(scene, "straight", *keys)
+        parts = self.run_scene(scene, "parts", *keys, *sets(output__checkpoint_interval=0.07), ranks=2)
+        steps = []
+        for checkpoint in checkpoints(parts):
+            steps.append(int(re.search(r"(\d+)", checkpoint.stem).group()))
+            restarted = self.run_scene(scene, f"from-{steps[-1]}", *keys, "--restart", checkpoint, ranks=3)
+            self.assertEqual(summary(restarted)["state_hash"], summary(straight)["state_hash"])
+        self.assertGreater(len({step % 5 for step in steps}), 1, steps)
+
+    def test_over_filling_is_in_the_records(self):
+        keys = sets(domain__cell=0.5, time__end=1.0, output__interval=0.1)
+        directory = self.run_scene(INPUTS / "slurry_runout.toml", "out", *keys)
+        lines = (directory / "history.csv").read_text().splitlines()
+        column = lines[0].split(",").index("over_filling")
+        rows = [float(line.split(",")[column]) for line in lines[1:]]
+        self.assertGreater(max(rows), 0)
+        self.assertEqual(summary(directory)["over_filling"], max(rows))
+
 
 if __name__ == "__main__":
     moraine.main()

@@ -83,6 +83,26 @@ TEST_CASE("a gain is not judged within rounding of the sums, nor once particles 
     for (int k = 0; k < 3; ++k) CHECK(found(health, left) == 0);
 }
 
+TEST_CASE("volume that does not fit is said once, and the largest share is kept") {
+    RunHealth<2> health;
+    TimeSeriesRow<2> row = row_of(1, 0);
+    row.over_filling = std::numeric_limits<double>::quiet_NaN();
+    CHECK(found(health, row) == 0);
+    CHECK(std::isnan(health.over_filling()));
+    row.over_filling = 0.04;
+    CHECK(found(health, row) == 0);
+    row.over_filling = 0.07;
+    const auto first = health.observe(row, 10, rounding);
+    REQUIRE(first.size() == 1);
+    CHECK(first[0].name() == "filling");
+    CHECK(first[0].message().find("7 % of the volume") != std::string::npos);
+    RunHealth<2> again;
+    REQUIRE(again.restore(health.stored()));
+    row.over_filling = 0.06;
+    CHECK(found(again, row) == 0);
+    CHECK(again.over_filling() == 0.07);
+}
+
 TEST_CASE("a restarted run goes on with what was warned of") {
     RunHealth<2> health, again;
     found(health, row_of(1, -1.5, 0.8));
@@ -99,8 +119,8 @@ TEST_CASE("a restarted run goes on with what was warned of") {
 TEST_CASE("what no run has stored is refused") {
     RunHealth<2> health;
     CHECK_FALSE(health.restore({1}));
-    CHECK_FALSE(health.restore({1, 0, 7, 1, 1, 1, 1, 1}));
-    CHECK_FALSE(health.restore({1, 0, 0, 1}));
-    CHECK_FALSE(health.restore({std::numeric_limits<double>::quiet_NaN(), 0}));
-    CHECK(health.restore({1, 0}));
+    CHECK_FALSE(health.restore({1, 0, -1, 7, 1, 1, 1, 1, 1}));
+    CHECK_FALSE(health.restore({1, 0, -1, 0, 1}));
+    CHECK_FALSE(health.restore({std::numeric_limits<double>::quiet_NaN(), 0, -1}));
+    CHECK(health.restore({1, 0, -1}));
 }

@@ -39,6 +39,9 @@ TEST_CASE("a scene that names no transfer takes APIC, or FLIP with linear shapes
     CHECK(linear.transfer == Transfer::flip);
     CHECK(linear.cfl == standard_courant(linear));
     CHECK(read_text(text, {"numerics.transfer=flip"}).transfer == Transfer::flip);
+    CHECK(read_text(text, {"numerics.transfer=flip"}).flip == 1);
+    CHECK(read_text(text, {"numerics.transfer=aflip"}).flip == 0.95);
+    CHECK(read_text(text, {"numerics.transfer=aflip", "numerics.flip=1"}).flip == 1);
 }
 
 TEST_CASE("what a scene leaves out is as in core/scene_spec.hpp") {

@@ -173,6 +173,19 @@ TEST_CASE("an affine transfer with linear shapes is refused") {
           "--set numerics.transfer=apic: numerics.transfer = \"apic\" with shape \"linear\" (the inertia D of a hat's "
           "weights is zero at nodes, and rounding grows there). Use shape = \"quadratic\", or transfer = \"flip\"?");
     says(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=tpic"}), "transfer = \"pic\"?");
+    says(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=aflip"}), "transfer = \"flip\"?");
     CHECK(said_about(good_scene, {"numerics.shape=linear", "numerics.transfer=pic"}).empty());
     CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
+}
+
+TEST_CASE("smoothing and shifting are for fluids, without means of cells") {
+    const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
+    const std::string smooth = "material.clay.pressure_smoothing=0.22", shift = "material.clay.particle_shifting=0.1";
+    CHECK(said_about(mud, {smooth, shift}).empty());
+    CHECK(
+        said_about(good_scene, {shift}) ==
+        "--set material.clay.particle_shifting=0.1: material.clay.particle_shifting with law \"von-mises\" (it is for "
+        "fluids: bingham, herschel-bulkley, newtonian). Remove it?");
+    says(said_about(good_scene, {smooth}), "material.clay.pressure_smoothing with law");
+    says(said_about(mud, {smooth, "material.clay.volumetric=cell"}), "means of cells smooth pressures already");
 }

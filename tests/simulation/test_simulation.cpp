@@ -11,6 +11,7 @@ using namespace moraine;
 namespace {
 
 using test::column;
+using test::material;
 using test::slurry;
 
 struct Result {
@@ -231,7 +232,7 @@ TEST_CASE("it is the same where shares are balanced by measured time") {
 }
 
 TEST_CASE("it is the same for every transfer and stress update, and balances its momentum") {
-    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic, Transfer::aflip})
         for (StressUpdate update : {StressUpdate::usl, StressUpdate::usf, StressUpdate::musl}) {
             CAPTURE(int(transfer));
             CAPTURE(int(update));
@@ -283,6 +284,69 @@ TEST_CASE("it is the same where cells have one pressure") {
     const Result r = same_on_all_ranks<double, 2>(scene, 40);
     scene.materials[0].volumetric = Volumetric::particle;
     CHECK(!(same_on_all_ranks<double, 2>(scene, 40) == r));
+}
+
+TEST_CASE("it is the same where pressures are smoothed and particles shifted, and balances its momentum") {
+    Scene scene = slurry();
+    scene.bodies[0].particles_per_cell = {3, 3, 3};
+    scene.bodies[0].jitter = 0.5;  // crowded here and there
+    using enum StressUpdate;
+    for (auto [transfer, update] : {std::pair{Transfer::flip, usl}, {Transfer::apic, musl}, {Transfer::aflip, usl}}) {
+        CAPTURE(int(transfer));
+        scene.transfer = transfer;
+        scene.stress_update = update;
+        MaterialSpec& mud = scene.materials[0];
+        mud.pressure_smoothing = mud.particle_shifting = 0;
+        const Result plain = run<double, 2>(scene, Comm(MPI_COMM_SELF), 20);
+        mud.pressure_smoothing = 0.22;
+        const Result smooth = same_on_all_ranks<double, 2>(scene, 20);
+        CHECK(smooth.state != plain.state);
+        mud.particle_shifting = 0.1;
+        CHECK(same_on_all_ranks<double, 2>(scene, 20).state != smooth.state);
+    }
+}
+
+TEST_CASE("shifts are the same in 3-D, across a periodic axis, in single precision and beside a structure") {
+    Scene scene = column();
+    scene.materials = {material("newtonian", 1500, {{"young", 1e6}, {"poisson", 0.45}, {"viscosity", 100}}),
+                       material("linear-elastic", 1500, {{"young", 2e6}, {"poisson", 0.3}})};
+    scene.materials[0].pressure_smoothing = 0.22;
+    scene.materials[0].particle_shifting = 0.1;
+    scene.bodies[0].jitter = 0.5;
+    const Result one = same_on_all_ranks<float, 3>(scene, 15);
+    StructureSpec ball;
+    ball.name = "ball";
+    ball.shape = StructureShape::sphere;
+    ball.center = {2, 4, 6.5};
+    ball.radius = 1;
+    scene.structures.push_back(ball);
+    CHECK(same_on_all_ranks<float, 3>(scene, 15).state != one.state);
+}
+
+TEST_CASE("over-filling is the same on any number of ranks") {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    Scene scene = slurry();
+    scene.balance.partitioner = "shuffle";
+    scene.bodies[0].jitter = 0.5;
+    const auto volumes = [&](const Comm& on) {
+        Simulation<double, 2> sim(scene, on);
+        sim.seed();
+        for (int n = 0; n < 30; ++n) sim.step(), sim.balance();
+        sim.conclude();
+        const std::uint64_t before = state_hash(sim, true);
+        const NodeVolumes all = on.exact_sum(*sim.node_volumes());
+        CHECK(state_hash(sim, true) == before);
+        sim.step();
+        sim.conclude();
+        return std::pair(all, state_hash(sim, true));
+    };
+    const auto [alone, after] = volumes(self);
+    const auto [shared, after_shared] = volumes(comm);
+    CHECK(alone.over_filling() > 1e-3);
+    CHECK(shared.above.low == alone.above.low);
+    CHECK(shared.all.low == alone.all.low);
+    CHECK(shared.all.high == alone.all.high);
+    CHECK(after_shared == after);
 }
 
 TEST_CASE("two soils in a periodic channel are the same on any number of ranks, for every shape") {

@@ -71,6 +71,7 @@ inline constexpr Choice contiguous_fmpm2{"gimp-contiguous FMPM(2)", Shape::gimp_
 inline void choose(Scene& scene, const Choice& choice) {
     scene.shape = choice.shape;
     scene.transfer = choice.transfer;
+    scene.flip = standard_flip(choice.transfer);
     scene.stress_update = choice.update;
     scene.order = choice.order;
 }

@@ -24,6 +24,7 @@ struct HerschelBulkley {
     static constexpr const char* name = "herschel-bulkley";
     static constexpr int history = 0;
     static constexpr bool uses_left_stretch = false;
+    static constexpr bool is_fluid = true;
     static constexpr Parameter parameters[] = {
         young_parameter,
         poisson_parameter,

@@ -15,6 +15,7 @@
 // and, where it wants them,
 //   const char* begin(const BodyStart&, PointState&) const;   host only: its scalars at the start, from the body's keys
 //                                                       and the initial stress; nullptr, or why there are none
+//   static constexpr bool is_fluid = true;              its particles may be shifted: no shape is remembered
 //   static constexpr DeviceBlocks device_blocks;        registers of its kernels (below)
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
 // its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller. A law may take
@@ -75,6 +76,14 @@ constexpr DeviceBlocks device_blocks_of() {
         return Law::device_blocks;
     else
         return {};
+}
+
+template <class Law>
+constexpr bool is_fluid() {
+    if constexpr (requires { Law::is_fluid; })
+        return Law::is_fluid;
+    else
+        return false;
 }
 
 /// One key of a [[material]] table.

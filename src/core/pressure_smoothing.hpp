@@ -1,0 +1,44 @@
+#pragma once
+// Pressure smoothing: a particle of a fluid takes a share of the grid's pressure in each step.
+//
+//   P_i = sum_p w_ip m_p P_p / m_i,    P_p = tr sigma_p / 3
+//   P_p <- P_p + a (sum_i w_ip P_i - P_p),    ln J_p <- ln J_p + a (sum_i w_ip P_i - P_p) / K,    a = min(1/2, k c dt /
+//   h)
+//
+// before the stress update. Every particle integrates a divergence of its own, and nodes see about one of the four to
+// nine in a cell: the rest is pressure that no force answers, and grows. a per time and wave is the same at every step
+// and cell size. ln J changes with P, so that volume and pressure stay one state: sum m_p ln J_p is kept (weights add
+// up to one, constants are exact). Means over cells (volumetric.hpp) do more of the same at once, and need a pass of
+// their own.
+//
+// Density diffusion of delta-SPH (Antuono et al. 2010) is the model; averages by the transfer: Zhao, Jiang, Choo 2022.
+
+#include "core/vec.hpp"
+#include "core/volumetric.hpp"
+
+namespace moraine {
+
+/// What a fluid's particles take from the grid besides their motion, by body.
+template <class Real>
+struct FluidTerms {
+    Real smoothing;   ///< k c / h [1/s]; 0: none
+    Real compliance;  ///< 1 / K [1/Pa]
+    Real shifting;    ///< n gamma c h [m2/s]; 0: none (particle_shifting.hpp)
+};
+
+/// a of a step.
+template <class Real>
+MORAINE_HD Real smoothing_share(Real smoothing, Real dt) {
+    const Real share = smoothing * dt;
+    return share < Real(0.5) ? share : Real(0.5);
+}
+
+/// Takes the share from the gathered pressure. stress: of the particle [Pa].
+template <class Real, int Dim>
+MORAINE_HD void smooth_pressure(Real share, Real gathered, Real compliance, Sym<Real, Dim>& stress, Real& ln_J) {
+    const Real step = share * (gathered - stress.trace() * Real(1.0 / 3.0));
+    for (int a = 0; a < 3; ++a) stress[a] += step;
+    ln_J += step * compliance;
+}
+
+}  // namespace moraine
