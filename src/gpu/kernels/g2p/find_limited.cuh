@@ -117,8 +117,15 @@ struct AskBounds {
     }
 };
 
+/// Thread blocks of a multiprocessor that leave ask_bounds its registers.
+template <class Shape, class Real>
+constexpr int bound_blocks() {
+    if (sizeof(Real) == 8) return 3;
+    return Shape::sized || Shape::width > 3 ? 5 : 6;
+}
+
 template <class Shape, class Real, int Dim>
-__global__ void __launch_bounds__(Team<Dim>::block_threads, sizeof(Real) == 8 ? 3 : 6)
+__global__ void __launch_bounds__(Team<Dim>::block_threads, (bound_blocks<Shape, Real>()))
     ask_bounds(const __grid_constant__ View<Real, Dim> v, const Chosen marked,
                const __grid_constant__ GatherArgs<Real, Dim> g, std::int32_t* blocks, std::uint32_t* found) {
     using T = Team<Dim>;
