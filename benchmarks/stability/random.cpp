@@ -23,9 +23,9 @@ std::string description_of(const Scene& scene) {
                        scene.boundary_spline ? "" : ", plain ghosts", scene.structures.empty() ? "" : ", structure");
 }
 
-Verdict judge(const Scene& scene, int steps) {
-    return scene.dimensions == 2 ? verification::judge<double, 2>(scene, steps)
-                                 : verification::judge<double, 3>(scene, steps);
+Verdict judge(const Scene& scene, int length) {
+    return scene.dimensions == 2 ? verification::judge<double, 2>(scene, length)
+                                 : verification::judge<double, 3>(scene, length);
 }
 
 std::string why(const Verdict& v) {
