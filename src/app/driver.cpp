@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -100,6 +101,8 @@ void Driver<Real, Dim>::begin() {
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
     if (!restarting) output();
+    const bool has_row = resume && std::strtoll(history_row.c_str(), nullptr, 10) == clock.step;
+    if (has_row) last_output_step_ = clock.step;  // and at the end of the run it is not written again
     if (loads_) loads_->write();
 }
 

@@ -4,7 +4,7 @@ import re
 import moraine
 from moraine import SMALL_SCENE, call, sets, summary, table
 
-INVERTED = SMALL_SCENE.replace("cfl = 0.5", "dt = 2.0e-2\n[numerics]\ntransfer = \"flip\"").replace("end = 0.1", "end = 10.0") \
+INVERTED = SMALL_SCENE.replace("cfl = 0.5", "dt = 2.0e-2\n[numerics]\ntransfer = \"flip\"\nlight_nodes = \"free\"").replace("end = 0.1", "end = 10.0") \
     .replace("max = [2.0, 1.5]", "max = [2.0, 1.5]\nvelocity = [0.0, -5.0]")
 OVERFLOWING = SMALL_SCENE.replace("-9.81", "1.0e300")
 LEAVING = SMALL_SCENE.replace('"no-slip"', '"none"').replace("end = 0.1", "end = 1.0")
