@@ -195,7 +195,7 @@ void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const Ga
     if (limits(round) && !epoch_.own.empty()) {
         const std::size_t most = epoch_.own.size();
         std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(LimitedBlocks::lists * part) * most;
-        const LimitedBlocks found{blocks, blocks + most, blocks + 2 * most, limited_count_.data() + part};
+        const LimitedBlocks found{blocks, blocks + most, limited_count_.data() + part};
         find_limited_(v, chosen, args, found, launch);
         gather_->run(v, chosen, args, launch);
         gather_->run_limited(v, {found.limited, found.count}, args, launch);

@@ -31,14 +31,6 @@ struct Team {
             __syncthreads();
     }
 
-    /// Whether it is true on all threads of the team; waits for them.
-    static __device__ __forceinline__ bool all(bool mine) {
-        if constexpr (threads == 32)
-            return __all_sync(0xffffffffu, mine);
-        else
-            return __syncthreads_and(mine) != 0;
-    }
-
     /// The team's sum, on rank 0; with a sync(). scratch: `warps` doubles of the team, not in use.
     static __device__ __forceinline__ double sum(double x, double* scratch) {
 #pragma unroll

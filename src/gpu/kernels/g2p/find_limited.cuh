@@ -3,12 +3,10 @@
 //
 // The kernel of nodes has marked the node blocks that have light nodes. Then
 //   list_marked   lists the chosen blocks that see a mark or a wall, a thread each
-//   ask_bounds    lists those of them with a particle that a bound does not clear (surely_whole), a team per block:
-//                 at walls and surfaces of a body at rest it clears all
-//   find_limited  asks the particles of these, packed: a warp with one of them would take as long as one full of them
+//   find_limited  asks their particles, a team per block, packed: a warp with one to ask would take as long as a full
+//                 one
 // Nothing is read of other blocks but their marks.
 
-#include "core/light_bound.hpp"
 #include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
@@ -31,113 +29,6 @@ __global__ void list_marked(const __grid_constant__ View<Real, Dim> v, const Cho
         }
         light.limited[block] = 0;
         if (marked) blocks[atomicAdd(found, 1u)] = block;
-    }
-}
-
-/// A block's masses, layer by layer for the cells whose particles are to be asked.
-template <class Shape, class Real, int Dim>
-struct AskBounds {
-    using T = Team<Dim>;
-    static constexpr int width = Shape::width, side = tile_side(width), size = power<Dim>(side);
-    static constexpr int group = 8;  ///< threads of a team that share a cell
-    struct Shared {
-        Real mass[size];
-        LayerMasses<Real, Dim, width> layers[Block<Dim>::cells];
-        bool asks[Block<Dim>::cells];
-    };
-
-    static __device__ __forceinline__ void weigh(const View<Real, Dim>& v, Real full_mass, int block, int c,
-                                                 Shared& shared) {
-        int at[Dim];
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) at[a] = cell_coordinate<Dim>(c, a);
-        const LightCell<Shape, Dim> cell(v, block, at);
-        LayerMasses<Real, Dim, width> layers;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a)
-#pragma unroll
-            for (int i = 0; i < width; ++i) layers.least[a][i] = Real(1e30);
-        bool asks = cell.at_wall;
-#pragma unroll
-        for (int k = 0; k < (Dim == 3 ? width : 1); ++k)
-#pragma unroll
-            for (int j = 0; j < width; ++j)
-#pragma unroll
-                for (int i = 0; i < width; ++i) {
-                    if (!cell.is_inside(i, j, k)) continue;
-                    const Real m = shared.mass[cell.first + i + side * (j + side * k)];
-                    const int place[3] = {i, j, k};
-                    asks = asks || Real(2) * m < full_mass;
-#pragma unroll
-                    for (int a = 0; a < Dim; ++a) layers.least[a][place[a]] = min(layers.least[a][place[a]], m);
-                }
-        shared.asks[c] = asks;
-        shared.layers[c] = layers;
-    }
-
-    static __device__ __forceinline__ bool is_clear(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
-                                                    int c, std::uint32_t s,
-                                                    const LayerMasses<Real, Dim, width>& layers) {
-        CoreRows<Real, Dim> p;
-#pragma unroll
-        for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
-        const Vec<Coordinate<Real>, Dim> u = place_of<Real, Dim>(p);
-        int at[Dim];
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) at[a] = cell_coordinate<Dim>(c, a);
-        const LightCell<Shape, Dim> cell(v, block, at);
-        LightStencil<Real, Dim, width> n;
-        weigh_particle<Shape, false>(v, g, cell, u, s, n);
-        const Stiffness<Real> k = g.light.stiffness[v.p.body[s]];
-        const Real per_length = g.dt * v.context.inverse_cell;
-        return surely_whole(n, layers, full_at<Real, Dim>(v, p.mass(), p.volume()),
-                            per_length * per_length * k.wave * p.volume() / p.mass(), k.dilation, g.light.limits);
-    }
-
-    /// Whether all particles of the block are: the same on all threads.
-    static __device__ __forceinline__ bool clears(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
-                                                  Shared& shared) {
-        for (int n = T::rank(); n < size; n += T::threads)
-            shared.mass[n] = node_in_tile<side>(v, block, n)->e[quad - 1];
-        T::sync();
-        for (int c = T::rank(); c < Block<Dim>::cells; c += T::threads) weigh(v, g.light.full_mass, block, c, shared);
-        T::sync();
-        const std::uint32_t* cells = v.list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1);
-        const std::uint32_t begin = v.list.first[block];
-        bool clear = true;
-#pragma unroll 1
-        for (int c = T::rank() / group; c < Block<Dim>::cells && clear; c += T::threads / group) {
-            if (!shared.asks[c]) continue;
-            const std::uint32_t end = begin + cells[c + 1];
-#pragma unroll 1
-            for (std::uint32_t k = begin + cells[c] + unsigned(T::rank() % group); k < end && clear; k += group)
-                clear = is_clear(v, g, block, c, v.list.slot[k], shared.layers[c]);
-        }
-        return T::all(clear);
-    }
-};
-
-/// Thread blocks of a multiprocessor that leave ask_bounds its registers.
-template <class Shape, class Real>
-constexpr int bound_blocks() {
-    if (sizeof(Real) == 8) return 3;
-    return Shape::sized || Shape::width > 3 ? 5 : 6;
-}
-
-template <class Shape, class Real, int Dim>
-__global__ void __launch_bounds__(Team<Dim>::block_threads, (bound_blocks<Shape, Real>()))
-    ask_bounds(const __grid_constant__ View<Real, Dim> v, const Chosen marked,
-               const __grid_constant__ GatherArgs<Real, Dim> g, std::int32_t* blocks, std::uint32_t* found) {
-    using T = Team<Dim>;
-    using F = AskBounds<Shape, Real, Dim>;
-    __shared__ typename F::Shared all[T::per_block];
-    auto& shared = all[T::index()];
-    const std::uint32_t count = *marked.count;
-#pragma unroll 1
-    for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
-        const int block = marked.block[item];
-        if (!F::clears(v, g, block, shared) && T::rank() == 0) blocks[atomicAdd(found, 1u)] = block;
-        T::sync();
     }
 }
 
@@ -210,16 +101,16 @@ struct FindLimitedBlocks {
 
 template <class Shape, class Real, int Dim>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, sizeof(Real) == 8 ? 3 : 4)
-    find_limited(const __grid_constant__ View<Real, Dim> v, const Chosen asked,
+    find_limited(const __grid_constant__ View<Real, Dim> v, const Chosen marked,
                  const __grid_constant__ GatherArgs<Real, Dim> g, std::int32_t* blocks, std::uint32_t* found) {
     using T = Team<Dim>;
     using F = FindLimitedBlocks<Shape, Real, Dim>;
     __shared__ typename F::Shared all[T::per_block];
     auto& shared = all[T::index()];
-    const std::uint32_t count = *asked.count;
+    const std::uint32_t count = *marked.count;
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
-        const int block = asked.block[item];
+        const int block = marked.block[item];
         if (F::ask(v, g, block, shared) && T::rank() == 0) {
             g.light.limited[block] = 1;
             blocks[atomicAdd(found, 1u)] = block;
@@ -235,13 +126,9 @@ void run_find_limited(const View<Real, Dim>& view, const Chosen& chosen, const G
     list_marked<Real, Dim>
         <<<static_cast<unsigned>(few_blocks(launch.blocks / threads + 1)), threads, 0, launch.stream>>>(
             view, chosen, args.light, found.marked, found.count + LimitedBlocks::of_marked);
-    ask_bounds<Shape, Real, Dim>
-        <<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)), Team<Dim>::block_threads, 0,
-           launch.stream>>>(view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.asked,
-                            found.count + LimitedBlocks::of_asked);
     find_limited<Shape, Real, Dim><<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)),
                                      Team<Dim>::block_threads, 0, launch.stream>>>(
-        view, {found.asked, found.count + LimitedBlocks::of_asked}, args, found.limited, found.count);
+        view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.limited, found.count);
     check(cudaGetLastError(), "Looking for light nodes");
 }
 

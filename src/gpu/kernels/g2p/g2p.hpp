@@ -80,13 +80,12 @@ class GatherKernel {
                              const Launch& launch) const = 0;
 };
 
-/// Where the limited ones of the chosen blocks are listed, those that see a mark or a wall, and those that have to be
-/// asked. The order has no meaning.
+/// Where the limited ones of the chosen blocks are listed, and those that have to be asked. The order has no meaning.
 struct LimitedBlocks {
-    static constexpr int lists = 3;
-    static constexpr int of_marked = 2, of_asked = 4;  ///< places of their numbers
-    std::int32_t *limited, *marked, *asked;
-    std::uint32_t* count;  ///< of limited blocks, and the others behind it; they begin at zero
+    static constexpr int lists = 2;
+    static constexpr int of_marked = 2;  ///< place of their number
+    std::int32_t *limited, *marked;
+    std::uint32_t* count;  ///< of limited blocks, and of_marked behind it; they begin at zero
 };
 
 /// Looks for the chosen blocks in which an acceleration is limited: sets LightArgs::limited of each, and lists them.

@@ -44,7 +44,7 @@ class DeviceStructures {
 };
 
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
-inline constexpr int light_counts = 6;
+inline constexpr int light_counts = 4;
 
 /// Which node blocks have light nodes (core/light_stencil.hpp), for those who limit what they do.
 template <class Real>
