@@ -156,7 +156,7 @@ struct GridToParticles {
             if (stiffness) limit_acceleration(s, n, nodes, light, g);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
-                if (fluid && !shifting) smooth(s, g);
+                if (fluid && !shifting) smooth(s, n, light.base, g);
                 scratch.gradient[filled] = increment_of(g);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
                 if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
@@ -307,11 +307,11 @@ struct GridToParticles {
         });
     }
 
-    MORAINE_HD void smooth(std::uint32_t s, const Gathered& g) const {
+    MORAINE_HD void smooth(std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
         const FluidTerms<Real>& of = fluid[p.body[s]];
-        if (of.smoothing > Real(0))
-            smooth_pressure(smoothing_share(of.smoothing, dt), g.change[quad - 1], of.compliance, p.stress[s],
-                            p.ln_J[s]);
+        if (!(of.smoothing > Real(0))) return;
+        const Real pressure = g.change[quad - 1] - gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f);
+        smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s]);
     }
 
     /// Adds the shift of a particle in cell c to the velocity that moves it.

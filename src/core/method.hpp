@@ -91,6 +91,13 @@ FluidTerms<Real> fluid_terms_of(const Scene& scene, const MaterialSpec& material
             static_cast<Real>(shift_interval * material.particle_shifting * speed * scene.cell)};
 }
 
+/// rho g h along an axis, of the first material that smooths its pressure [Pa]; along periodic axes 0.
+inline double gravity_slope(const Scene& scene, std::size_t axis) {
+    for (const MaterialSpec& m : scene.materials)
+        if (m.pressure_smoothing > 0 && !scene.periodic[axis]) return m.density * scene.gravity[axis] * scene.cell;
+    return 0;
+}
+
 template <class Real, int Dim>
 Stiffness<Real> stiffness_of(const MaterialSpec& material, double cell) {
     const LawInfo& law = *find_law(material.law);
@@ -174,6 +181,7 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     for (int a = 0; a < Dim; ++a) {
         const auto axis = static_cast<std::size_t>(a);
         gravity[a] = static_cast<Real>(scene.gravity[axis]);
+        context.gravity_slope[a] = static_cast<Real>(gravity_slope(scene, axis));
         for (int s = 0; s < 2; ++s) {
             const int far = std::int32_t(1) << 29;
             ends.cell[a][s] = scene.periodic[axis] ? (s == 0 ? -far : far) : context.walls.plane[a][s];

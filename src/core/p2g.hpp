@@ -4,7 +4,7 @@
 //   m_i = sum_p w_ip m_p                                                       [kg]
 //   q_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p))                               [kg m/s]
 //   f_i = sum_p (w_ip m_p b_p - V_p sigma_p grad w_ip)                         [N]
-//   s_i = sum_p w_ip m_p tr sigma_p / 3, or sum_p w_ip V_p, for fluids that want it (NodeMean)
+//   s_i = sum_p w_ip m_p (tr sigma_p / 3 + rho g . x_p), or sum_p w_ip V_p, for fluids that want it (NodeMean)
 //
 // Mass, momentum and internal force stay apart, so that no dt is needed yet. One team sums the
 // particles of one block into its private tile: each cell's particles in list order into sums of
@@ -12,6 +12,7 @@
 // depend on who runs it. Blocks are chosen by a list: boundary and interior blocks run this one kernel.
 
 #include "core/grid_views.hpp"
+#include "core/pressure_smoothing.hpp"
 #include "core/quad.hpp"
 #include "core/stencil.hpp"
 
@@ -112,7 +113,10 @@ struct ParticlesToGrid {
         load.has_body_force = p.body_force != nullptr || mean != NodeMean::none;
         load.body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
         if (mean != NodeMean::none) {
-            const Real s_of_p = mean == NodeMean::volume ? p.volume[s] : m * (sigma.trace() * Real(1.0 / 3.0));
+            const Real s_of_p = mean == NodeMean::volume
+                                    ? p.volume[s]
+                                    : m * (sigma.trace() * Real(1.0 / 3.0) +
+                                           gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f));
             load.body_force = load.body_force + Q::of(Real(0), Real(0), Real(0), s_of_p);
         }
         for (int b = 0; b < Dim; ++b) {

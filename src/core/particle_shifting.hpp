@@ -13,8 +13,9 @@
 // untouched, so linear momentum is exact; the centre of mass moves, and with it some potential energy that no force
 // gave. It is stable while n gamma c dt / h is below about 1 (the largest of k^2 w^2 is 1.4 per axis).
 //
-// Nothing goes into a wall, out of an end or into a structure by it: within half a cell of an end there is no shift
-// towards it, and none where a node of the stencil reaches a structure, whose share of a node is not known.
+// Nothing goes into a wall, out of an end or into a structure by it: within a quarter of a cell of an end there is no
+// shift towards it, and none where a node of the stencil reaches a structure, whose share of a node is not known. Half
+// a cell is too much: what a fluctuation has shifted out of that half is not let back in, and it empties.
 //
 // Shifting by concentration: Xu et al. 2009, Lind et al. 2012 (SPH); in MPM Zhang et al. 2018, Baumgarten and Kamrin
 // 2023. Not scaled by the rate of shear, which is too weak at fine cells.
@@ -137,7 +138,11 @@ MORAINE_HD Vec<Real, Dim> shift_by(Real shifting, Real dt, Real cell, const Vec<
     return shift;
 }
 
-/// Takes from a shift what goes towards an end of the domain that is less than half a cell away once the particle has
+/// Distance from an end within which nothing is shifted towards it [cells]: where the outermost of 2 particles per cell
+/// stands.
+inline constexpr double kept_from_ends = 0.25;
+
+/// Takes from a shift what goes towards an end of the domain that is nearer than kept_from_ends once the particle has
 /// moved by `move` [cells].
 template <class Real, int Dim>
 MORAINE_HD void keep_from_ends(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
@@ -147,7 +152,7 @@ MORAINE_HD void keep_from_ends(const DomainEnds<Real, Dim>& ends, const Vec<std:
         const Real f = fraction_of<Real>(u[a]) + move[a];
         const Real below = Real(cell - ends.cell[a][0]) + (f - ends.fraction[a][0]);
         const Real above = Real(ends.cell[a][1] - cell) + (ends.fraction[a][1] - f);
-        if (shift[a] < Real(0) ? below < Real(0.5) : above < Real(0.5)) shift[a] = Real(0);
+        if ((shift[a] < Real(0) ? below : above) < Real(kept_from_ends)) shift[a] = Real(0);
     }
 }
 

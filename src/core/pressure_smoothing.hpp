@@ -1,9 +1,13 @@
 #pragma once
 // Pressure smoothing: a particle of a fluid takes a share of the grid's pressure in each step.
 //
-//   P_i = sum_p w_ip m_p P_p / m_i,    P_p = tr sigma_p / 3
-//   P_p <- P_p + a (sum_i w_ip P_i - P_p),    ln J_p <- ln J_p + a (sum_i w_ip P_i - P_p) / K,    a = min(1/2, k c dt /
+//   Q_i = sum_p w_ip m_p Q_p / m_i,    Q_p = P_p + rho g . x_p,    P_p = tr sigma_p / 3
+//   P_p <- P_p + a (sum_i w_ip Q_i - Q_p),    ln J_p <- ln J_p + a (sum_i w_ip Q_i - Q_p) / K,    a = min(1/2, k c dt /
 //   h)
+//
+// Q is the piezometric pressure, the same everywhere in a fluid at rest: nodes at a bed and at the surface see one side
+// only, and the mean of P itself is wrong there by a share of rho g h in every step, which the fluid answers by
+// sinking. rho is that of the first material that smooths.
 //
 // before the stress update. Every particle integrates a divergence of its own, and nodes see about one of the four to
 // nine in a cell: the rest is pressure that no force answers, and grows. a per time and wave is the same at every step
@@ -25,6 +29,14 @@ struct FluidTerms {
     Real compliance;  ///< 1 / K [1/Pa]
     Real shifting;    ///< n gamma c h [m2/s]; 0: none (particle_shifting.hpp)
 };
+
+/// rho g.x of a particle at fractions f of the cell whose stencil begins at node base[] [Pa]. slope: rho g h.
+template <class Real, int Dim>
+MORAINE_HD Real gravity_pressure(const Vec<Real, Dim>& slope, const int* base, const Real* f) {
+    Real sum = Real(0);
+    for (int a = 0; a < Dim; ++a) sum += slope[a] * (Real(base[a]) + f[a]);
+    return sum;
+}
 
 /// a of a step.
 template <class Real>

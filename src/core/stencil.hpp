@@ -27,6 +27,7 @@ struct StencilContext {
     Walls<Real, Dim> walls;
     Real inverse_cell;               ///< 1/h [1/m]
     HalfSizes<Real, Dim> half_size;  ///< per body, null unless the shape is sized
+    Vec<Real, Dim> gravity_slope;    ///< rho g h, zero along periodic axes [Pa] (pressure_smoothing.hpp)
 };
 
 template <class Real, int Dim>
