@@ -2,7 +2,8 @@
 
 A case is a module of cases/ with
   __doc__                the first line is its title; the rest says scene, references and norms
-  SCENE                  name of a file in inputs/
+  SCENE                  name of a file in inputs/, or of what write_scene writes
+  write_scene(level, folder)  optional: writes SCENE.toml and what it needs into the folder
   LEVELS                 {"cpu": [...], "cuda": [...]}: numbers of cells over the case's length
   RUNG                   what a level is called, "H0/{}"
   VARIANTS               name: settings; each also runs as name+cell, with the mean volumetric rate of a cell (against locking)
@@ -93,9 +94,18 @@ class LevelRun:
         return Particles(self.directory / "particles.vtkhdf", self.program)
 
 
+def scene_file(case, level, runs):
+    if not hasattr(case, "write_scene"):
+        return ROOT / "inputs" / f"{case.SCENE}.toml"
+    folder = runs / f"scene-{case.SCENE}-{level}"
+    folder.mkdir(parents=True, exist_ok=True)
+    case.write_scene(level, folder)
+    return folder / f"{case.SCENE}.toml"
+
+
 def run(case, variant, level, args, directory):
     """(command, what went wrong or "")"""
-    command = [args.program, "run", str(ROOT / "inputs" / f"{case.SCENE}.toml"), "--output", str(directory), "--device", args.device, "--quiet"]
+    command = [args.program, "run", str(scene_file(case, level, args.runs)), "--output", str(directory), "--device", args.device, "--quiet"]
     for setting in [*case.sets(level), *variants(case)[variant], *args.sets]:
         command += ["--set", setting]
     print(" ".join(command), file=sys.stderr)
@@ -120,7 +130,8 @@ def climb(case, variant, level, args):
     name = variant + (f" {args.label}" if args.label else "")
     directory = args.runs / f"{name_of(case)}-{name}-{level}".replace(" ", "-").replace(",", "")
     command, failed = run(case, variant, level, args, directory)
-    words = ["moraine", "run", f"inputs/{case.SCENE}.toml", *command[command.index("--device"):]]
+    place = "" if hasattr(case, "write_scene") else "inputs/"
+    words = ["moraine", "run", f"{place}{case.SCENE}.toml", *command[command.index("--device"):]]
     line = {"case": name_of(case), "variant": name, "level": level, "command": " ".join(words)}
     if failed:
         print(f"validation: {line['case']} {name} {level}: {failed}", file=sys.stderr)

@@ -31,7 +31,9 @@ SCENE = "viscous_current"
 MATERIAL = "syrup"
 LEVELS = {"cpu": [10, 20], "cuda": [20, 40, 80]}
 RUNG = "H0/{}"
-VARIANTS = {"APIC": [], "FLIP": ["numerics.transfer=flip"]}
+TRANSFERS = {name: [f"numerics.transfer={name.lower()}"] for name in ("APIC", "FLIP", "AFLIP")}
+CURE = ["material.syrup.pressure_smoothing=0.22", "material.syrup.particle_shifting=0.1"]  # docs/adr/0008-filling.md
+VARIANTS = TRANSFERS | {f"{name} filled": sets + CURE for name, sets in TRANSFERS.items()}
 G, Q, NU, PREFACTOR = 9.81, 0.01, 0.005, 1.41124
 SCALE = (G * Q**3 / (3 * NU))**0.2
 AHEAD = 0.005
@@ -77,7 +79,8 @@ def measure(level_run):
     end = series.at(None)
     x, h = norms.depth(end[:, 0], Q / len(end), 0.0, 0.8, 0.01)
     t0, exponent, prefactor, off = fit(series.times, fronts)
-    figures = {"front at 30 s [m]": fronts[-1], "exponent": exponent, "t0 [s]": t0, "prefactor": prefactor, "rms of ln x": off,
+    history = level_run.history
+    figures = {"front at 30 s [m]": fronts[-1], "over-filling [%]": 100 * max(history["over_filling"]), "exponent": exponent, "t0 [s]": t0, "prefactor": prefactor, "rms of ln x": off,
                "E_h [%]": 100 * norms.l1(h, similar(x, fronts[-1])), "cells at x = 0": h[0] / (0.1 / level_run.level)}
     return figures, {"front": (series.times, fronts), "depth": (x, h)}
 

@@ -32,7 +32,9 @@ SCENE = "slurry_runout"
 MATERIAL = "slurry"
 LEVELS = {"cpu": [25, 50], "cuda": [25, 50, 100, 200]}
 RUNG = "H0/{}"
-VARIANTS = {"FLIP": ["numerics.transfer=flip"], "APIC": ["numerics.transfer=apic"]}
+TRANSFERS = {name: [f"numerics.transfer={name.lower()}"] for name in ("FLIP", "APIC", "AFLIP")}
+CURE = ["material.slurry.pressure_smoothing=0.22", "material.slurry.particle_shifting=0.3"]  # docs/adr/0008-filling.md
+VARIANTS = TRANSFERS | {f"{name} filled": sets + CURE for name, sets in TRANSFERS.items()}
 DENSITY, GRAVITY, YIELD, HEIGHT, LENGTH = 1500.0, 9.81, 500.0, 5.0, 10.0
 AREA, B = HEIGHT * LENGTH, YIELD / (DENSITY * GRAVITY)
 PER_CENT = 100 / (DENSITY * GRAVITY * HEIGHT)
@@ -65,8 +67,9 @@ def measure(level_run):
     noise[end[:, 0] > fronts[-1]] = 0
     means = norms.cell_means(end, noise, HEIGHT / level_run.level)
     history = level_run.history
-    late = numpy.abs(series.times - 20).argmin()
-    figures = {"front [m]": history["front_m"][-1], "front 99.5 % [m]": fronts[-1],
+    late, early = (numpy.abs(series.times - t).argmin() for t in (20, 8))
+    figures = {"front [m]": history["front_m"][-1], "front 99.5 % [m]": fronts[-1], "at 8 s [m]": fronts[early],
+               "over-filling [%]": 100 * max(history["over_filling"]), "at 30 s [%]": 100 * history["over_filling"][-1],
                "creep [% of H0]": 100 * (fronts[-1] - fronts[late]) / HEIGHT,
                "noise [%]": PER_CENT * norms.rms(noise), "noise of cells [%]": PER_CENT * norms.rms(means),
                "E_h to R6a [%]": 100 * norms.l1(h, arrested(x)[1]), "E_h to R6c [%]": 100 * norms.l1(h, arrested(x, True)[1]),
