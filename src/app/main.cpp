@@ -51,8 +51,6 @@ Machine machine_of(const Comm& comm, const Options& options) {
 
 /// What devices cannot do yet.
 void check_device_scene(const Scene& scene) {
-    if (scene.transfer == Transfer::aflip)
-        throw InputError("numerics.transfer = \"aflip\" (devices do not have it yet). Use --device cpu?");
     for (const MaterialSpec& m : scene.materials)
         if (has_fluid_terms(m))
             throw InputError(fmt::format("material.{}.{} (devices do not have it yet). Use --device cpu?", m.name,

@@ -127,7 +127,7 @@ TEST_CASE("after 200 steps every field of the example scenes is the host's to 1e
 
 TEST_CASE("shapes, transfers and schemes give the host's answer") {
     for (const char* shape : {"linear", "gimp", "gimp-contiguous", "quadratic", "cubic"})
-        for (const char* transfer : {"flip", "apic", "tpic", "pic"})
+        for (const char* transfer : {"flip", "apic", "tpic", "pic", "aflip"})
             for (const char* scheme : {"usl", "usf", "musl"}) {
                 if (std::string(shape) == "linear" && std::string(transfer) != "flip") continue;
                 CAPTURE(shape);
@@ -156,10 +156,11 @@ TEST_CASE("the series of FMPM gives the host's answer, of any order") {
 }
 
 TEST_CASE("an open wall, a periodic axis, friction, damping and two materials give the host's answer and budget") {
-    for (Transfer transfer : {Transfer::flip, Transfer::apic})
+    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::aflip})
         for (StressUpdate scheme : {StressUpdate::usl, StressUpdate::musl})
             for (Scene scene : {test::slurry(), test::column()}) {
                 scene.transfer = transfer;
+                if (transfer == Transfer::aflip) scene.flip = 0.95;
                 scene.stress_update = scheme;
                 compare(scene, 120, 1e-9);
             }
@@ -254,7 +255,7 @@ TEST_CASE("a law of three scalars that begin by stress gives the host's answer, 
 }
 
 TEST_CASE("single precision on the device follows the host's") {
-    for (const char* transfer : {"numerics.transfer=flip", "numerics.transfer=apic"}) {
+    for (const char* transfer : {"numerics.transfer=flip", "numerics.transfer=apic", "numerics.transfer=aflip"}) {
         compare(input("slurry_runout", {"numerics.precision=single", transfer}), 50, 1e-4);
         compare(input("slurry_runout_3d", {"numerics.precision=single", "domain.cell=0.2", transfer}), 30, 1e-4);
     }

@@ -101,6 +101,9 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     affine.transfer = Transfer::apic;
     affine.stress_update = StressUpdate::musl;
     compare<2>(affine, 40);
+    affine.transfer = Transfer::aflip;
+    affine.flip = 0.95;
+    compare<2>(affine, 40);
     Scene series = test::slurry();
     series.transfer = Transfer::fmpm;
     series.order = 3;
