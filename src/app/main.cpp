@@ -49,14 +49,6 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
-/// What devices cannot do yet.
-void check_device_scene(const Scene& scene) {
-    for (const MaterialSpec& m : scene.materials)
-        if (has_fluid_terms(m))
-            throw InputError(fmt::format("material.{}.{} (devices do not have it yet). Use --device cpu?", m.name,
-                                         m.particle_shifting > 0 ? "particle_shifting" : "pressure_smoothing"));
-}
-
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
 /// that wait for a core that another rank spins on are slower than none. Collective.
 void choose_threads(const Comm& comm) {
@@ -66,10 +58,7 @@ void choose_threads(const Comm& comm) {
 
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
-    const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
-        if (machine.devices) check_device_scene(s);
-        check_capacity(s, machine);
-    });
+    const Scene scene = read_agreed(comm, options, [&](const Scene& s) { check_capacity(s, machine); });
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;

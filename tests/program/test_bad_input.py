@@ -63,9 +63,6 @@ WRONG_WORDS = {
     "an unknown partitioner": (["--partitioner", "mortn"], "morton"),
     "an unknown device": (["--device", "gpu"], "cuda"),
     "a device that is not built in": (["--device", "cuda"], "cuda"),
-    "shifting on a device": (
-        ["--set", "material.jelly.law=newtonian", "--set", "material.jelly.viscosity=1", "--set",
-         "material.jelly.particle_shifting=0.1", "--device", "cuda"], "devices do not have it"),
     "two scenes": (["other.toml"], "other.toml"),
 }
 

@@ -112,8 +112,8 @@ struct Pass {
     }
 
     /// Sums all rounds, the first of which were started; ends with a barrier, after which `shared` is free.
-    static __device__ __forceinline__ void sum(const View<Real, Case::dim>& v, const Lists<Case>& lists, Real h,
-                                               uint4* shared, SliceSums<Case>& sums) {
+    static __device__ __forceinline__ void sum(const View<Real, Case::dim>& v, const Lists<Case>& lists,
+                                               const typename Case::Scale& h, uint4* shared, SliceSums<Case>& sums) {
         each_sum(sums, [](auto& s) { clear(s); });
         const SliceWeight<Case> slice(int(thread_now() / Case::cells));
 #pragma unroll 1
@@ -158,6 +158,7 @@ struct Pass {
             if (Momentum) f(sums.momentum[q]);
             if (Force) f(sums.force[q]);
         }
+        if constexpr (Force && Case::mean) f(sums.mean);
     }
 };
 
@@ -183,7 +184,7 @@ constexpr int shared_bytes() {
 template <class Case, int Passes, int Stages, int Resident>
 __global__ void __launch_bounds__(Case::threads, Resident)
     particles_to_grid(const __grid_constant__ View<typename Case::Real, Case::dim> v,
-                      const __grid_constant__ Chosen chosen, const typename Case::Real h) {
+                      const __grid_constant__ Chosen chosen, const typename Case::Scale h) {
     using Real = typename Case::Real;
     extern __shared__ uint4 shared[];
     __shared__ Lists<Case> lists;
