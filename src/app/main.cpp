@@ -49,6 +49,19 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
+/// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
+void check_device_scene(const Scene& scene) {
+    if (scene.shape != Shape::gimp && scene.shape != Shape::gimp_contiguous) return;
+    const auto& all = scene.materials;
+    if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;
+    for (const MaterialSpec& m : all)
+        if (m.volumetric == Volumetric::cell)
+            throw InputError(fmt::format(
+                "material.{}.volumetric = \"cell\" with GIMP shapes, beside a material with pressure_smoothing or "
+                "particle_shifting (devices do not have it). Use shape = \"quadratic\", or --device cpu?",
+                m.name));
+}
+
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads
 /// that wait for a core that another rank spins on are slower than none. Collective.
 void choose_threads(const Comm& comm) {
@@ -58,7 +71,10 @@ void choose_threads(const Comm& comm) {
 
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
-    const Scene scene = read_agreed(comm, options, [&](const Scene& s) { check_capacity(s, machine); });
+    const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
+        if (machine.devices) check_device_scene(s);
+        check_capacity(s, machine);
+    });
     if (options.command == "check") {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;

@@ -90,6 +90,22 @@ class BadInput(moraine.ProgramTest):
                 on = (None, 3) if name in FAULTS else (None,)
                 self.assert_refused("run", path, says=[place, *says], on=on)
 
+    def test_what_devices_do_not_have_is_refused(self):
+        mud = """[[material]]
+name = "mud"
+law = "newtonian"
+density = 1000.0
+young = 1.0e5
+poisson = 0.45
+viscosity = 1.0
+particle_shifting = 0.1
+[[body]]"""
+        scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
+        for shape in ("gimp", "gimp-contiguous"):
+            self.assert_refused("run", scene, "--device", "cuda", "--set", f"numerics.shape={shape}", "--set",
+                                "material.jelly.volumetric=cell", says=["material.jelly.volumetric", "devices do not"],
+                                on=(None,))
+
     def test_wrong_words_on_the_command_line_are_named(self):
         scene = self.write(SMALL_SCENE)
         for name, (words, says) in WRONG_WORDS.items():

@@ -50,13 +50,13 @@ struct FluidStencil {
     }
 };
 
-/// sum_i w_ip P_i. at: tile offset of the particle's cell.
-template <class Shape, class Real, int Dim>
+/// sum_i w_ip P_i. at: tile offset of the particle's cell. Rolled: plane by plane in a loop, with fewer registers.
+template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ Real gathered_mean(const FluidTile<Real, Dim, Shape::width>& tile, int at,
                                               const FluidStencil<Shape, Real, Dim>& n) {
     constexpr int side = tile_side(Shape::width);
     Real sum = Real(0);
-#pragma unroll
+#pragma unroll(Rolled ? 1 : Shape::width)
     for (int k = 0; k < (Dim == 3 ? Shape::width : 1); ++k) {
         Real plane = Real(0);
 #pragma unroll
@@ -73,13 +73,13 @@ __device__ __forceinline__ Real gathered_mean(const FluidTile<Real, Dim, Shape::
 }
 
 /// sum_i e_i grad w_ip [1/cell], or zero where a node of the stencil reaches a structure.
-template <class Shape, class Real, int Dim>
+template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ Vec<Real, Dim> excess_gradient(const FluidTile<Real, Dim, Shape::width>& tile, int at,
                                                           const FluidStencil<Shape, Real, Dim>& n) {
     constexpr int side = tile_side(Shape::width);
     Vec<Real, Dim> gradient = zero_vec<Real, Dim>();
     Real least = Real(0);
-#pragma unroll
+#pragma unroll(Rolled ? 1 : Shape::width)
     for (int k = 0; k < (Dim == 3 ? Shape::width : 1); ++k) {
         Real plane[3] = {};  // the value, and its slopes along x and y
 #pragma unroll
@@ -118,24 +118,25 @@ struct FluidShared {
     Real own[Dim][Team<Dim>::threads];  ///< the shift [m], or the pressure first
 };
 
-/// Gathers the shift or the pressure of a particle at u. half: of its box [cells].
-template <class Shape, class Real, int Dim>
+/// Gathers the shift or the pressure of a particle at u. half: of its box [cells]. What the particle's rows say is read
+/// anew afterwards: registers that held weights until then spilled.
+template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
                                            const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
                                            const Vec<Real, Dim>& half, FluidShared<Real, Dim, Shape::width>& shared) {
     const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
     const FluidStencil<Shape, Real, Dim> n(u, half);
     if (g.fluid.shifts) {
-        Vec<Real, Dim> gradient = excess_gradient(shared.tile, at, n);
+        Vec<Real, Dim> gradient = excess_gradient<Shape, Rolled, Real, Dim>(shared.tile, at, n);
 #pragma unroll
         for (int a = 0; a < Dim; ++a) gradient[a] *= v.context.inverse_cell;
         const Vec<Real, Dim> shift = shift_by(of.shifting, g.dt, Real(1) / v.context.inverse_cell, gradient);
 #pragma unroll
         for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
     } else {
-        shared.own[0][rank] = gathered_mean(shared.tile, at, n);
+        shared.own[0][rank] = gathered_mean<Shape, Rolled, Real, Dim>(shared.tile, at, n);
     }
-    asm volatile("" ::: "memory");  // nothing of it stays in registers
+    asm volatile("" ::: "memory");
 }
 
 /// Adds the shift of this thread's particle to the velocity that moves it from u.

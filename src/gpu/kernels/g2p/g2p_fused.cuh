@@ -95,9 +95,12 @@ struct FusedGather {
                                                            double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
+        if constexpr (Fluid) {
+            p.row[p.place] = row(p.place);
+            find_fluid<Shape, Light>(v, g, g.fluid.all, place_of<Real, Dim>(p), zero_vec<Real, Dim>(), shared.fluid);
+        }
         p.row[p.place] = row(p.place);
         U u = place_of<Real, Dim>(p);
-        if constexpr (Fluid) find_fluid<Shape>(v, g, g.fluid.all, u, zero_vec<Real, Dim>(), shared.fluid);
         auto sums = gather_limited<Shape, Light, Affine>(v, g, work.block, shared.light, s,
                                                          [&] { return sums_of(v, g, work.block, u, shared.tile); });
         if constexpr (Affine) store_affine(v, sums.affine, s);

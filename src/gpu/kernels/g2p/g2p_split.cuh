@@ -111,13 +111,18 @@ struct SplitGather {
         return held;
     }
 
-    /// Half-sizes of the particle's box [cells]; zero where the shape has none. stretch: its row before the step.
-    static __device__ __forceinline__ Vec<Real, Dim> half_box(const V& v, std::uint32_t body,
-                                                              const Row<Real>& stretch) {
-        Vec<Real, Dim> half = zero_vec<Real, Dim>();
-        if constexpr (Shape::sized)
-            for (int a = 0; a < Dim; ++a) half[a] = half_size(v, body, stretch, a);
-        return half;
+    /// What a fluid's particle takes of the mean, before the gather.
+    static __device__ __forceinline__ void find_mean(const V& v, const Args& g, std::uint32_t s, int half,
+                                                     std::uint32_t body, Shared& shared) {
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = shared.rows.take(half, T::rank(), place);
+        Vec<Real, Dim> size = zero_vec<Real, Dim>();
+        if constexpr (Shape::sized) {
+            Row<Real> stretch;
+            if (v.p.log_stretch) stretch = shared.rows.take(half, T::rank(), box);
+            for (int a = 0; a < Dim; ++a) size[a] = half_size(v, body, stretch, a);
+        }
+        find_fluid<Shape, Light>(v, g, terms_of(v, g.fluid, s), place_of<Real, Dim>(p), size, shared.fluid);
     }
 
     /// Before the stress update, which is a launch of its own.
@@ -154,14 +159,13 @@ struct SplitGather {
                                                 std::uint32_t s, int half, std::uint32_t body, Shared& shared,
                                                 Seen<Real>& tally) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        if constexpr (Fluid) find_mean(v, g, s, half, body, shared);
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(place);
         Row<Real> stretch;
         if constexpr (Shape::sized)
             if (v.p.log_stretch) stretch = row(box);
         U u = place_of<Real, Dim>(p);
-        if constexpr (Fluid)
-            find_fluid<Shape>(v, g, terms_of(v, g.fluid, s), u, half_box(v, body, stretch), shared.fluid);
         Sums sums = gather_limited<Shape, Light, levers>(v, g, work.block, shared.light, s, [&] {
             AxisWeights<Real, Shape, levers> n[Dim];
 #pragma unroll
@@ -232,7 +236,7 @@ constexpr int split_blocks() {
 template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Fluid = false>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
-    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<true, Shape::width != 2>()) {}
+    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<(Averages || !Fluid), Shape::width != 2>()) {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
              const Launch& launch) const override {

@@ -42,7 +42,7 @@ __device__ __forceinline__ Real volume_at(const View<Real, Dim>& v, std::uint32_
 
 /// A thread per node: the cells that reach it, in order, and their lists.
 template <class Real, int Dim, class Shape>
-__global__ void __launch_bounds__(volume_threads)
+__global__ void __launch_bounds__(volume_threads, 1)  // without a number the compiler spilled a register or two
     volumes_kernel(const __grid_constant__ View<Real, Dim> v, const Chosen chosen) {
     constexpr int side = tile_side(Shape::width), nodes = power<Dim>(side), cells = Block<Dim>::cells;
     const std::uint32_t count = *chosen.count;
