@@ -49,7 +49,7 @@ TEST_CASE("shapes, transfers and schemes of fluids among other materials give th
                     scene.shape = shape;
                     scene.transfer = transfer;
                     scene.stress_update = scheme;
-                    scene.cfl = 0.2;
+                    scene.cfl = shape == Shape::linear ? 0.05 : 0.2;  // hats turn particles inside out
                     if (transfer == Transfer::aflip) scene.flip = 0.95;
                     compare(scene, 40, 1e-8);
                 }
