@@ -51,13 +51,13 @@ Machine machine_of(const Comm& comm, const Options& options) {
 
 /// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
 void check_device_scene(const Scene& scene) {
-    if (scene.shape != Shape::gimp && scene.shape != Shape::gimp_contiguous) return;
+    if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
     const auto& all = scene.materials;
     if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;
     for (const MaterialSpec& m : all)
         if (m.volumetric == Volumetric::cell)
             throw InputError(fmt::format(
-                "material.{}.volumetric = \"cell\" with GIMP shapes, beside a material with pressure_smoothing or "
+                "material.{}.volumetric = \"cell\" with this shape, beside a material with pressure_smoothing or "
                 "particle_shifting (devices do not have it). Use shape = \"quadratic\", or --device cpu?",
                 m.name));
 }

@@ -101,7 +101,7 @@ viscosity = 1.0
 particle_shifting = 0.1
 [[body]]"""
         scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
-        for shape in ("gimp", "gimp-contiguous"):
+        for shape in ("gimp", "gimp-contiguous", "cubic"):
             self.assert_refused("run", scene, "--device", "cuda", "--set", f"numerics.shape={shape}", "--set",
                                 "material.jelly.volumetric=cell", says=["material.jelly.volumetric", "devices do not"],
                                 on=(None,))

@@ -6,12 +6,13 @@
 
 namespace moraine::gpu {
 
-/// Another material may take means of cells: it is asked at run time, but for boxes, of which registers would spill
-/// (the program refuses such scenes on devices).
+/// Another material may take means of cells: it is asked at run time, but for boxes and cubic splines, where registers
+/// would spill (the program refuses such scenes on devices).
 template <class Real, int Dim, class Shape>
 std::unique_ptr<GatherKernel<Real, Dim>> fluid_gather(bool affine) {
-    if (affine) return std::make_unique<SplitKernel<Real, Dim, Shape, true, !Shape::sized, true>>();
-    return std::make_unique<SplitKernel<Real, Dim, Shape, false, !Shape::sized, true>>();
+    constexpr bool averages = !Shape::sized && Shape::width < 4;
+    if (affine) return std::make_unique<SplitKernel<Real, Dim, Shape, true, averages, true>>();
+    return std::make_unique<SplitKernel<Real, Dim, Shape, false, averages, true>>();
 }
 
 template <class Real, int Dim>

@@ -122,7 +122,8 @@ struct SplitGather {
             if (v.p.log_stretch) stretch = shared.rows.take(half, T::rank(), box);
             for (int a = 0; a < Dim; ++a) size[a] = half_size(v, body, stretch, a);
         }
-        find_fluid<Shape, Light>(v, g, terms_of(v, g.fluid, s), place_of<Real, Dim>(p), size, shared.fluid);
+        find_fluid<Shape, (Light || Shape::width > 3)>(v, g, terms_of(v, g.fluid, s), place_of<Real, Dim>(p), size,
+                                                       shared.fluid);
     }
 
     /// Before the stress update, which is a launch of its own.
