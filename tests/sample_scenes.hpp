@@ -129,4 +129,33 @@ inline Scene spray(int dimensions) {
     return s;
 }
 
+/// With keys of its fluids, whose particles are crowded here and there.
+inline Scene with_fluid_terms(Scene s, double smoothing = 0.22, double shifting = 0.1) {
+    for (MaterialSpec& m : s.materials)
+        if (find_law(m.law)->is_fluid) m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
+    for (BodySpec& b : s.bodies) b.seeding = Seeding::jittered, b.jitter = 0.5;
+    return s;
+}
+
+/// Two fluids of other densities and stiffness, and a soil, between the walls of column().
+inline Scene fluid_column() {
+    Scene s = column();
+    s.materials = {
+        material("newtonian", 1500, {{"young", 1e6}, {"poisson", 0.45}, {"viscosity", 100}}),
+        material("linear-elastic", 1500, {{"young", 2e6}, {"poisson", 0.3}}),
+        material("bingham", 1200,
+                 {{"young", 4e5}, {"poisson", 0.4}, {"yield_stress", 300}, {"consistency", 20}, {"viscosity", 20}})};
+    s.bodies.push_back(box({0, 0, 5}, {3, 8, 6}, 2));
+    return s;
+}
+
+/// spray() of a fluid and a soil, or of the fluid alone.
+inline Scene wet_spray(int dimensions, bool alone) {
+    Scene s = spray(dimensions);
+    s.materials[0] = material("newtonian", 1500, {{"young", 2e5}, {"poisson", 0.45}, {"viscosity", 5}});
+    if (alone) s.materials.pop_back();
+    for (BodySpec& b : s.bodies) b.material = alone ? 0 : b.material;
+    return s;
+}
+
 }  // namespace moraine::test

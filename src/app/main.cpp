@@ -49,14 +49,17 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
-/// What devices cannot do yet.
+/// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
 void check_device_scene(const Scene& scene) {
-    if (scene.transfer == Transfer::aflip)
-        throw InputError("numerics.transfer = \"aflip\" (devices do not have it yet). Use --device cpu?");
-    for (const MaterialSpec& m : scene.materials)
-        if (has_fluid_terms(m))
-            throw InputError(fmt::format("material.{}.{} (devices do not have it yet). Use --device cpu?", m.name,
-                                         m.particle_shifting > 0 ? "particle_shifting" : "pressure_smoothing"));
+    if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
+    const auto& all = scene.materials;
+    if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;
+    for (const MaterialSpec& m : all)
+        if (m.volumetric == Volumetric::cell)
+            throw InputError(fmt::format(
+                "material.{}.volumetric = \"cell\" with this shape, beside a material with pressure_smoothing or "
+                "particle_shifting (devices do not have it). Use shape = \"quadratic\", or --device cpu?",
+                m.name));
 }
 
 /// Cores are shared out among the ranks of this machine, unless OMP_NUM_THREADS says otherwise: threads

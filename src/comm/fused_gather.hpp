@@ -10,8 +10,9 @@ namespace moraine {
 inline bool fuses(const Scene& scene) {
     const bool plain = scene.transfer == Transfer::flip || scene.transfer == Transfer::pic;
     const bool affine = scene.transfer == Transfer::apic || scene.transfer == Transfer::tpic;
-    const bool has_kernels = scene.shape == Shape::quadratic ? plain || affine : scene.shape == Shape::linear && plain;
-    return has_kernels && scene.stress_update == StressUpdate::usl && scene.materials.size() == 1;
+    if (scene.stress_update != StressUpdate::usl || scene.materials.size() != 1) return false;
+    if (scene.shape == Shape::quadratic) return plain || affine;
+    return scene.shape == Shape::linear && plain && !has_fluid_terms(scene.materials.front());
 }
 
 }  // namespace moraine

@@ -53,10 +53,12 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void prepare(const EpochTables<Dim>& tables) override;
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
+    std::optional<NodeVolumes> node_volumes() override;
     void refresh_memory(bool) override {}  // every few steps, by itself
 
     void bin() override;
     void find_gaps(const StructureSet<Dim>& structures) override;
+    void sum_mean(NodeMean mean) override { mean_ = mean; }
     void sum_boundary() override;
     void send_halo() override;
     void sum_interior() override;
@@ -83,8 +85,12 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void make_tiles(std::size_t tiles);
     void sum();
     bool limits(const Round& round) const { return round.nodes == NodeTask::solve && method_.stiffness(); }
-    GatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
-    void gather_part(int part, const Round& round, const GatherArgs<Real, Dim>& args, const Launch& launch);
+    void sum_part(const Chosen& chosen, int blocks, cudaStream_t stream);
+    void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
+                   const ContactField<Dim>* contact);
+    FluidArgs<Real> fluid_args() const;
+    FluidGatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
+    void gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args, const Launch& launch);
     void refresh();
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
@@ -103,6 +109,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Event reported_;
 
     P2g<Real, Dim> p2g_ = nullptr;
+    P2gMean<Real, Dim> p2g_mean_ = nullptr;  ///< in its place where fluids want a mean
+    NodeMean mean_ = NodeMean::none;
+    Array<FluidTerms<Real>> fluid_;  ///< by body
+    Array<ExactSum> volumes_;        ///< of NodeVolumes
     std::unique_ptr<GatherKernel<Real, Dim>> gather_;
     std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
 

@@ -77,13 +77,13 @@ void DeviceEngine<Real, Dim>::sum() {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
         if (limiting) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
-        p2g_(view(), lists_.boundary(), p2g_grid<Dim>(boundary_blocks_), method_.cell, exchange_->stream);
+        sum_part(lists_.boundary(), boundary_blocks_, exchange_->stream);
         if (finding_)
             gpu::find_gaps(view(), scene_.shape, contact_, gaps_.boundary(), gaps_.tiles(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
     if (limiting) limit_depths(view(), contact_, gaps_.interior(), stream_);
-    p2g_(view(), lists_.interior(), p2g_grid<Dim>(interior_blocks()), method_.cell, stream_);
+    sum_part(lists_.interior(), interior_blocks(), stream_);
     if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_.interior(), gaps_.tiles(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     watch_.end(0, stream_);
@@ -158,18 +158,18 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     watch_.begin(1, stream_);
     if (step.structures) {
         const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
-        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_, &contact, gaps_.view());
+        run_nodes(args, step.quantum, marks, &contact);
         structures_.fetch(stream_);
     } else {
-        gpu::solve_nodes(view(), method_.stencil, args, step.quantum, marks, stream_);
+        run_nodes(args, step.quantum, marks, nullptr);
     }
     watch_.end(1, stream_);
     summed_ = false;
 }
 
 template <class Real, int Dim>
-GatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& round, const StepScales<Dim>& step) const {
-    GatherArgs<Real, Dim> args{};
+FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& round, const StepScales<Dim>& step) const {
+    FluidGatherArgs<Real, Dim> args{};
     args.ends = method_.ends;
     args.gather = round.gather;
     args.tpic = method_.tpic;
@@ -181,6 +181,7 @@ GatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& round, c
     args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
     if (limits(round))
         args.light = {stiffness_.data(), method_.limits, full_mass_, light_marks_.data(), limited_.data()};
+    args.fluid = fluid_args();
     args.gradient = gradient_.data();
     args.gradient_stride = static_cast<std::uint64_t>(particles_.capacity());
     return args;
@@ -188,7 +189,7 @@ GatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& round, c
 
 /// One part's particles: part 0 is the boundary, 1 the interior.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const GatherArgs<Real, Dim>& args,
+void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args,
                                           const Launch& launch) {
     const Chosen chosen = part == 0 ? lists_.boundary() : lists_.interior();
     const View<Real, Dim> v = view();
@@ -213,7 +214,7 @@ void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const Ga
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     watch_.begin(2, stream_);
-    const GatherArgs<Real, Dim> args = gather_args(round, step);
+    const FluidGatherArgs<Real, Dim> args = gather_args(round, step);
     if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);

@@ -99,6 +99,41 @@ double difference(std::map<Node<Dim>, NodeSums<Dim>> found, std::map<Node<Dim>, 
     return worst;
 }
 
+/// What the last lanes of force quads add up to at each node.
+template <class Real, int Dim, class Tiles>
+std::map<Node<Dim>, double> sums_of_mean(Sample<Real, Dim>& sample, const Tiles& lane) {
+    const int side = tile_side(sample.method.stencil.width), tile_nodes = power<Dim>(side);
+    std::map<Node<Dim>, double> nodes;
+    for (int b = 0; b < sample.patch.own(); ++b)
+        for (int n = 0; sample.patch.tile_of()[b] >= 0 && n < tile_nodes; ++n)
+            nodes[node_at(sample, sample.patch.table().position[b], n, side)] +=
+                double(lane(static_cast<std::size_t>(sample.patch.tile_of()[b] * tile_nodes + n)));
+    return nodes;
+}
+
+/// Largest difference of the device's mean from the host's, by the largest of those.
+template <class Real, int Dim>
+double difference_of_means(Sample<Real, Dim>& sample, NodeMean mean) {
+    const DeviceSample<Real, Dim> device(sample);
+    gpu::choose_p2g_mean<Real, Dim>(sample.scene.shape, sample.method.needs.affine)(
+        device.view, device.chosen, 5, {sample.method.cell, mean == NodeMean::volume}, nullptr);
+    gpu::check(cudaDeviceSynchronize(), "Particle to grid");
+    const std::vector<Quad<Real>> tiles = device.tiles();
+    auto call = sample.call();
+    call.mean = mean;
+    sample.method.kernels.p2g(call, sample.method.cell);
+    const Real* host = sample.patch.grid().tiles;
+    const auto found = sums_of_mean(sample, [&](std::size_t n) { return tiles[2 * n + 1][quad - 1]; });
+    double worst = 0, largest = 0;
+    for (const auto& [node, x] :
+         sums_of_mean(sample, [&](std::size_t n) { return host[n * node_reals + 2 * quad - 1]; })) {
+        test::widen(worst, std::fabs(found.at(node) - x));
+        test::widen(largest, std::fabs(x));
+    }
+    CHECK(largest > 0);
+    return worst / largest;
+}
+
 template <class Real>
 bool same_bits(const std::vector<Quad<Real>>& a, const std::vector<Quad<Real>>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
@@ -115,6 +150,13 @@ TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
 TEST_CASE_TEMPLATE("tiles written on the device add up to the plain sums over particles and nodes", C, EVERY_CASE) {
     each_method<C>([](auto& sample) {
         CHECK(difference<C::dim>(device_sums(sample), test::reference_sums(sample)) <= C::tolerance);
+    });
+}
+
+TEST_CASE_TEMPLATE("the means that fluids want are the host's sums", C, EVERY_CASE) {
+    each_method<C>([](auto& sample) {
+        CHECK(difference_of_means(sample, NodeMean::stress) <= C::tolerance);
+        CHECK(difference_of_means(sample, NodeMean::volume) <= C::tolerance);
     });
 }
 

@@ -15,6 +15,7 @@ namespace {
 struct Outcome {
     std::uint64_t hash;
     std::array<double, 6> budget;
+    double over_filling;
     RunCounts counts;
 };
 
@@ -33,6 +34,7 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
     return {state_hash(sim, true),
             {sum_of(sim, l.work), sum_of(sim, l.impulse[0]), sum_of(sim, l.impulse[1]), sum_of(sim, l.lost_mass),
              sum_of(sim, l.lost_momentum[0]), lost},
+            comm.exact_sum(sim.node_volumes().value()).over_filling(),
             counts};
 }
 
@@ -58,6 +60,7 @@ void compare(Scene scene, int steps) {
             scene.balance.interval = 10;
             const Outcome found = run<Real, Dim>(scene, all, device, steps);
             CHECK(found.hash == expected.hash);
+            CHECK(found.over_filling == expected.over_filling);
             for (std::size_t k = 0; k < expected.budget.size(); ++k) {
                 CAPTURE(k);
                 CHECK(found.budget[k] == expected.budget[k]);
@@ -100,6 +103,9 @@ TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, 
     Scene affine = test::slurry();
     affine.transfer = Transfer::apic;
     affine.stress_update = StressUpdate::musl;
+    compare<2>(affine, 40);
+    affine.transfer = Transfer::aflip;
+    affine.flip = 0.95;
     compare<2>(affine, 40);
     Scene series = test::slurry();
     series.transfer = Transfer::fmpm;
@@ -149,4 +155,21 @@ TEST_CASE("light nodes are limited alike whoever owns their tiles") {
         compare<2>(plane, 60);
         compare<3>(space, 40);
     }
+}
+
+TEST_CASE("pressures are smoothed and particles shifted alike whoever owns their nodes") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::aflip})
+        for (Precision precision : {Precision::single_, Precision::double_}) {
+            Scene plane = test::with_fluid_terms(test::slurry()), space = test::with_fluid_terms(test::fluid_column());
+            plane.transfer = space.transfer = transfer;
+            plane.precision = space.precision = precision;
+            compare<2>(plane, 60);
+            compare<3>(space, 30);
+        }
+    Scene slope = test::with_fluid_terms(test::layers_on_slope(2)),
+          film = test::with_fluid_terms(test::wet_spray(2, true));
+    slope.stress_update = StressUpdate::musl;
+    compare<2>(slope, 60);
+    film.transfer = Transfer::apic;
+    compare<2>(film, 60);
 }

@@ -63,10 +63,6 @@ WRONG_WORDS = {
     "an unknown partitioner": (["--partitioner", "mortn"], "morton"),
     "an unknown device": (["--device", "gpu"], "cuda"),
     "a device that is not built in": (["--device", "cuda"], "cuda"),
-    "aflip on a device": (["--set", "numerics.transfer=aflip", "--device", "cuda"], "devices do not have it"),
-    "shifting on a device": (
-        ["--set", "material.jelly.law=newtonian", "--set", "material.jelly.viscosity=1", "--set",
-         "material.jelly.particle_shifting=0.1", "--device", "cuda"], "devices do not have it"),
     "two scenes": (["other.toml"], "other.toml"),
 }
 
@@ -93,6 +89,22 @@ class BadInput(moraine.ProgramTest):
                 place = f"{path}:{text[:text.index(at)].count(chr(10)) + 1}: " if at else f"{path}:"
                 on = (None, 3) if name in FAULTS else (None,)
                 self.assert_refused("run", path, says=[place, *says], on=on)
+
+    def test_what_devices_do_not_have_is_refused(self):
+        mud = """[[material]]
+name = "mud"
+law = "newtonian"
+density = 1000.0
+young = 1.0e5
+poisson = 0.45
+viscosity = 1.0
+particle_shifting = 0.1
+[[body]]"""
+        scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
+        for shape in ("gimp", "gimp-contiguous", "cubic"):
+            self.assert_refused("run", scene, "--device", "cuda", "--set", f"numerics.shape={shape}", "--set",
+                                "material.jelly.volumetric=cell", says=["material.jelly.volumetric", "devices do not"],
+                                on=(None,))
 
     def test_wrong_words_on_the_command_line_are_named(self):
         scene = self.write(SMALL_SCENE)

@@ -9,9 +9,12 @@ namespace moraine::gpu {
 
 template <class Real, int Dim>
 struct Exchange {
-    /// Collective.
-    Exchange(const Comm& c, const TransportFactory& transports)
-        : comm(c), halo(transports.make(11)), migration(transports.make(12)), moves(c, transports.make(13)) {}
+    /// with_mean: of the halo's nodes. Collective.
+    Exchange(const Comm& c, const TransportFactory& transports, bool with_mean)
+        : comm(c),
+          halo(transports.make(11), with_mean),
+          migration(transports.make(12)),
+          moves(c, transports.make(13)) {}
 
     /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
     void open(const EpochTables<Dim>& tables, std::size_t structures, cudaStream_t steps) {

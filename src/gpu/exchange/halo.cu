@@ -48,12 +48,16 @@ __device__ __forceinline__ std::uint32_t near_tile(const GapRoute& g, const Rout
     return near;
 }
 
-template <class Real, int Dim>
+/// Reals of a node; with a mean it is the last of them.
+template <int Dim, bool Mean>
+inline constexpr int node_reals_sent = node_sums<Dim> + (Mean ? 1 : 0);
+
+template <class Real, int Dim, bool Mean>
 __host__ __device__ constexpr std::size_t bytes_before_gaps(std::size_t tiles, std::size_t nodes) {
-    return sizeof(MessageHead) + padded16(tiles) + padded16(nodes * node_sums<Dim> * sizeof(Real));
+    return sizeof(MessageHead) + padded16(tiles) + padded16(nodes * node_reals_sent<Dim, Mean> * sizeof(Real));
 }
 
-template <class Real, int Dim>
+template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(plan_threads)
     plan_send_kernel(Route route, const std::int32_t* tile_of, GapRoute g, std::byte* const* out, std::uint32_t* place,
                      Counters* counters) {
@@ -72,7 +76,7 @@ __global__ void __launch_bounds__(plan_threads)
     if (threadIdx.x > 0) return;
     const std::size_t tiles = route.peer_first[k + 1] - route.peer_first[k];
     const std::size_t bytes =
-        bytes_before_gaps<Real, Dim>(tiles, nodes) + padded16(std::size_t(gaps) * sizeof(NodeGap));
+        bytes_before_gaps<Real, Dim, Mean>(tiles, nodes) + padded16(std::size_t(gaps) * sizeof(NodeGap));
     *reinterpret_cast<MessageHead*>(out[k]) = {bytes, nodes};
     atomicAdd(reinterpret_cast<unsigned long long*>(&counters->halo_bytes), static_cast<unsigned long long>(bytes));
 }
@@ -93,13 +97,13 @@ __global__ void __launch_bounds__(plan_threads) plan_receive_kernel(Route route,
 }
 
 /// Calls f(a gap of tile t, its place in the message from `mail`) for each.
-template <class Real, int Dim, class Byte, class F>
+template <class Real, int Dim, bool Mean, class Byte, class F>
 __device__ __forceinline__ void each_gap(const Route& route, const GapRoute& g, int t, int tile_nodes,
                                          Byte* const* mail, const F& f) {
     const int k = route.peer[t];
     const std::size_t tiles = route.peer_first[k + 1] - route.peer_first[k];
     const auto nodes = static_cast<std::size_t>(reinterpret_cast<const MessageHead*>(mail[k])->count);
-    std::size_t at = bytes_before_gaps<Real, Dim>(tiles, nodes) + std::size_t(g.place[t]) * sizeof(NodeGap);
+    std::size_t at = bytes_before_gaps<Real, Dim, Mean>(tiles, nodes) + std::size_t(g.place[t]) * sizeof(NodeGap);
     const std::uint32_t first = route.node_first[t], count = route.node_first[t + 1] - first;
     for (int s = 0; s < g.gaps.structures; ++s) {
         const std::size_t block = static_cast<std::size_t>(g.first_block + route.block[t]);
@@ -112,30 +116,32 @@ __device__ __forceinline__ void each_gap(const Route& route, const GapRoute& g, 
     }
 }
 
-template <class Real, int Dim>
+template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(copy_threads)
     pack_gaps_kernel(Route route, GapRoute g, int tile_nodes, std::byte* const* out) {
     const int t = static_cast<int>(blockIdx.x);
     if (g.place[t] == nowhere) return;
-    each_gap<Real, Dim>(route, g, t, tile_nodes, out,
-                        [](const NodeGap& gap, std::byte* to) { *reinterpret_cast<NodeGap*>(to) = gap; });
+    each_gap<Real, Dim, Mean>(route, g, t, tile_nodes, out,
+                              [](const NodeGap& gap, std::byte* to) { *reinterpret_cast<NodeGap*>(to) = gap; });
 }
 
-template <class Real, int Dim>
+template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(copy_threads)
     unpack_gaps_kernel(Route route, GapRoute g, int tile_nodes, const std::byte* const* in) {
     const int t = static_cast<int>(blockIdx.x);
     if (g.place[t] == nowhere) return;
-    each_gap<Real, Dim>(route, g, t, tile_nodes, in,
-                        [](NodeGap& gap, const std::byte* from) { gap = *reinterpret_cast<const NodeGap*>(from); });
+    each_gap<Real, Dim, Mean>(route, g, t, tile_nodes, in, [](NodeGap& gap, const std::byte* from) {
+        gap = *reinterpret_cast<const NodeGap*>(from);
+    });
 }
 
 /// The values of a tile in its message.
-template <class Real, int Dim, class Byte>
+template <class Real, int Dim, bool Mean, class Byte>
 __device__ __forceinline__ auto* values_of(const Route& route, int t, Byte* const* mail, const std::uint32_t* place) {
     const int k = route.peer[t];
     const std::size_t tiles = route.peer_first[k + 1] - route.peer_first[k];
-    Byte* at = mail[k] + sizeof(MessageHead) + padded16(tiles) + std::size_t(place[t]) * node_sums<Dim> * sizeof(Real);
+    Byte* at = mail[k] + sizeof(MessageHead) + padded16(tiles) +
+               std::size_t(place[t]) * node_reals_sent<Dim, Mean> * sizeof(Real);
     if constexpr (std::is_const_v<Byte>)
         return reinterpret_cast<const Real*>(at);
     else
@@ -143,37 +149,41 @@ __device__ __forceinline__ auto* values_of(const Route& route, int t, Byte* cons
 }
 
 /// A thread per number: neighbours write neighbours, which the transport likes.
-template <class Real, int Dim>
+template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(copy_threads)
     pack_kernel(Route route, TileView<Real> grid, int tile_reals, const std::uint32_t* place, std::byte* const* out) {
-    constexpr int sums = node_sums<Dim>;
+    constexpr int sums = node_reals_sent<Dim, Mean>;
     const int t = static_cast<int>(blockIdx.x);
     if (place[t] == nowhere) return;
     const Real* from = grid.tiles + std::size_t(grid.tile_of[route.block[t]]) * std::size_t(tile_reals);
-    Real* to = values_of<Real, Dim>(route, t, out, place);
+    Real* to = values_of<Real, Dim, Mean>(route, t, out, place);
     const std::uint32_t first = route.node_first[t];
     const int numbers = static_cast<int>(route.node_first[t + 1] - first) * sums;
     for (int i = static_cast<int>(threadIdx.x); i < numbers; i += copy_threads) {
         const int n = i / sums, q = i % sums;
-        to[i] = from[route.node[first + n] * node_reals + (q <= Dim ? q : quad + q - Dim - 1)];
+        const int second = Mean && q == node_sums<Dim> ? quad - 1 : q - Dim - 1;
+        to[i] = from[route.node[first + n] * node_reals + (q <= Dim ? q : quad + second)];
     }
 }
 
-template <class Real, int Dim>
+template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileView<Real> grid, int tile_reals,
                                                               const std::uint32_t* place, const std::byte* const* in) {
-    constexpr int sums = node_sums<Dim>;
+    constexpr int sums = node_reals_sent<Dim, Mean>;
     const int t = static_cast<int>(blockIdx.x);
     if (place[t] == nowhere) return;
     Real* to = grid.tiles + std::size_t(route.block[t]) * std::size_t(tile_reals);
-    const Real* from = values_of<Real, Dim>(route, t, in, place);
+    const Real* from = values_of<Real, Dim, Mean>(route, t, in, place);
     const std::uint32_t first = route.node_first[t];
     const int numbers = static_cast<int>(route.node_first[t + 1] - first) * node_reals;
     for (int i = static_cast<int>(threadIdx.x); i < numbers; i += copy_threads) {
         const int n = i / node_reals, lane = i % quad, second = i % node_reals / quad;
         const bool sum = second ? lane < Dim : lane <= Dim;
+        const bool mean = Mean && second && lane == quad - 1;
         to[route.node[first + n] * node_reals + i % node_reals] =
-            sum ? from[n * sums + (second ? Dim + 1 + lane : lane)] : Real(0);
+            mean  ? from[n * sums + node_sums<Dim>]
+            : sum ? from[n * sums + (second ? Dim + 1 + lane : lane)]
+                  : Real(0);
     }
 }
 
@@ -182,7 +192,9 @@ __global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileV
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables, std::size_t structures) {
     const auto capacity = [&](const TileList& list) {
-        return bytes_before_gaps<Real, Dim>(list.block.size(), list.node.size()) +
+        const std::size_t tiles = list.block.size(), nodes = list.node.size();
+        return (with_mean_ ? bytes_before_gaps<Real, Dim, true>(tiles, nodes)
+                           : bytes_before_gaps<Real, Dim, false>(tiles, nodes)) +
                padded16(list.node.size() * structures * sizeof(NodeGap));
     };
     std::vector<TransportPeer> peers;
@@ -208,22 +220,46 @@ GapRoute gap_route(const DeviceGaps<Dim>* gaps, int first_block, const Array<std
 }  // namespace
 
 template <class Real, int Dim>
+template <bool Mean>
+void DeviceHalo<Real, Dim>::pack(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                                 int tile_side, Counters* counters, cudaStream_t stream) {
+    std::byte* const* out = transport_->outgoing();
+    const GapRoute g = gap_route(gaps, 0, gap_place_);
+    const int tile_nodes = power<Dim>(tile_side);
+    plan_send_kernel<Real, Dim, Mean><<<static_cast<unsigned>(send.peers), plan_threads, 0, stream>>>(
+        send, grid.tile_of, g, out, place_.data(), counters);
+    pack_kernel<Real, Dim, Mean><<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(
+        send, grid, tile_nodes * node_reals, place_.data(), out);
+    if (gaps)
+        pack_gaps_kernel<Real, Dim, Mean>
+            <<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(send, g, tile_nodes, out);
+    check(cudaGetLastError(), "Packing the halo");
+}
+
+template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
                                   int tile_side, Counters* counters, cudaStream_t stream) {
-    if (send.peers > 0) {
-        std::byte* const* out = transport_->outgoing();
-        const GapRoute g = gap_route(gaps, 0, gap_place_);
-        const int tile_nodes = power<Dim>(tile_side);
-        plan_send_kernel<Real, Dim><<<static_cast<unsigned>(send.peers), plan_threads, 0, stream>>>(
-            send, grid.tile_of, g, out, place_.data(), counters);
-        pack_kernel<Real, Dim><<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(
-            send, grid, tile_nodes * node_reals, place_.data(), out);
-        if (gaps)
-            pack_gaps_kernel<Real, Dim>
-                <<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(send, g, tile_nodes, out);
-        check(cudaGetLastError(), "Packing the halo");
-    }
+    if (send.peers > 0)
+        with_mean_ ? pack<true>(send, grid, gaps, tile_side, counters, stream)
+                   : pack<false>(send, grid, gaps, tile_side, counters, stream);
     transport_->start(stream);
+}
+
+template <class Real, int Dim>
+template <bool Mean>
+void DeviceHalo<Real, Dim>::unpack(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                                   std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream) {
+    const std::byte* const* in = transport_->incoming();
+    const GapRoute g = gap_route(gaps, own, gap_place_);
+    const int tile_nodes = power<Dim>(tile_side);
+    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(
+        receive, g, in, place_.data(), tile_of + own);
+    unpack_kernel<Real, Dim, Mean><<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(
+        receive, grid, tile_nodes * node_reals, place_.data(), in);
+    if (gaps)
+        unpack_gaps_kernel<Real, Dim, Mean>
+            <<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(receive, g, tile_nodes, in);
+    check(cudaGetLastError(), "Unpacking the halo");
 }
 
 template <class Real, int Dim>
@@ -231,17 +267,8 @@ void DeviceHalo<Real, Dim>::finish(const Route& receive, const TileView<Real>& g
                                    std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream) {
     transport_->finish(stream);
     if (receive.peers == 0) return;
-    const std::byte* const* in = transport_->incoming();
-    const GapRoute g = gap_route(gaps, own, gap_place_);
-    const int tile_nodes = power<Dim>(tile_side);
-    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(
-        receive, g, in, place_.data(), tile_of + own);
-    unpack_kernel<Real, Dim><<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(
-        receive, grid, tile_nodes * node_reals, place_.data(), in);
-    if (gaps)
-        unpack_gaps_kernel<Real, Dim>
-            <<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(receive, g, tile_nodes, in);
-    check(cudaGetLastError(), "Unpacking the halo");
+    with_mean_ ? unpack<true>(receive, grid, gaps, tile_of, own, tile_side, stream)
+               : unpack<false>(receive, grid, gaps, tile_of, own, tile_side, stream);
 }
 
 template class DeviceHalo<float, 2>;

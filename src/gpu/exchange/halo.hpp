@@ -2,9 +2,9 @@
 // The halo on devices: unsummed tiles travel as comm/halo.hpp has it, packed and unpacked by kernels.
 //
 // A message: its head, one byte per tile of the list (1: there is a tile), then node_sums reals for each node of those
-// that are there, padded to 16 bytes, then the gaps of the same nodes to each structure near their block, where gaps
-// are asked for. A kernel with a thread block per peer finds where each tile stands; then a thread block per tile
-// copies. The nodes read foreign tiles as those of ghost blocks.
+// that are there, one more where they have a mean, padded to 16 bytes, then the gaps of the same nodes to each
+// structure near their block, where gaps are asked for. A kernel with a thread block per peer finds where each tile
+// stands; then a thread block per tile copies. The nodes read foreign tiles as those of ghost blocks.
 
 #include "core/grid_views.hpp"
 #include "gpu/exchange/routes.hpp"
@@ -17,7 +17,9 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 class DeviceHalo {
   public:
-    explicit DeviceHalo(std::unique_ptr<Transport> transport) : transport_(std::move(transport)) {}
+    /// with_mean: nodes have one more real, the force quad's last lane (NodeMean).
+    DeviceHalo(std::unique_ptr<Transport> transport, bool with_mean)
+        : transport_(std::move(transport)), with_mean_(with_mean) {}
 
     /// For an epoch, with capacity for gaps to that many structures. Collective.
     void open(const EpochTables<Dim>& tables, std::size_t structures);
@@ -32,7 +34,15 @@ class DeviceHalo {
                 int own, int tile_side, cudaStream_t stream);
 
   private:
+    template <bool Mean>
+    void pack(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, int tile_side,
+              Counters* counters, cudaStream_t stream);
+    template <bool Mean>
+    void unpack(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, std::int32_t* tile_of,
+                int own, int tile_side, cudaStream_t stream);
+
     std::unique_ptr<Transport> transport_;
+    bool with_mean_;
     Array<std::uint32_t> place_;      ///< by tile of the way under work: nodes before it in its message
     Array<std::uint32_t> gap_place_;  ///< gaps before those of the tile
 };

@@ -2,9 +2,9 @@
 // What the kernels of one step see of one rank's share on the device. Plain pointers, by value.
 //
 // Numbers of blocks, cells, tiles, corners and neighbours are those of core/block.hpp, tables those of comm/epoch.hpp.
-// Tiles: [tile][node of tile][2 quads]: (mass, momentum), (force, 0); node values: [node block][node][2 quads]:
-// (v', 0), (dv, 0), and the mass in the last lane of the first where light nodes are marked. Only occupied blocks have
-// a tile; every node block of the epoch has node values.
+// Tiles: [tile][node of tile][2 quads]: (mass, momentum), (force, 0 or mean); node values: [node block][node][2 quads]:
+// (v', 0), (dv, 0), the mass in the last lane of the first where light nodes are marked, in the second's what fluids
+// want (nodes.hpp). Only occupied blocks have a tile; every node block of the epoch has node values.
 
 #include "core/exact_sum.hpp"
 #include "core/grid_views.hpp"

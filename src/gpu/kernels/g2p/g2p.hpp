@@ -5,7 +5,7 @@
 // Two ways to the stress. Fused: gather and law in one kernel, for what most runs are: hats or quadratic splines, with
 // splines also an affine field, all of a step in one round (USL), one material. Split: a gather that leaves
 // dL = dt grad v per list entry, and one stress launch per material. Which way a scene goes is decided once; the two
-// differ in rounding.
+// differ in rounding. Fluids that take more from the grid have instances of both (fluid.cuh).
 //
 // A launch is any number of thread blocks >= 1: items are taken in turn up to a count that the device knows.
 //
@@ -15,11 +15,13 @@
 #include <driver_types.h>
 
 #include <memory>
+#include <type_traits>
 
 #include "comm/fused_gather.hpp"
 #include "core/light_nodes.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
+#include "core/pressure_smoothing.hpp"
 #include "core/scene_spec.hpp"
 #include "gpu/kernels/view.hpp"
 
@@ -57,6 +59,22 @@ struct GatherArgs {
     std::uint64_t gradient_stride;  ///< list entries between components
 };
 
+/// For fluids that want it (core/pressure_smoothing.hpp, core/particle_shifting.hpp).
+template <class Real>
+struct FluidArgs {
+    const FluidTerms<Real>* by_body;  ///< on the device; null: of all particles the same
+    FluidTerms<Real> all;
+    bool shifts;  ///< in this step; nodes hold e_i then, else P_i (kernels/nodes/nodes.hpp)
+};
+
+/// With them; kernels of other scenes do not get them.
+template <class Real, int Dim>
+struct FluidGatherArgs : GatherArgs<Real, Dim> {
+    FluidArgs<Real> fluid;
+};
+template <class Real, int Dim, bool Fluid>
+using GatherArgsOf = std::conditional_t<Fluid, FluidGatherArgs<Real, Dim>, GatherArgs<Real, Dim>>;
+
 template <class Real, int Dim>
 struct StressArgs {
     Real dt;  ///< [s]
@@ -73,10 +91,10 @@ class GatherKernel {
   public:
     virtual ~GatherKernel() = default;
     /// Of all chosen blocks that are not limited.
-    virtual void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+    virtual void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
                      const Launch& launch) const = 0;
     /// Of limited blocks alone: the same, and what their light nodes cannot bear is taken from their gradients.
-    virtual void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+    virtual void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
                              const Launch& launch) const = 0;
 };
 
@@ -115,6 +133,12 @@ std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool 
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
                                                            bool affine);
+
+/// The same for a scene, or a material of quadratic splines, with fluid terms.
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fluid_gather(moraine::Shape shape, bool affine);
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_fluid_gather(const MaterialSpec& material, bool affine);
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);

@@ -5,6 +5,7 @@
 // that take means over cells (volumetric.cuh) are instances of their own: a branch cost the others a register too
 // many. So are those of blocks with light nodes (light.cuh), which ask at run time whether means are wanted.
 
+#include "gpu/kernels/g2p/fluid.cuh"
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/g2p/gather_affine.cuh"
 #include "gpu/kernels/g2p/light.cuh"
@@ -15,22 +16,26 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, bool Fluid>
 struct FusedGather {
     static_assert(!Affine || Shape::width == 3);
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
     using Tile = GatherTile<Real, Dim, Shape::width, !Affine>;
     using Rows = RowsAhead<Real, law_rows<Law, Dim>, 0, T::threads>;
-    struct Shared {
+    struct PlainShared {
         Rows rows;
         Tile tile;
         std::conditional_t<Light, LightShared<Real, Dim, Shape::width>, char> light;
         double sums[T::warps];
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
+    struct SharedWithFluid : PlainShared {
+        FluidShared<Real, Dim, Shape::width> fluid;
+    };
+    using Shared = std::conditional_t<Fluid, SharedWithFluid, PlainShared>;
     using V = View<Real, Dim>;
-    using Args = GatherArgs<Real, Dim>;
+    using Args = GatherArgsOf<Real, Dim, Fluid>;
     using U = Vec<Coordinate<Real>, Dim>;
 
     static __device__ __forceinline__ Gathered<Real, Dim, Affine> sums_of(const V& v, const Args& g, int block,
@@ -60,6 +65,7 @@ struct FusedGather {
             load_light_tile<Shape>(v, work.block, shared.light.tile);
             weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
         }
+        if constexpr (Fluid) load_fluid_tile<Shape>(v, work.block, shared.fluid.tile);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (averages(g))
@@ -69,12 +75,30 @@ struct FusedGather {
                 });
     }
 
+    static __device__ __forceinline__ PlaceStep<Real> move(const V& v, const Args& g, const Work& work, std::uint32_t k,
+                                                           const Gathered<Real, Dim, Affine>& sums, U& u,
+                                                           const Shared& shared) {
+        if constexpr (Fluid) {
+            Real velocity[Dim];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) velocity[a] = sums.velocity[a];
+            if (g.fluid.shifts) add_shift(v, g, work.block, g.fluid.all, shared.fluid, u, velocity);
+            return move_particle<Light>(v, g, work, k, velocity, u);
+        } else {
+            return move_particle<Light>(v, g, work, k, sums.velocity, u);
+        }
+    }
+
     static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
                                                            Real inverse_density, const Work& work, std::uint32_t k,
                                                            std::uint32_t s, int half, Shared& shared, Seen<Real>& tally,
                                                            double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
+        if constexpr (Fluid) {
+            p.row[p.place] = row(p.place);
+            find_fluid<Shape, Light>(v, g, g.fluid.all, place_of<Real, Dim>(p), zero_vec<Real, Dim>(), shared.fluid);
+        }
         p.row[p.place] = row(p.place);
         U u = place_of<Real, Dim>(p);
         auto sums = gather_limited<Shape, Light, Affine>(v, g, work.block, shared.light, s,
@@ -83,7 +107,7 @@ struct FusedGather {
         if constexpr (Averages)
             if (averages(g)) shared.means.put_rate(number_of<4, Real, Dim>(u), sums);
 
-        const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, sums.velocity, u);
+        const PlaceStep<Real> step = move(v, g, work, k, sums, u, shared);
         if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
         for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
@@ -104,6 +128,8 @@ struct FusedGather {
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
             for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
+        if constexpr (Fluid)
+            if (!g.fluid.shifts) smooth(g.fluid.all, g.dt, shared.fluid, p);
         const Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
         const std::uint32_t faults =
             step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
@@ -114,13 +140,14 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, int MinBlocks>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, bool Fluid,
+          int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
-              const __grid_constant__ GatherArgs<Real, Dim> g, const __grid_constant__ Law law,
+              const __grid_constant__ GatherArgsOf<Real, Dim, Fluid> g, const __grid_constant__ Law law,
               const Real inverse_density) {
     using T = Team<Dim>;
-    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages, Light>;
+    using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages, Light, Fluid>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -158,30 +185,31 @@ constexpr int fused_blocks() {
     return Averages ? blocks.averaged : blocks.plain;
 }
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Fluid = false>
 class FusedKernel final : public GatherKernel<Real, Dim> {
   public:
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
           kernel_(make<Averages, false>()),
-          limited_(make<true, Shape::width != 2>()) {}  // of hats nothing is limited
+          limited_(make<!Fluid, Shape::width != 2>()) {}  // of hats nothing is limited
 
-    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
         kernel_(launch, view, chosen, args, law_, inverse_density_);
     }
-    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
                      const Launch& launch) const override {
         limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args, law_, inverse_density_);
     }
 
   private:
-    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>, Law, Real>;
+    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgsOf<Real, Dim, Fluid>, Law, Real>;
     template <bool Mean, bool Light>
     static Kernel make() {
-        return {g2p_fused<Real, Dim, Shape, Law, Affine, Mean, Light, fused_blocks<Real, Law, Affine, Mean, Light>()>,
-                sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Mean, Light>::Shared),
+        return {g2p_fused<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid,
+                          fused_blocks<Real, Law, Affine, Mean, Light>()>,
+                sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid>::Shared),
                 "Launching the gather with stress"};
     }
 

@@ -5,12 +5,13 @@
 // which particles lie in memory.
 
 #include "gpu/kernels/g2p/find_limited.cuh"
+#include "gpu/kernels/g2p/fluid.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
 #include "gpu/kernels/launch.cuh"
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, bool Fluid>
 struct SplitGather {
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
@@ -19,14 +20,18 @@ struct SplitGather {
     static constexpr bool rolled = Light && Shape::width > 3;   ///< or registers spill in double
     using Tile = GatherTile<Real, Dim, Shape::width>;
     using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
-    struct Shared {
+    struct PlainShared {
         Rows rows;
         Tile tile;
         std::conditional_t<Light, LightShared<Real, Dim, Shape::width>, char> light;
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
+    struct SharedWithFluid : PlainShared {
+        FluidShared<Real, Dim, Shape::width> fluid;
+    };
+    using Shared = std::conditional_t<Fluid, SharedWithFluid, PlainShared>;
     using V = View<Real, Dim>;
-    using Args = GatherArgs<Real, Dim>;
+    using Args = GatherArgsOf<Real, Dim, Fluid>;
     using U = Vec<Coordinate<Real>, Dim>;
     using Sums = Gathered<Real, Dim, levers>;
 
@@ -42,7 +47,9 @@ struct SplitGather {
         return 0;
     }
 
-    static __device__ __forceinline__ bool averages(const Args& g) { return Averages && (!Light || g.averages); }
+    static __device__ __forceinline__ bool averages(const Args& g) {
+        return Averages && (!(Light || Fluid) || g.averages);
+    }
 
     /// The nodes of the block, and where they are wanted the means of its cells.
     static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
@@ -50,6 +57,7 @@ struct SplitGather {
             load_light_tile<Shape>(v, work.block, shared.light.tile);
             weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
         }
+        if constexpr (Fluid) load_fluid_tile<Shape>(v, work.block, shared.fluid.tile);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (averages(g) && (g.gather & gather_gradient))
@@ -103,11 +111,56 @@ struct SplitGather {
         return held;
     }
 
+    /// What a fluid's particle takes of the mean, before the gather.
+    static __device__ __forceinline__ void find_mean(const V& v, const Args& g, std::uint32_t s, int half,
+                                                     std::uint32_t body, Shared& shared) {
+        CoreRows<Real, Dim> p;
+        p.row[p.place] = shared.rows.take(half, T::rank(), place);
+        Vec<Real, Dim> size = zero_vec<Real, Dim>();
+        if constexpr (Shape::sized) {
+            Row<Real> stretch;
+            if (v.p.log_stretch) stretch = shared.rows.take(half, T::rank(), box);
+            for (int a = 0; a < Dim; ++a) size[a] = half_size(v, body, stretch, a);
+        }
+        find_fluid<Shape, (Light || Shape::width > 3)>(v, g, terms_of(v, g.fluid, s), place_of<Real, Dim>(p), size,
+                                                       shared.fluid);
+    }
+
+    /// Before the stress update, which is a launch of its own.
+    static __device__ __forceinline__ void take_pressure(const V& v, const Args& g, std::uint32_t s,
+                                                         const Shared& shared) {
+        const FluidTerms<Real> of = terms_of(v, g.fluid, s);
+        if (!(of.smoothing > Real(0))) return;
+        CoreRows<Real, Dim> p;
+        p.row[p.normal] = load_row(v.p.core[p.normal] + s);
+        if (p.ln_J_row != p.normal) p.row[p.ln_J_row] = load_row(v.p.core[p.ln_J_row] + s);
+        smooth(of, g.dt, shared.fluid, p);
+        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
+        if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
+    }
+
+    static __device__ __forceinline__ void move(const V& v, const Args& g, const Work& work, std::uint32_t k,
+                                                std::uint32_t s, const Sums& sums, U& u, const Shared& shared,
+                                                CoreRows<Real, Dim>& p, Seen<Real>& tally) {
+        Real velocity[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
+        if constexpr (Fluid)
+            if (g.fluid.shifts) add_shift(v, g, work.block, terms_of(v, g.fluid, s), shared.fluid, u, velocity);
+        const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, velocity, u);
+        if (step.moved > tally.moved) tally.moved = step.moved;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
+        store_row(v.p.core[p.place] + s, p.row[p.place]);
+        report(v, g, s, step.faults, step.move);
+    }
+
     /// The particle of list entry k in slot s.
     static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
                                                 std::uint32_t s, int half, std::uint32_t body, Shared& shared,
                                                 Seen<Real>& tally) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
+        if constexpr (Fluid) find_mean(v, g, s, half, body, shared);
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(place);
         Row<Real> stretch;
@@ -134,32 +187,24 @@ struct SplitGather {
                 store_affine(v, sums.gradient, s);
         }
         if (g.gather & gather_gradient) {
+            if constexpr (Fluid)
+                if (!g.fluid.shifts) take_pressure(v, g, s, shared);
             if constexpr (Shape::sized)
                 if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
             if constexpr (Averages)
                 if (averages(g) && (!g.averaged || g.averaged[v.p.body[s]])) take_means(v, s, row(place), shared, sums);
             store_gradient(v, g, sums, k);
         }
-        if (moves_particles(g.gather)) {
-            Real velocity[Dim];
-#pragma unroll
-            for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
-            const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, velocity, u);
-            if (step.moved > tally.moved) tally.moved = step.moved;
-#pragma unroll
-            for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
-            store_row(v.p.core[p.place] + s, p.row[p.place]);
-            report(v, g, s, step.faults, step.move);
-        }
+        if (moves_particles(g.gather)) move(v, g, work, k, s, sums, u, shared, p, tally);
     }
 };
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, int MinBlocks>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, bool Fluid, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
-              const __grid_constant__ GatherArgs<Real, Dim> g) {
+              const __grid_constant__ GatherArgsOf<Real, Dim, Fluid> g) {
     using T = Team<Dim>;
-    using S = SplitGather<Real, Dim, Shape, Affine, Averages, Light>;
+    using S = SplitGather<Real, Dim, Shape, Affine, Averages, Light, Fluid>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
     Seen<Real> tally;
@@ -181,34 +226,36 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
-template <class Real, class Shape, bool Affine, bool Averages, bool Light>
+template <class Real, class Shape, bool Affine, bool Averages, bool Light, bool Fluid>
 constexpr int split_blocks() {
     if (Light) return light_blocks;
     constexpr bool large = Shape::sized || Shape::width > 3;
-    if (sizeof(Real) == 8) return Affine || (Averages && large) ? 2 : 3;
+    if (sizeof(Real) == 8) return Affine || ((Averages || Fluid) && large) ? 2 : 3;
     return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
 }
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Fluid = false>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
-    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<true, Shape::width != 2>()) {}
+    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<(Averages || !Fluid), Shape::width != 2>()) {}
 
-    void run(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
+    void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
         kernel_(launch, view, chosen, args);
     }
-    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const GatherArgs<Real, Dim>& args,
+    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
                      const Launch& launch) const override {
         limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args);
     }
 
   private:
-    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgs<Real, Dim>>;
+    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgsOf<Real, Dim, Fluid>>;
     template <bool Mean, bool Light>
     static Kernel make() {
-        return {g2p_split<Real, Dim, Shape, Affine, Mean, Light, split_blocks<Real, Shape, Affine, Mean, Light>()>,
-                sizeof(typename SplitGather<Real, Dim, Shape, Affine, Mean, Light>::Shared), "Launching the gather"};
+        return {g2p_split<Real, Dim, Shape, Affine, Mean, Light, Fluid,
+                          split_blocks<Real, Shape, Affine, Mean, Light, Fluid>()>,
+                sizeof(typename SplitGather<Real, Dim, Shape, Affine, Mean, Light, Fluid>::Shared),
+                "Launching the gather"};
     }
 
     Kernel kernel_, limited_;

@@ -97,9 +97,8 @@ __device__ __forceinline__ void take_steps(StepTile<Real, Dim, Width, Change>& t
     Team<Dim>::sync();
 }
 
-template <class Real, int Dim, int Width, bool Change>
-__device__ __forceinline__ void set_ghosts(const View<Real, Dim>& v, int block, int origin,
-                                           NodeTile<Real, Dim, Width, Change>& tile) {
+template <int Width, class Real, int Dim, class Tile>
+__device__ __forceinline__ void set_ghosts(const View<Real, Dim>& v, int block, int origin, Tile& tile) {
     constexpr int side = tile_side(Width), lines = power<Dim>(side) / side;
     int stride = 1;
     for (int a = 0; a < Dim; ++a, stride *= side)
@@ -150,7 +149,7 @@ __device__ __forceinline__ void load_tile(const View<Real, Dim>& v, int block, T
         nodes.set(n, x);
     }
     Team<Dim>::sync();
-    if (Shape::width > 2 && v.table.border[block]) set_ghosts(v, block, Shape::origin, nodes);
+    if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, nodes);
     take_steps(tile);
 }
 

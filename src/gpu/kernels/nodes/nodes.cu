@@ -1,25 +1,6 @@
 #include "gpu/kernels/nodes/nodes.cuh"
-#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
-
-namespace {
-
-template <bool Contact, bool Marks, class Real, int Dim>
-void run_nodes(const NodeWork<Real, Dim>& work, int width, cudaStream_t stream) {
-    constexpr int blocks = node_threads / Block<Dim>::cells;
-    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
-    if (grid == 0) return;
-    if (width == 2)
-        nodes_kernel<Real, Dim, 2, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
-    else if (width == 3)
-        nodes_kernel<Real, Dim, 3, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
-    else
-        nodes_kernel<Real, Dim, 4, Contact, Marks><<<grid, node_threads, 0, stream>>>(work);
-    check(cudaGetLastError(), "Solving nodes");
-}
-
-}  // namespace
 
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
@@ -28,11 +9,11 @@ void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const Node
     const NodeWork<Real, Dim> work{
         view, round, stencil.origin, quantum, marks, contact ? *contact : ContactField<Dim>{}, gaps};
     if (contact)
-        marks.of ? run_nodes<true, true>(work, stencil.width, stream)
-                 : run_nodes<true, false>(work, stencil.width, stream);
+        marks.of ? run_nodes<Real, Dim, true, true, false>(work, stencil.width, stream)
+                 : run_nodes<Real, Dim, true, false, false>(work, stencil.width, stream);
     else
-        marks.of ? run_nodes<false, true>(work, stencil.width, stream)
-                 : run_nodes<false, false>(work, stencil.width, stream);
+        marks.of ? run_nodes<Real, Dim, false, true, false>(work, stencil.width, stream)
+                 : run_nodes<Real, Dim, false, false, false>(work, stencil.width, stream);
 }
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).

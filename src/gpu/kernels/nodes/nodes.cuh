@@ -6,6 +6,7 @@
 
 #include "gpu/kernels/account.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 
@@ -21,6 +22,14 @@ struct NodeWork {
     ContactField<Dim> contact;
     GapTiles gaps;
 };
+
+/// With what fluids want; nodes of other scenes do not get it.
+template <class Real, int Dim>
+struct FluidNodeWork : NodeWork<Real, Dim> {
+    NodeFluid<Real, Dim> fluid;
+};
+template <class Real, int Dim, bool Fluid>
+using NodeWorkOf = std::conditional_t<Fluid, FluidNodeWork<Real, Dim>, NodeWork<Real, Dim>>;
 
 /// Whether a structure is near the node block c. Others look at none.
 template <class Real, int Dim>
@@ -100,9 +109,26 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
     return counted_by >= 0 && ((around.own >> counted_by) & 1);
 }
 
+/// P_i or e_i of a node of the node block c; total: s_i.
+template <int Width, bool Contact, class Real, int Dim>
+__device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, int c, const int (&node)[Dim],
+                                             Real mass, Real total) {
+    const bool solid = mass > w.round.mass_cutoff;
+    if (!w.fluid.shifts) return solid ? total / mass : Real(0);
+    if constexpr (Contact) {
+        constexpr double reach = 0.5 * Width;
+        int lowest[Dim];
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
+        if (structure_within(w.contact, lowest, Block<Dim>::side, reach) && reaches_structure(w.contact, node, reach))
+            return at_structure<Real>;
+    }
+    return node_excess(solid ? total * w.fluid.inverse_volume : Real(0), w.fluid.capacity.of(node));
+}
+
 /// One node: its values, and what damping and walls gave it if it is counted here.
-template <int Width, bool Contact, bool Marks, class Real, int Dim>
-__device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
+template <int Width, bool Contact, bool Marks, bool Fluid, class Real, int Dim>
+__device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w, int c, int n, const Quad<Real>& sums,
                                            const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
     const bool counting = counts(w.round.task) && counted;
@@ -138,6 +164,7 @@ __device__ __forceinline__ void solve_node(const NodeWork<Real, Dim>& w, int c, 
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
     if constexpr (Marks) first[quad - 1] = sums[0];
+    if constexpr (Fluid) second[quad - 1] = mean_of_node<Width, Contact>(w, c, node, sums[0], force[quad - 1]);
     store_row(out, first);
     store_row(out + 1, second);
 }
@@ -153,23 +180,40 @@ __device__ __forceinline__ void mark_light(const LightMarks<Real>& marks, int c,
     marks.of[c * light_marks<Dim> + n / 32] = (light >> lane & mine) != 0;
 }
 
-/// Marks: light nodes are marked, and masses left for the gather. Three thread blocks of a multiprocessor: without a
+/// Marks: light nodes are marked, and masses left for the gather; where fluids want more, only if they are asked for.
+/// Three thread blocks of a multiprocessor: without a
 /// number, and with four, the compiler spilled a register or two.
-template <class Real, int Dim, int Width, bool Contact, bool Marks>
+template <class Real, int Dim, int Width, bool Contact, bool Marks, bool Fluid>
 __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
-    nodes_kernel(const __grid_constant__ NodeWork<Real, Dim> w) {
+    nodes_kernel(const __grid_constant__ NodeWorkOf<Real, Dim, Fluid> w) {
     constexpr int cells = Block<Dim>::cells;
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
     const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-    if (Marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
+    const bool marks = Marks && (!Fluid || w.marks.of);
+    if (marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
     if (__all_sync(all_lanes, around.own == 0)) return;
     Quad<Real> sums, force;
     const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
     ExactSum impulse[Dim];
-    if constexpr (Marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
-    if (around.own != 0) solve_node<Width, Contact, Marks>(w, c, n, sums, force, counted, impulse);
+    if constexpr (Marks)
+        if (marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+    if (around.own != 0) solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, impulse);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+}
+
+template <class Real, int Dim, bool Contact, bool Marks, bool Fluid>
+void run_nodes(const NodeWorkOf<Real, Dim, Fluid>& work, int width, cudaStream_t stream) {
+    constexpr int blocks = node_threads / Block<Dim>::cells;
+    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
+    if (grid == 0) return;
+    if (width == 2)
+        nodes_kernel<Real, Dim, 2, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
+    else if (width == 3)
+        nodes_kernel<Real, Dim, 3, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
+    else
+        nodes_kernel<Real, Dim, 4, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
+    check(cudaGetLastError(), "Solving nodes");
 }
 
 }  // namespace moraine::gpu

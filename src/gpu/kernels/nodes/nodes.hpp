@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/nodes.hpp"
+#include "core/particle_shifting.hpp"
 #include "core/shape.hpp"
 #include "core/structure_set.hpp"
 #include "gpu/kernels/view.hpp"
@@ -57,10 +58,25 @@ struct LightMarks {
 template <int Dim>
 inline constexpr int light_marks = Block<Dim>::cells < 32 ? 1 : Block<Dim>::cells / 32;
 
+/// What nodes leave in the last lane of their values for fluids that want it: P_i, the mean over mass of their
+/// particles' mean stress, or in steps that shift e_i (core/particle_shifting.hpp).
+template <class Real, int Dim>
+struct NodeFluid {
+    bool shifts;
+    NodeCapacity<Real, Dim> capacity;
+    Real inverse_volume;  ///< 1 / h^d [1/m3]
+};
+
 /// `contact`: null where the scene has no structures; else with the gaps to them.
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                  const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
                  const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
+
+/// The same, and what fluids want.
+template <class Real, int Dim>
+void solve_fluid_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
+                       const Quantum& quantum, const LightMarks<Real>& marks, const NodeFluid<Real, Dim>& fluid,
+                       cudaStream_t stream, const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
 
 }  // namespace moraine::gpu

@@ -20,11 +20,12 @@ struct CellList {
 template <class Case>
 struct Lists {
     CellList cell[Case::cells];
-    std::uint32_t most[Case::cells / 32];                  ///< in the fullest cell of each warp
-    std::uint32_t group;                                   ///< of `blocks` chosen blocks
-    int block[Case::blocks];                               ///< or -1
-    bool border[Case::blocks];                             ///< the tile's ghosts are to be folded
-    std::uint16_t ghosts[Case::affine ? Case::cells : 1];  ///< of each cell's stencil, 3 bits per axis
+    std::uint32_t most[Case::cells / 32];                       ///< in the fullest cell of each warp
+    std::uint32_t group;                                        ///< of `blocks` chosen blocks
+    int block[Case::blocks];                                    ///< or -1
+    bool border[Case::blocks];                                  ///< the tile's ghosts are to be folded
+    std::uint16_t ghosts[Case::affine ? Case::cells : 1];       ///< of each cell's stencil, 3 bits per axis
+    typename Case::Real resting[Case::mean ? Case::cells : 1];  ///< rho g.x of each cell's stencil [Pa]
 
     __device__ std::uint32_t fullest() const { return max(most[0], most[1]); }
     __device__ bool any_border() const {
@@ -42,21 +43,23 @@ __device__ __forceinline__ std::uint32_t count_now(const Chosen& chosen) {
 }
 
 /// What a thread finds of its cell: all that is known of the block in one round trip to memory.
+template <class Real>
 struct Found {
     CellList list{0, 0};
     int block = -1;
     bool border = false;
     unsigned ghosts = 0;
+    Real resting = 0;
 };
 
 /// This thread's cell among blocks group * blocks, ... of the chosen ones.
 template <class Case>
-__device__ __forceinline__ Found find_cell(const View<typename Case::Real, Case::dim>& v, const Chosen& chosen,
-                                           std::uint32_t group) {
+__device__ __forceinline__ Found<typename Case::Real> find_cell(const View<typename Case::Real, Case::dim>& v,
+                                                                const Chosen& chosen, std::uint32_t group) {
     constexpr int cells = Block<Case::dim>::cells;
     const unsigned t = thread_now(), c = t % cells;
     const std::uint32_t item = group * Case::blocks + t % Case::cells / cells;
-    Found f;
+    Found<typename Case::Real> f;
     if (Case::blocks == 1 || item < count_now(chosen)) {
         f.block = chosen.block[item];
         const std::uint32_t* at = v.list.cell_first + std::size_t(f.block) * (cells + 1) + c;
@@ -71,6 +74,14 @@ __device__ __forceinline__ Found find_cell(const View<typename Case::Real, Case:
             }
             f.border = false;
         }
+        if constexpr (Case::mean) {
+#pragma unroll
+            for (int a = 0; a < Case::dim; ++a) {
+                const int base = first_node<typename Case::Shape>(v.table.position[f.block][a]) +
+                                 cell_coordinate<Case::dim>(int(c), a);
+                f.resting += v.context.gravity_slope[a] * typename Case::Real(base);
+            }
+        }
         f.list = {begin + from, to - from};
     }
     return f;
@@ -78,11 +89,12 @@ __device__ __forceinline__ Found find_cell(const View<typename Case::Real, Case:
 
 /// Tells the thread block; complete after a barrier.
 template <class Case>
-__device__ __forceinline__ void publish(const Found& f, std::uint32_t group, Lists<Case>& lists) {
+__device__ __forceinline__ void publish(const Found<typename Case::Real>& f, std::uint32_t group, Lists<Case>& lists) {
     const unsigned t = thread_now();
     if (t >= Case::cells) return;
     lists.cell[t] = f.list;
     if constexpr (Case::affine) lists.ghosts[t] = static_cast<std::uint16_t>(f.ghosts);
+    if constexpr (Case::mean) lists.resting[t] = f.resting;
     const std::uint32_t most = __reduce_max_sync(0xffffffffu, f.list.count);
     if (t % 32 == 0) lists.most[t / 32] = most, lists.group = group;
     constexpr unsigned cells = Block<Case::dim>::cells;
@@ -112,8 +124,8 @@ struct Pass {
     }
 
     /// Sums all rounds, the first of which were started; ends with a barrier, after which `shared` is free.
-    static __device__ __forceinline__ void sum(const View<Real, Case::dim>& v, const Lists<Case>& lists, Real h,
-                                               uint4* shared, SliceSums<Case>& sums) {
+    static __device__ __forceinline__ void sum(const View<Real, Case::dim>& v, const Lists<Case>& lists,
+                                               const typename Case::Scale& h, uint4* shared, SliceSums<Case>& sums) {
         each_sum(sums, [](auto& s) { clear(s); });
         const SliceWeight<Case> slice(int(thread_now() / Case::cells));
 #pragma unroll 1
@@ -134,7 +146,7 @@ struct Pass {
 #pragma unroll 1
             for (const uint4* at = round + cell; at < end; at += Case::cells)
                 add_particle<Case, Momentum, Force>(R::read(at), slice, Case::affine ? lists.ghosts[cell] : 0,
-                                                    v.context.inverse_cell, h, sums);
+                                                    v.context, h, lists.resting[Case::mean ? cell : 0], sums);
         }
         __syncthreads();
         if constexpr (Case::middle_is_rest) each_sum(sums, [](auto& s) { take_outer_from_middle<Case>(s); });
@@ -158,6 +170,7 @@ struct Pass {
             if (Momentum) f(sums.momentum[q]);
             if (Force) f(sums.force[q]);
         }
+        if constexpr (Force && Case::mean) f(sums.mean);
     }
 };
 
@@ -183,14 +196,14 @@ constexpr int shared_bytes() {
 template <class Case, int Passes, int Stages, int Resident>
 __global__ void __launch_bounds__(Case::threads, Resident)
     particles_to_grid(const __grid_constant__ View<typename Case::Real, Case::dim> v,
-                      const __grid_constant__ Chosen chosen, const typename Case::Real h) {
+                      const __grid_constant__ Chosen chosen, const typename Case::Scale h) {
     using Real = typename Case::Real;
     extern __shared__ uint4 shared[];
     __shared__ Lists<Case> lists;
     Real* planes = reinterpret_cast<Real*>(shared + planes_from<Case, Passes, Stages>() / 16);
 #pragma unroll 1
     for (std::uint32_t group = blockIdx.x; group * Case::blocks < count_now(chosen);) {
-        const Found found = find_cell<Case>(v, chosen, group);
+        const Found<Real> found = find_cell<Case>(v, chosen, group);
         SliceSums<Case> sums;
         if constexpr (Passes == 1) {
             using All = Pass<Case, Stages, true, true>;

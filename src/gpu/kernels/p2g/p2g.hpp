@@ -15,6 +15,15 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 using P2g = void (*)(const View<Real, Dim>&, const Chosen&, int grid_blocks, Real cell, cudaStream_t);
 
+/// With the mean in the force quad's last lane, for scenes whose fluids want it (core/grid_views.hpp).
+template <class Real>
+struct MeanScale {
+    Real cell;     ///< h [m]
+    bool volumes;  ///< NodeMean::volume, else NodeMean::stress
+};
+template <class Real, int Dim>
+using P2gMean = void (*)(const View<Real, Dim>&, const Chosen&, int grid_blocks, MeanScale<Real>, cudaStream_t);
+
 /// Thread blocks that have one item each when there are at most `blocks` chosen ones: the fastest, since the device
 /// then hands out items as thread blocks end. One too many costs half a nanosecond.
 template <int Dim>
@@ -25,5 +34,7 @@ constexpr int p2g_grid(int blocks) {
 /// The launcher of a scene, made ready on the current device. Throws MachineError.
 template <class Real, int Dim>
 P2g<Real, Dim> choose_p2g(Shape shape, bool affine);
+template <class Real, int Dim>
+P2gMean<Real, Dim> choose_p2g_mean(Shape shape, bool affine);
 
 }  // namespace moraine::gpu

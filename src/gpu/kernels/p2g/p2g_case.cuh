@@ -4,17 +4,22 @@
 // A slice is one layer of the stencil across the last axis: `lines` lines of `width` nodes. One thread sums one slice
 // of one cell. A thread block has the 64 cells of one block in 3-D, of four in 2-D, times `width` slices.
 
+#include <type_traits>
+
 #include "core/shape.hpp"
-#include "gpu/kernels/view.hpp"
+#include "gpu/kernels/p2g/p2g.hpp"
 
 namespace moraine::gpu {
 
-template <class R, int D, class S, bool A>
+/// Mean: the nodes' s_i is summed besides, for fluids that want it (core/p2g.hpp).
+template <class R, int D, class S, bool A, bool Mean = false>
 struct P2gCase {
     using Real = R;
+    using Scale = std::conditional_t<Mean, MeanScale<R>, R>;
     using Shape = S;
     static constexpr int dim = D;
     static constexpr bool affine = A;
+    static constexpr bool mean = Mean;
     static constexpr int width = S::width;
     static constexpr int cells = 64;                        ///< of a thread block
     static constexpr int blocks = cells / Block<D>::cells;  ///< of a thread block
@@ -28,6 +33,15 @@ struct P2gCase {
     static constexpr bool middle_is_rest = width == 3;
     static constexpr bool is_rest(int i) { return middle_is_rest && i == 1; }
 };
+
+template <class Real>
+__device__ __forceinline__ Real cell_of(Real cell) {
+    return cell;
+}
+template <class Real>
+__device__ __forceinline__ Real cell_of(const MeanScale<Real>& scale) {
+    return scale.cell;
+}
 
 /// Index of this thread in its block, read anew: what is derived from it need not stay in registers through the sums.
 __device__ __forceinline__ unsigned thread_now() {

@@ -17,16 +17,19 @@ struct P2gPlan {
 template <class Case>
 constexpr P2gPlan p2g_plan() {
     constexpr bool single = sizeof(typename Case::Real) == 4, flat = Case::dim == 2;
-    constexpr bool halved = !flat && single && Case::width == 3 && Case::affine && !Case::Shape::sized;  // two passes
-    constexpr bool heavy = (Case::affine && !halved) || (Case::Shape::sized && !single);
+    constexpr bool many = Case::affine || Case::mean;                                            // sums in one pass
+    constexpr bool halved = !flat && single && Case::width == 3 && many && !Case::Shape::sized;  // two passes
+    constexpr bool heavy = (many && !halved) || (Case::Shape::sized && !single);
     constexpr int resident[2][2][3][2] = {
         // width 2, 3, 4: light and heavy
         {{{8, 8}, {7, 5}, {5, 4}}, {{6, 6}, {5, 3}, {3, 2}}},  // 2-D: single, double
         {{{8, 8}, {3, 2}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
     };
     const bool two = halved || (!flat && (Case::width == 4 || (Case::width == 3 && !single)));
-    const bool deep = !flat && (single ? Case::width == 3 && !Case::affine : Case::width == 4);
-    return {two ? 2 : 1, deep ? 3 : 2, resident[Case::dim - 2][single ? 0 : 1][Case::width - 2][heavy ? 1 : 0]};
+    const bool deep = !flat && (single ? Case::width == 3 && !many : Case::width == 4);
+    const bool tight = flat && !single && Case::width == 3 && Case::affine && Case::mean;  // a register too many
+    return {two ? 2 : 1, deep ? 3 : 2,
+            resident[Case::dim - 2][single ? 0 : 1][Case::width - 2][heavy ? 1 : 0] - (tight ? 1 : 0)};
 }
 
 template <class Case>
@@ -36,35 +39,46 @@ struct P2gLaunch {
     static constexpr int bytes = shared_bytes<Case, plan.passes, plan.stages>();
     static constexpr auto kernel = particles_to_grid<Case, plan.passes, plan.stages, plan.resident>;
 
-    static void run(const View<Real, Case::dim>& view, const Chosen& chosen, int grid_blocks, Real cell,
-                    cudaStream_t stream) {
-        kernel<<<grid_blocks, Case::threads, bytes, stream>>>(view, chosen, cell);
+    static void run(const View<Real, Case::dim>& view, const Chosen& chosen, int grid_blocks,
+                    typename Case::Scale scale, cudaStream_t stream) {
+        kernel<<<grid_blocks, Case::threads, bytes, stream>>>(view, chosen, scale);
         check(cudaGetLastError(), "Launching particle to grid");
     }
-    static P2g<Real, Case::dim> ready() {
+    static auto ready() {
         check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, bytes),
               "Asking for the shared memory of particle to grid");
         return run;
     }
 };
 
-template <class Real, int Dim, class S>
-P2g<Real, Dim> ready_p2g(bool affine) {
-    return affine ? P2gLaunch<P2gCase<Real, Dim, S, true>>::ready() : P2gLaunch<P2gCase<Real, Dim, S, false>>::ready();
+template <class Real, int Dim, class S, bool Mean>
+auto ready_p2g(bool affine) {
+    return affine ? P2gLaunch<P2gCase<Real, Dim, S, true, Mean>>::ready()
+                  : P2gLaunch<P2gCase<Real, Dim, S, false, Mean>>::ready();
+}
+
+template <class Real, int Dim, bool Mean>
+auto choose_launch(Shape shape, bool affine) {
+    switch (shape) {
+        case Shape::linear:
+            return ready_p2g<Real, Dim, Linear, Mean>(affine);
+        case Shape::quadratic:
+            return ready_p2g<Real, Dim, Quadratic, Mean>(affine);
+        case Shape::cubic:
+            return ready_p2g<Real, Dim, Cubic, Mean>(affine);
+        default:
+            return ready_p2g<Real, Dim, Gimp, Mean>(affine);
+    }
 }
 
 template <class Real, int Dim>
 P2g<Real, Dim> choose_p2g(Shape shape, bool affine) {
-    switch (shape) {
-        case Shape::linear:
-            return ready_p2g<Real, Dim, Linear>(affine);
-        case Shape::quadratic:
-            return ready_p2g<Real, Dim, Quadratic>(affine);
-        case Shape::cubic:
-            return ready_p2g<Real, Dim, Cubic>(affine);
-        default:
-            return ready_p2g<Real, Dim, Gimp>(affine);
-    }
+    return choose_launch<Real, Dim, false>(shape, affine);
+}
+
+template <class Real, int Dim>
+P2gMean<Real, Dim> choose_p2g_mean(Shape shape, bool affine) {
+    return choose_launch<Real, Dim, true>(shape, affine);
 }
 
 }  // namespace moraine::gpu

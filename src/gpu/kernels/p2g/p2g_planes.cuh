@@ -1,9 +1,10 @@
 #pragma once
 // From the sums of cells to the tile of a block, in shared memory and a fixed order, without atomics.
 //
-// A part is one quad of each node: (mass, momentum) or (force, 0). It has a plane of nodes (2-D: a line) for each
-// slice k and each layer of cells across the last axis. No two warps share a plane, and at one node of the slice all
-// cells of a warp write different nodes. A node of the tile is the sum of its planes in the order of k.
+// A part is one quad of each node: (mass, momentum) or (force, 0), with the mean in the last lane where it is wanted.
+// It has a plane of nodes (2-D: a line) for each slice k and each layer of cells across the last axis. No two warps
+// share a plane, and at one node of the slice all cells of a warp write different nodes. A node of the tile is the sum
+// of its planes in the order of k.
 
 #include "gpu/kernels/p2g/p2g_slice.cuh"
 
@@ -73,9 +74,10 @@ __device__ __forceinline__ void add_to_planes(const SliceSums<Case>& s, int k, i
                                     Row<Real>{s.mass[n], s.momentum[0][n], s.momentum[1][n],
                                               Case::dim == 3 ? s.momentum[last][n] : Real(0)});
         if (Force)
-            add_quad<Case::dim>(
+            add_quad<(Case::mean ? quad : Case::dim)>(
                 to + (Momentum ? P::part : 0), fresh,
-                Row<Real>{s.force[0][n], s.force[1][n], Case::dim == 3 ? s.force[last][n] : Real(0), Real(0)});
+                Row<Real>{s.force[0][n], s.force[1][n], Case::dim == 3 ? s.force[last][n] : Real(0),
+                          Case::mean ? s.mean[n % (Case::mean ? Case::nodes : 1)] : Real(0)});
         __syncwarp();
     }
 }

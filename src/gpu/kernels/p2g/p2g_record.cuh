@@ -42,7 +42,9 @@ struct Record {
         return row == Core::place || (row == Core::motion ? Momentum : Force);
     }
     /// 3-D: the volume is in the motion row; where no other of that row is needed it comes in place of the mass.
-    static constexpr bool volume_for_mass = Case::dim == 3 && !Momentum;
+    static constexpr bool volume_for_mass = Case::dim == 3 && !Momentum && !Case::mean;
+    /// Or of the scalar of history, where the mass is needed too.
+    static constexpr bool volume_for_history = Case::dim == 3 && !Momentum && Case::mean;
     /// Needed rows before this one.
     static constexpr int place_of(int row) {
         int n = 0;
@@ -59,7 +61,12 @@ struct Record {
             copy_place(v, s, to);
         else
             copy_row<Core::place>(v.p.core[Core::place], s, to);
-        each_row<1, first_affine>([&](auto r) { copy_row<r>(v.p.core[r], s, to); });
+        each_row<1, first_affine>([&](auto r) {
+            if constexpr (volume_for_history && r == Core::shear)
+                copy_shear(v, s, to);
+            else
+                copy_row<r>(v.p.core[r], s, to);
+        });
         each_row<first_affine, half>([&](auto r) { copy_row<r>(v.p.affine[r - first_affine], s, to); });
         if constexpr (Case::Shape::sized) {
             if (v.p.log_stretch) copy_row<half>(v.p.log_stretch, s, to);
@@ -90,6 +97,7 @@ struct Record {
         Particle<Case> p;
         each_row<0, first_affine>([&](auto r) { p.core.row[r] = read_row<r>(from); });
         if constexpr (volume_for_mass) p.core.volume() = p.core.mass();
+        if constexpr (volume_for_history) p.core.volume() = p.core.history();
         each_row<first_affine, half>([&](auto r) { p.affine[r - first_affine] = read_row<r>(from); });
         each_row<half, half + 1>([&](auto r) { p.half = read_row<r>(from); });
         each_row<quarter, all>([&](auto r) { p.quarter = read_row<r>(from); });
@@ -114,6 +122,16 @@ struct Record {
         const Real* from = v.p.core[Core::place][s].e;
         Real* end = reinterpret_cast<Real*>(to + last) + (size == 4 ? 2 : 0);
         copy_async<2 * size>(to, from);
+        copy_async<size>(end, from + 2);
+        copy_async<size>(end + 1, v.p.core[Core::motion][s].e + 3);
+    }
+
+    static __device__ __forceinline__ void copy_shear(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {
+        constexpr int size = int(sizeof(Real)), last = 2 * size / 16 * stride;
+        uint4* first = to + unit_of<Core::shear>;
+        const Real* from = v.p.core[Core::shear][s].e;
+        Real* end = reinterpret_cast<Real*>(first + last) + (size == 4 ? 2 : 0);
+        copy_async<2 * size>(first, from);
         copy_async<size>(end, from + 2);
         copy_async<size>(end + 1, v.p.core[Core::motion][s].e + 3);
     }

@@ -4,6 +4,7 @@
 //   mass      m_i += wx wy wz m                                      [kg]
 //   momentum  q_i += wx wy wz m (v + h C (x_i - x_p))                [kg m/s]
 //   force     f_i -= V/h sigma (dx wy wz, wx dy wz, wx wy dz)        [N]
+//   mean      s_i += wx wy wz (m (tr sigma / 3 + rho g.x), or V)     where it is wanted
 //
 // Components come one after the other, so that little besides the sums is held at a time.
 
@@ -16,6 +17,7 @@ struct SliceSums {
     using Real = typename Case::Real;
     Real mass[Case::nodes], momentum[Case::dim][Case::nodes];
     Real force[Case::dim][Case::nodes];
+    Real mean[Case::mean ? Case::nodes : 1];
 };
 
 template <class Real, int N>
@@ -76,10 +78,11 @@ __device__ __forceinline__ void add_carried(const Axis<Case>& x, const Axis<Case
     }
 }
 
-/// Adds one particle to a slice.
+/// Adds one particle to a slice. resting: of its cell (Lists).
 template <class Case, bool Momentum, bool Force>
 __device__ __forceinline__ void add_particle(const Particle<Case>& p, const SliceWeight<Case>& slice, unsigned ghosts,
-                                             typename Case::Real inverse_cell, typename Case::Real cell,
+                                             const StencilContext<typename Case::Real, Case::dim>& context,
+                                             const typename Case::Scale& scales, const typename Case::Real& resting,
                                              SliceSums<Case>& s) {
     using Real = typename Case::Real;
     using S = Sym<Real, Case::dim>;
@@ -90,7 +93,7 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
     Real w, slope;
     slice.get(ghosts, f, p.half.e[last], p.quarter.e[last], w, slope);
     if constexpr (Momentum) {
-        const Real mass = w * p.core.mass(), arm = cell * mass;
+        const Real mass = w * p.core.mass(), arm = cell_of(scales) * mass;
         add_value(x, y, mass, s.mass);
         const Real reach = Case::Shape::template reach<Real>;
 #pragma unroll
@@ -104,11 +107,17 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
         }
     }
     if constexpr (Force) {
-        const Real scale = -p.core.volume() * inverse_cell, across = scale * w, tip = scale * slope;
+        const Real scale = -p.core.volume() * context.inverse_cell, across = scale * w, tip = scale * slope;
 #pragma unroll
         for (int q = 0; q < Case::dim; ++q)
             add_sloped(x, y, tip * p.core.stress(S::index(q, last)), across * p.core.stress(S::index(q, 0)),
                        across * p.core.stress(S::index(q, 1)), s.force[q]);
+        if constexpr (Case::mean) {
+            Real pressure = (p.core.stress(0) + p.core.stress(1) + p.core.stress(2)) * Real(1.0 / 3.0) + resting;
+#pragma unroll
+            for (int a = 0; a < Case::dim; ++a) pressure += context.gravity_slope[a] * p.fraction(a);
+            add_value(x, y, w * (scales.volumes ? p.core.volume() : p.core.mass() * pressure), s.mean);
+        }
     }
 }
 

@@ -1,0 +1,63 @@
+// The engine's parts of a step and of a row that concern fluids: which mean the nodes sum besides, what the gather
+// makes of it, and over-filling.
+
+#include <cmath>
+
+#include "gpu/engine.hpp"
+#include "gpu/kernels/volumes/volumes.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::sum_part(const Chosen& chosen, int blocks, cudaStream_t stream) {
+    const int grid = p2g_grid<Dim>(blocks);
+    if (p2g_mean_)
+        p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume}, stream);
+    else
+        p2g_(view(), chosen, grid, method_.cell, stream);
+}
+
+/// contact: of this step's structures; null where there are none.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
+                                        const LightMarks<Real>& marks, const ContactField<Dim>* contact) {
+    const GapTiles gaps = contact ? gaps_.view() : GapTiles{};
+    if (!method_.fluid())
+        return gpu::solve_nodes(view(), method_.stencil, round, quantum, marks, stream_, contact, gaps);
+    const NodeFluid<Real, Dim> fluid{mean_ == NodeMean::volume, method_.capacity,
+                                     static_cast<Real>(std::pow(scene_.cell, -Dim))};
+    solve_fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact, gaps);
+}
+
+template <class Real, int Dim>
+FluidArgs<Real> DeviceEngine<Real, Dim>::fluid_args() const {
+    if (!method_.fluid()) return {};
+    return {scene_.materials.size() > 1 ? fluid_.data() : nullptr, method_.fluid()[0], mean_ == NodeMean::volume};
+}
+
+/// The sums of a step with volumes in place of masses; the next step makes all tiles anew.
+template <class Real, int Dim>
+std::optional<NodeVolumes> DeviceEngine<Real, Dim>::node_volumes() {
+    if (exchange_) sum_volumes(view(), scene_.shape, lists_.boundary(), boundary_blocks_, stream_);
+    sum_volumes(view(), scene_.shape, lists_.interior(), interior_blocks(), stream_);
+    if (exchange_) {
+        exchange_->binned.record(stream_);
+        exchange_->stream.wait_for(exchange_->binned);
+    }
+    send_halo();
+    sum_interior();
+    receive_halo();
+    volumes_.resize(2);
+    check(cudaMemsetAsync(volumes_.data(), 0, 2 * sizeof(ExactSum), stream_), "Emptying sums");
+    count_volumes(view(), method_.stencil, method_.capacity, std::pow(scene_.cell, -Dim), volumes_.data(), stream_);
+    stream_.wait();
+    const std::vector<ExactSum> sums = volumes_.host(reading_);
+    return NodeVolumes{sums[0], sums[1]};
+}
+
+template class DeviceEngine<float, 2>;
+template class DeviceEngine<float, 3>;
+template class DeviceEngine<double, 2>;
+template class DeviceEngine<double, 3>;
+
+}  // namespace moraine::gpu

@@ -1,0 +1,185 @@
+#pragma once
+// What fluids take from the grid besides their motion (core/pressure_smoothing.hpp, core/particle_shifting.hpp): one
+// number per node of a block in shared memory, P_i or in steps that shift e_i, and each particle's sums over it.
+//
+// The kernel of nodes has left that number in the last lane of a node's values. Only instances for scenes with such
+// fluids look at it; weights are made anew for it, because registers for them would be held through the gather.
+
+#include "core/particle_shifting.hpp"
+#include "gpu/kernels/g2p/g2p_particle.cuh"
+
+namespace moraine::gpu {
+
+/// Ghosts behind walls follow as velocities do.
+template <class Real, int Dim, int Width>
+struct FluidTile {
+    struct Value {
+        Real mean;
+
+        template <class F>
+        __device__ __forceinline__ void combine(const Value& other, const F& f) {
+            mean = f(mean, other.mean);
+        }
+    };
+    static constexpr int size = power<Dim>(tile_side(Width));
+    Real mean[size];
+    Real resting;  ///< rho g.x of its first node [Pa]
+
+    __device__ __forceinline__ Value get(int n) const { return {mean[n]}; }
+    __device__ __forceinline__ void set(int n, const Value& x) { mean[n] = x.mean; }
+};
+
+/// Fills the tile of a block; all threads of the team, which see it afterwards.
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int block,
+                                                FluidTile<Real, Dim, Shape::width>& tile) {
+    for (int n = Team<Dim>::rank(); n < tile.size; n += Team<Dim>::threads)
+        tile.mean[n] = node_in_tile<tile_side(Shape::width)>(v, block, n)[1].e[quad - 1];
+    if (Team<Dim>::rank() == 0) {
+        tile.resting = Real(0);
+        for (int a = 0; a < Dim; ++a)
+            tile.resting += v.context.gravity_slope[a] * Real(first_node<Shape>(v.table.position[block][a]));
+    }
+    Team<Dim>::sync();
+    if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile);
+}
+
+/// A particle's weights and slopes [1/cell].
+template <class Shape, class Real, int Dim>
+struct FluidStencil {
+    Real w[Dim][Shape::width], dw[Dim][Shape::width];
+
+    /// half: of its box, where the shape is sized [cells].
+    __device__ __forceinline__ FluidStencil(const Vec<Coordinate<Real>, Dim>& u, const Vec<Real, Dim>& half) {
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) Shape::weights(fraction_of<Real>(u[a]), half[a], w[a], dw[a]);
+    }
+};
+
+/// sum_i w_ip P_i. at: tile offset of the particle's cell. Rolled: plane by plane in a loop, with fewer registers.
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ Real gathered_mean(const FluidTile<Real, Dim, Shape::width>& tile, int at,
+                                              const FluidStencil<Shape, Real, Dim>& n) {
+    constexpr int side = tile_side(Shape::width);
+    Real sum = Real(0);
+#pragma unroll(Rolled ? 1 : Shape::width)
+    for (int k = 0; k < (Dim == 3 ? Shape::width : 1); ++k) {
+        Real plane = Real(0);
+#pragma unroll
+        for (int j = 0; j < Shape::width; ++j) {
+            Real line = Real(0);
+#pragma unroll
+            for (int i = 0; i < Shape::width; ++i)
+                line = std::fma(n.w[0][i], tile.mean[at + i + side * (j + side * k)], line);
+            plane = std::fma(n.w[1][j], line, plane);
+        }
+        sum = Dim == 3 ? std::fma(n.w[Dim - 1][k], plane, sum) : plane;
+    }
+    return sum;
+}
+
+/// sum_i e_i grad w_ip [1/cell], or zero where a node of the stencil reaches a structure.
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ Vec<Real, Dim> excess_gradient(const FluidTile<Real, Dim, Shape::width>& tile, int at,
+                                                          const FluidStencil<Shape, Real, Dim>& n) {
+    constexpr int side = tile_side(Shape::width);
+    Vec<Real, Dim> gradient = zero_vec<Real, Dim>();
+    Real least = Real(0);
+#pragma unroll(Rolled ? 1 : Shape::width)
+    for (int k = 0; k < (Dim == 3 ? Shape::width : 1); ++k) {
+        Real plane[3] = {};  // the value, and its slopes along x and y
+#pragma unroll
+        for (int j = 0; j < Shape::width; ++j) {
+            Real value = Real(0), slope = Real(0);
+#pragma unroll
+            for (int i = 0; i < Shape::width; ++i) {
+                const Real e = tile.mean[at + i + side * (j + side * k)];
+                least = e < least ? e : least;
+                value = std::fma(n.w[0][i], e, value);
+                slope = std::fma(n.dw[0][i], e, slope);
+            }
+            plane[0] = std::fma(n.w[1][j], value, plane[0]);
+            plane[1] = std::fma(n.w[1][j], slope, plane[1]);
+            plane[2] = std::fma(n.dw[1][j], value, plane[2]);
+        }
+        const Real w = Dim == 3 ? n.w[Dim - 1][k] : Real(1);
+        gradient[0] = std::fma(w, plane[1], gradient[0]);
+        gradient[1] = std::fma(w, plane[2], gradient[1]);
+        if constexpr (Dim == 3) gradient[Dim - 1] = std::fma(n.dw[Dim - 1][k], plane[0], gradient[Dim - 1]);
+    }
+    return least > at_structure<Real> ? gradient : zero_vec<Real, Dim>();
+}
+
+/// What the particle of a body takes.
+template <class Real, int Dim>
+__device__ __forceinline__ FluidTerms<Real> terms_of(const View<Real, Dim>& v, const FluidArgs<Real>& g,
+                                                     std::uint32_t s) {
+    return g.by_body ? g.by_body[v.p.body[s]] : g.all;
+}
+
+/// The tile, and what each thread's particle takes of it, from before it gathers: in registers it would be too much.
+template <class Real, int Dim, int Width>
+struct FluidShared {
+    FluidTile<Real, Dim, Width> tile;
+    Real own[Dim][Team<Dim>::threads];  ///< the shift [m], or the pressure first
+};
+
+/// Gathers the shift or the pressure of a particle at u. half: of its box [cells]. What the particle's rows say is read
+/// anew afterwards: registers that held weights until then spilled.
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
+                                           const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
+                                           const Vec<Real, Dim>& half, FluidShared<Real, Dim, Shape::width>& shared) {
+    const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
+    const FluidStencil<Shape, Real, Dim> n(u, half);
+    if (g.fluid.shifts) {
+        Vec<Real, Dim> gradient = excess_gradient<Shape, Rolled, Real, Dim>(shared.tile, at, n);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) gradient[a] *= v.context.inverse_cell;
+        const Vec<Real, Dim> shift = shift_by(of.shifting, g.dt, Real(1) / v.context.inverse_cell, gradient);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
+    } else {
+        Real pressure = gathered_mean<Shape, Rolled, Real, Dim>(shared.tile, at, n) - shared.tile.resting;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a)
+            pressure -= v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
+        shared.own[0][rank] = pressure;
+    }
+    asm volatile("" ::: "memory");
+}
+
+/// Adds the shift of this thread's particle to the velocity that moves it from u.
+template <class Real, int Dim, int Width>
+__device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g, int block,
+                                          const FluidTerms<Real>& of, const FluidShared<Real, Dim, Width>& shared,
+                                          const Vec<Coordinate<Real>, Dim>& u, Real (&velocity)[Dim]) {
+    if (!(of.shifting > Real(0))) return;
+    Vec<Real, Dim> shift;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) shift[a] = shared.own[a][Team<Dim>::rank()];
+    if (v.table.border[block]) {
+        Vec<Real, Dim> move;
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) move[a] = g.dt * velocity[a] * v.context.inverse_cell;
+        keep_from_ends(g.ends, v.table.position[block], u, move, shift);
+    }
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) velocity[a] += Real(1) / g.dt * shift[a];
+}
+
+/// Takes this thread's particle's share of the pressure into its rows.
+template <class Real, int Dim, int Width>
+__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, const FluidShared<Real, Dim, Width>& shared,
+                                       CoreRows<Real, Dim>& p) {
+    if (!(of.smoothing > Real(0))) return;
+    Sym<Real, Dim> stress{};
+#pragma unroll
+    for (int a = 0; a < 3; ++a) stress[a] = p.stress(a);
+    smooth_pressure(smoothing_share(of.smoothing, dt), shared.own[0][Team<Dim>::rank()], of.compliance, stress,
+                    p.ln_J());
+#pragma unroll
+    for (int a = 0; a < 3; ++a) p.stress(a) = stress[a];
+}
+
+}  // namespace moraine::gpu
