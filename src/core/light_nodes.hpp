@@ -10,11 +10,13 @@
 // after:
 //   dL_p / dt = grad v + T(grad (v' - v))
 // T multiplies column b by min(1, limit / R_b) along folded axes, then the trace by min(1, limit / (e sum of R_b)),
-// where e = (lambda + 2G/d) / (lambda + 2G). C_p is treated alike, with the squares of the shares (with MUSL the first
-// power of the trace's): what a particle keeps of an acceleration must be less than what its stress has seen of it, or
-// the two swing up. v here is after the walls, so that what a wall takes from a particle that comes to it is not an
-// acceleration. Momentum is that of the nodes, untouched; at rest, and as dt goes to 0, nothing changes; a particle
-// whose nodes all hold half of a full one or more is not looked at. docs/adr/0006 compares it with other ways.
+// where e = (lambda + 2G/d) / (lambda + 2G). What is taken of a trace falls to the axes as their R_b, as a pressure made
+// it: taken evenly it leaves an axis of a small R a rate of the wrong sign, which no fluid resists. C_p is treated
+// alike, with the squares of the shares (with MUSL the first power of the trace's): what a particle keeps of an
+// acceleration must be less than what its stress has seen of it, or the two swing up. v here is after the walls, so that
+// what a wall takes from a particle that comes to it is not an acceleration. Momentum is that of the nodes, untouched; at
+// rest, and as dt goes to 0, nothing changes; a particle whose nodes all hold half of a full one or more is not looked
+// at. docs/adr/0006 compares it with other ways.
 
 #include "core/vec.hpp"
 
@@ -41,6 +43,7 @@ template <class Real, int Dim>
 struct LightShare {
     Vec<Real, Dim> axis;       ///< of its columns [-]
     Vec<Real, Dim> axis_kept;  ///< the same in C
+    Vec<Real, Dim> part;       ///< of each axis in what is taken of the trace
     Real volume;               ///< of the trace of what is left [-]
     Real volume_kept;          ///< the same in C
     bool whole;                ///< all of it is
@@ -70,6 +73,7 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
     Real sum = Real(0);
     for (int b = 0; b < Dim; ++b) {
         share.axis[b] = Real(1);
+        share.part[b] = Real(0);
         if (folded[b] && reaction[b] > limits.wall) {
             share.axis[b] = limits.wall / reaction[b];
             reaction[b] = limits.wall;
@@ -81,6 +85,7 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
     if (dilation * sum > limits.volume) {
         share.volume = limits.volume / (dilation * sum);
         share.volume_kept = limits.mapped ? share.volume : share.volume * share.volume;
+        for (int b = 0; b < Dim; ++b) share.part[b] = reaction[b] / sum;
         share.whole = false;
     }
     return share;
@@ -88,14 +93,15 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
 
 /// What the share takes from a gradient: T(a) - a.
 template <class Real, int Dim>
-MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume) {
+MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume,
+                                     const Vec<Real, Dim>& part) {
     Mat<Real, Dim> taken;
     Real left = Real(0);
     for (int b = 0; b < Dim; ++b) {
         for (int c = 0; c < Dim; ++c) taken(c, b) = (axis[b] - Real(1)) * a(c, b);
         left += axis[b] * a(b, b);
     }
-    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * Real(1.0 / Dim);
+    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * part[b];
     return taken;
 }
 

@@ -1,8 +1,11 @@
 // Thin layers over walls, droplets and particles alone at the default step: a small disturbance stays small.
 #include "core/courant.hpp"
 #include "core/error.hpp"
+#include "core/light_nodes.hpp"
 #include "verification/drive.hpp"
 #include "verification/problem_cloud.hpp"
+#include "verification/random_run.hpp"
+#include "verification/thin_scene.hpp"
 
 using namespace moraine;
 using namespace moraine::verification;
@@ -139,4 +142,26 @@ TEST_CASE("Layers, droplets and particles alone near a wall stay quiet at the de
         say(fmt::format("{}: {} of {} grow", choice.name, failed, of_method));
     }
     CHECK(unquiet == 0);
+}
+
+TEST_CASE("A limited pressure accelerates no axis against itself") {
+    const bool folded[3] = {false, false, false};
+    const Vec<double, 3> reaction{12, 2, 1};
+    const LightShare<double, 3> share = light_share(ReactionLimits<double>{1.6, 2.5, false}, reaction, folded, 1.0);
+    Mat<double, 3> gradient{};  // as a pressure makes it
+    for (int b = 0; b < 3; ++b) gradient(b, b) = reaction[b];
+    const Mat<double, 3> taken = taken_from(gradient, share.axis, share.volume, share.part);
+    REQUIRE(share.volume == doctest::Approx(2.5 / 15));
+    for (int b = 0; b < 3; ++b)
+        CHECK(gradient(b, b) + taken(b, b) == doctest::Approx(share.volume * reaction[b]));
+}
+
+// Particles alone near nodes, where boxes of GIMP are steep along one axis.
+TEST_CASE("Thin random scenes whose limited pressures sheared particles stand") {
+    for (std::uint64_t number : {278u, 644u, 772u}) {
+        const Verdict verdict = judge<double, 2>(thin_scene(number), 2000);
+        CAPTURE(number);
+        CAPTURE(verdict.fault);
+        CHECK(verdict.stands());
+    }
 }
