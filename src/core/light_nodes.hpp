@@ -10,11 +10,15 @@
 // after:
 //   dL_p / dt = grad v + T(grad (v' - v))
 // T multiplies column b by min(1, limit / R_b) along folded axes, then the trace by min(1, limit / (e sum of R_b)),
-// where e = (lambda + 2G/d) / (lambda + 2G). C_p is treated alike, with the squares of the shares (with MUSL the first
-// power of the trace's): what a particle keeps of an acceleration must be less than what its stress has seen of it, or
-// the two swing up. v here is after the walls, so that what a wall takes from a particle that comes to it is not an
-// acceleration. Momentum is that of the nodes, untouched; at rest, and as dt goes to 0, nothing changes; a particle
-// whose nodes all hold half of a full one or more is not looked at. docs/adr/0006 compares it with other ways.
+// where e = (lambda + 2G/d) / (lambda + 2G). What is taken of a trace falls to the axes as their R_b, as a pressure
+// made it: taken evenly it leaves an axis of a small R a rate of the wrong sign, which no fluid resists. C_p is treated
+// alike, with the squares of the shares (with MUSL the first power of the trace's): what a particle keeps of an
+// acceleration must be less than what its stress has seen of it, or the two swing up. A particle alone is stable while
+//   L < 2 + K L^2 / (2 R^2),   L = limit, R = e sum of R_b, K what C keeps of its own pressure, 2R/3 or more
+// so the trace's limit falls from 2.5 to 2 + 1.5 / R (APIC, TPIC). v here is after the walls, so that what a wall takes
+// from a particle that comes to it is not an acceleration. Momentum is that of the nodes, untouched; at rest, and as dt
+// goes to 0, nothing changes; a particle whose nodes all hold half of a full one or more is not looked at.
+// docs/adr/0006 compares it with other ways.
 
 #include "core/vec.hpp"
 
@@ -33,7 +37,14 @@ template <class Real>
 struct ReactionLimits {
     Real wall;    ///< of one folded axis
     Real volume;  ///< of the pressure
+    Real alone;   ///< of the pressure, where it is large
     bool mapped;  ///< the stress sees what the particles kept (MUSL)
+
+    /// Of the pressure, by its reaction.
+    MORAINE_HD Real of(Real reaction) const {
+        const Real most = alone + Real(1.5) / reaction;
+        return most < volume ? most : volume;
+    }
 };
 
 /// What is left of an acceleration's gradient.
@@ -41,6 +52,7 @@ template <class Real, int Dim>
 struct LightShare {
     Vec<Real, Dim> axis;       ///< of its columns [-]
     Vec<Real, Dim> axis_kept;  ///< the same in C
+    Vec<Real, Dim> part;       ///< of each axis in what is taken of the trace
     Real volume;               ///< of the trace of what is left [-]
     Real volume_kept;          ///< the same in C
     bool whole;                ///< all of it is
@@ -70,6 +82,7 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
     Real sum = Real(0);
     for (int b = 0; b < Dim; ++b) {
         share.axis[b] = Real(1);
+        share.part[b] = Real(0);
         if (folded[b] && reaction[b] > limits.wall) {
             share.axis[b] = limits.wall / reaction[b];
             reaction[b] = limits.wall;
@@ -78,9 +91,11 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
         share.axis_kept[b] = share.axis[b] * share.axis[b];
         sum += reaction[b];
     }
-    if (dilation * sum > limits.volume) {
-        share.volume = limits.volume / (dilation * sum);
+    const Real together = dilation * sum;
+    if (together > limits.of(together)) {
+        share.volume = limits.of(together) / together;
         share.volume_kept = limits.mapped ? share.volume : share.volume * share.volume;
+        for (int b = 0; b < Dim; ++b) share.part[b] = reaction[b] / sum;
         share.whole = false;
     }
     return share;
@@ -88,14 +103,15 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
 
 /// What the share takes from a gradient: T(a) - a.
 template <class Real, int Dim>
-MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume) {
+MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume,
+                                     const Vec<Real, Dim>& part) {
     Mat<Real, Dim> taken;
     Real left = Real(0);
     for (int b = 0; b < Dim; ++b) {
         for (int c = 0; c < Dim; ++c) taken(c, b) = (axis[b] - Real(1)) * a(c, b);
         left += axis[b] * a(b, b);
     }
-    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * Real(1.0 / Dim);
+    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * part[b];
     return taken;
 }
 

@@ -117,8 +117,8 @@ MORAINE_HD TakenGradients<Real, Dim> taken_gradients(const LightStencil<Real, Di
                 for (int b = 0; b < Dim; ++b) g.kept(a, b) += arm[b] * dv[a];
         }
     });
-    g.seen = taken_from(g.seen, share.axis, share.volume);
-    if constexpr (Affine) g.kept = taken_from(g.kept, share.axis_kept, share.volume_kept);
+    g.seen = taken_from(g.seen, share.axis, share.volume, share.part);
+    if constexpr (Affine) g.kept = taken_from(g.kept, share.axis_kept, share.volume_kept, share.part);
     return g;
 }
 

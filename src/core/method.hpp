@@ -56,9 +56,9 @@ inline bool limits_accelerations(const Scene& scene) {
 /// By eigenvalues and runs of single layers, droplets and sprays (docs/adr/0006).
 template <class Real>
 ReactionLimits<Real> reaction_limits(const Scene& scene) {
-    const bool mapped = scene.stress_update == StressUpdate::musl;
+    if (scene.stress_update == StressUpdate::musl) return {Real(1.2), Real(3), Real(3), true};
     const bool affine = is_affine(scene.transfer);
-    return {Real(mapped ? 1.2 : 1.6), Real(mapped ? 3 : affine ? 2.5 : 1.6), mapped};
+    return {Real(1.6), Real(affine ? 2.5 : 1.6), Real(affine ? 2 : 1.6), false};
 }
 
 /// 1/2 where the law has none.
