@@ -231,7 +231,7 @@ constexpr int split_blocks() {
     if (Light) return light_blocks;
     constexpr bool large = Shape::sized || Shape::width > 3;
     if (sizeof(Real) == 8) return Affine || ((Averages || Fluid) && large) ? 2 : 3;
-    return 5 - (large ? 1 : 0) - (Affine ? 1 : 0);
+    return 5 - (large || (Fluid && !Affine) ? 1 : 0) - (Affine ? 1 : 0);
 }
 
 template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Fluid = false>
