@@ -32,7 +32,7 @@ MATERIAL = "syrup"
 LEVELS = {"cpu": [10, 20], "cuda": [20, 40, 80]}
 RUNG = "H0/{}"
 TRANSFERS = {name: [f"numerics.transfer={name.lower()}"] for name in ("APIC", "FLIP", "AFLIP")}
-CURE = ["material.syrup.pressure_smoothing=0.22", "material.syrup.particle_shifting=0.1"]  # docs/adr/0008-filling.md
+CURE = ["material.syrup.pressure_smoothing=0.22", "material.syrup.particle_shifting=0.2"]  # docs/adr/0008-filling.md
 VARIANTS = TRANSFERS | {f"{name} filled": sets + CURE for name, sets in TRANSFERS.items()}
 G, Q, NU, PREFACTOR = 9.81, 0.01, 0.005, 1.41124
 SCALE = (G * Q**3 / (3 * NU))**0.2

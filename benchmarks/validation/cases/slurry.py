@@ -33,7 +33,7 @@ MATERIAL = "slurry"
 LEVELS = {"cpu": [25, 50], "cuda": [25, 50, 100, 200]}
 RUNG = "H0/{}"
 TRANSFERS = {name: [f"numerics.transfer={name.lower()}"] for name in ("FLIP", "APIC", "AFLIP")}
-CURE = ["material.slurry.pressure_smoothing=0.22", "material.slurry.particle_shifting=0.3"]  # docs/adr/0008-filling.md
+CURE = ["material.slurry.pressure_smoothing=0.22", "material.slurry.particle_shifting=0.2"]  # docs/adr/0008-filling.md
 VARIANTS = TRANSFERS | {f"{name} filled": sets + CURE for name, sets in TRANSFERS.items()}
 DENSITY, GRAVITY, YIELD, HEIGHT, LENGTH = 1500.0, 9.81, 500.0, 5.0, 10.0
 AREA, B = HEIGHT * LENGTH, YIELD / (DENSITY * GRAVITY)
