@@ -50,12 +50,11 @@ struct ReactionLimits {
 /// What is left of an acceleration's gradient.
 template <class Real, int Dim>
 struct LightShare {
-    Vec<Real, Dim> axis;       ///< of its columns [-]
-    Vec<Real, Dim> axis_kept;  ///< the same in C
-    Vec<Real, Dim> part;       ///< of each axis in what is taken of the trace
-    Real volume;               ///< of the trace of what is left [-]
-    Real volume_kept;          ///< the same in C
-    bool whole;                ///< all of it is
+    Vec<Real, Dim> axis;  ///< of its columns; in C their squares [-]
+    Vec<Real, Dim> part;  ///< of each axis in what is taken of the trace
+    Real volume;          ///< of the trace of what is left [-]
+    Real volume_kept;     ///< the same in C
+    bool whole;           ///< all of it is
 };
 
 /// (dw / w)^2 along one axis [1/m2].
@@ -88,7 +87,6 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
             reaction[b] = limits.wall;
             share.whole = false;
         }
-        share.axis_kept[b] = share.axis[b] * share.axis[b];
         sum += reaction[b];
     }
     const Real together = dilation * sum;
@@ -101,15 +99,16 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
     return share;
 }
 
-/// What the share takes from a gradient: T(a) - a.
+/// What the share takes from a gradient: T(a) - a. kept: from C.
 template <class Real, int Dim>
 MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume,
-                                     const Vec<Real, Dim>& part) {
+                                     const Vec<Real, Dim>& part, bool kept = false) {
     Mat<Real, Dim> taken;
     Real left = Real(0);
     for (int b = 0; b < Dim; ++b) {
-        for (int c = 0; c < Dim; ++c) taken(c, b) = (axis[b] - Real(1)) * a(c, b);
-        left += axis[b] * a(b, b);
+        const Real share = kept ? axis[b] * axis[b] : axis[b];
+        for (int c = 0; c < Dim; ++c) taken(c, b) = (share - Real(1)) * a(c, b);
+        left += share * a(b, b);
     }
     for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * part[b];
     return taken;
