@@ -83,7 +83,7 @@ def owners(runs, times=None):
             check = run.loads.nearest(time)
             squares = draw(axes, run.loads, check, most)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-            axes.set_title(f"{run.name}, t = {check.time:.3g} s", fontsize=8)
+            axes.set_title(f"{run.name}, t = {check.time:.3g} s", fontsize=9)
             rows += [(run.name, check.time, *corner, particles, owner) for corner, particles, owner in squares]
     name_colours(page[0][-1], max(check.ranks for run in runs for check in run.loads.checks))
     for axes in page[-1]:
