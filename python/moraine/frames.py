@@ -114,7 +114,7 @@ class Frames:
                 at = size[1] - step * (place + 1)
                 box = figure.add_axes((LEFT / size[0], at / size[1], wide / size[0], tall / size[1]))
                 marks = draw_particles(self, box, view, particles, wide, tall)
-                box.set_title(f"t = {particles.time:.4g} s", loc="left", pad=4)
+                box.set_title(f"t = {particles.time:.3g} s", loc="left", pad=4)
                 box.set_xticklabels([]) if k != ks[-1] else box.set_xlabel("x [m]")
             colour_bar(self, figure, marks, ((LEFT + wide + 0.15) / size[0], BOTTOM / size[1], 0.16 / size[0], 1 - (BOTTOM + 0.34) / size[1]))
         return figure

@@ -67,7 +67,7 @@ def draw(directory: Path, field: str = "speed", times: Optional[Sequence[float]]
     every = list(range(chosen[0], chosen[-1] + 1))
     moving = sorted({every[int(k)] for k in numpy.linspace(0, len(every) - 1, min(len(every), MOST_FRAMES))})
     animate = animate and not sheet and len(moving) > 1
-    told(f"{directory}: {'one picture' if sheet else f'{len(chosen)} pictures'}" + (f", {len(moving)} frames" if animate else ""))
+    told(f"{directory}: {'one picture' if sheet or len(chosen) == 1 else f'{len(chosen)} pictures'}" + (f", {len(moving)} frames" if animate else ""))
     title = (run.summary.get("title") or run.summary.get("scene", "")) if (run.path / "summary.json").exists() else ""
     frames = Frames(run, sorted({*chosen, *(moving if animate else [])}), field, Surroundings(run, around), title, along)
     folder = pathlib.Path(output) if output else run.path / "pictures"
@@ -82,15 +82,16 @@ def draw(directory: Path, field: str = "speed", times: Optional[Sequence[float]]
 
 
 def _stills(frames: Any, chosen: List[int], folder: pathlib.Path, field: str, sheet: bool, told: Callable[[str], None]) -> List[pathlib.Path]:
+    from .animation import save
     if sheet:
         file = folder / f"{field}-sheet.png"
-        frames.sheet(chosen).savefig(file, dpi=100)
+        save(frames.sheet(chosen), file)
         told(f"{file}  t = " + ", ".join(f"{frames.run.particles.times[k]:.2f}" for k in chosen) + " s")
         return [file]
     files = []
     for place, k in enumerate(chosen):
         files.append(folder / f"{field}-{place}.png")
-        frames.figure(k).savefig(files[-1], dpi=100)
+        save(frames.figure(k), files[-1])
         told(f"{files[-1]}  t = {frames.run.particles.times[k]:.2f} s  ({place + 1} of {len(chosen)})")
     return files
 

@@ -154,3 +154,19 @@ def section(chart, level="h3"):
     return (f'<figure class="chart" id="{chart.name}">{head}<div class="ylabel">{html.escape(chart.ylabel)}</div>\n<div class="plot">{ys}'
             f'<div class="area">{picture}</div>{xs}</div>\n<div class="xlabel">{html.escape(chart.xlabel)}</div>{legend}'
             f"<figcaption>{html.escape(chart.caption)}</figcaption></figure>")
+
+
+def bars(lines):
+    """Stacked bars of 100 % as HTML; lines: name, and of each part its words and colour, and its share [%]."""
+    parts, seen = [], {}
+    for name, shares in lines:
+        pieces = []
+        for (words, colour), share in shares:
+            seen[words] = colour
+            light = sum(int(colour[k:k + 2], 16) for k in (1, 3, 5)) > 420
+            label = f"{share:.0f} %" if share >= 12 else ""
+            pieces.append(f'<span title="{html.escape(words)}: {share:.1f} %" style="width:{share:.3f}%;background:{colour};'
+                          f'color:{"#111" if light else "#fff"}">{label}</span>')
+        parts.append(f'<div class="barname">{html.escape(name)}</div><div class="barline">{"".join(pieces)}</div>')
+    names = "".join(f'<li><i class="square" style="background:{colour}"></i>{html.escape(words)}</li>' for words, colour in seen.items())
+    return f'<div class="bars">{"".join(parts)}</div><div class="xlabel">share of the wall time</div><ul class="legend">{names}</ul>'

@@ -32,9 +32,9 @@ def panels_of(runs, times, flat):
     length = max(size[0] / size[1] for size in sizes)
     if flat and length > 4:
         rows = len(runs) * len(times)
-        figure, panels = pyplot.subplots(rows, 1, figsize=(9, (0.55 + 8.4 / length) * rows + 0.6), squeeze=False)
+        figure, panels = pyplot.subplots(rows, 1, figsize=(8.2, (0.55 + 7.6 / length) * rows + 0.6), squeeze=False)
         return figure, panels.reshape(len(runs), len(times)), panels
-    size = (9, 1.1 + (1.2 if flat else 2.6) * len(runs))
+    size = (8.2, 1.1 + (1.2 if flat else 2.6) * len(runs))
     figure, panels = pyplot.subplots(len(runs), len(times), figsize=size, sharex="row", sharey="row", squeeze=False)
     return figure, panels, panels
 

@@ -42,6 +42,10 @@ section > .chart { max-width: 60rem; } section > .chart .area { height: 15rem; }
 .stills { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 20rem), 1fr)); gap: 1.2rem 2rem; margin: 1.2rem 0; }
 .stills.flat { grid-template-columns: minmax(0, 1fr); gap: 0.6rem; } .movie { margin: 2rem 0 1rem; } .movie.high { max-width: 40rem; }
 .bar { max-width: 24rem; margin-left: 3.2rem; } .bar .colours { height: 0.8rem; border-radius: 2px; } .bar .xs { color: var(--faint); }
+.bars { display: grid; grid-template-columns: max-content minmax(0, 1fr); gap: 0.4rem 0.8rem; align-items: center; }
+.barname { font-size: 0.85rem; } .barline { display: flex; height: 1.8rem; } .barline span { overflow: hidden; font-size: 0.8rem; line-height: 1.8rem; text-align: center; }
+.legend .square { width: 0.9rem; height: 0.9rem; border: 0; } .narrow { display: none; }
+@media (max-width: 47rem) { .narrow { display: block; } .narrow + .scroll { display: none; } .bars { grid-template-columns: minmax(0, 1fr); gap: 0.2rem; } }
 .control { display: flex; align-items: center; gap: 0.8rem; margin: 0.4rem 0; } .control input { flex: 1; min-width: 6rem; } .control output { min-width: 6.5rem; }
 button { font: inherit; padding: 0.25rem 0.9rem; min-width: 4.5rem; }
 """
@@ -75,13 +79,35 @@ def inline_svg(figure, name):
     return text.replace("<svg ", f'<svg role="img" aria-label="{html.escape(name)}" style="min-width:{least:.0f}px" ', 1)
 
 
+def narrow_svg(plot):
+    """The figure again for a narrow screen, where its panels stand one above the other and it is not large; else nothing."""
+    from matplotlib.colors import to_hex
+    axes, legend = plot.figure.axes[0], plot.figure.axes[0].get_legend()
+    if axes.get_subplotspec().get_gridspec().ncols > 1:
+        return ""
+    size = plot.figure.get_size_inches().copy()
+    plot.figure.set_size_inches(3.7, size[1] * (1 if axes.get_aspect() == "auto" else 0.7))
+    names = ""
+    if legend:  # there is no room beside the panels
+        legend.set_visible(False), legend.set_in_layout(False)
+        patches = zip(legend.get_texts(), legend.get_patches())
+        names = '<ul class="legend">' + "".join(f'<li><i class="square" style="background:{to_hex(patch.get_facecolor())}"></i>'
+                                                f"{html.escape(text.get_text())}</li>" for text, patch in patches) + "</ul>"
+    text = inline_svg(plot.figure, plot.name + "-narrow")
+    plot.figure.set_size_inches(*size)
+    if legend:
+        legend.set_visible(True), legend.set_in_layout(True)
+    return f'<div class="narrow">{text}{names}</div>' if len(text) < 250_000 else ""
+
+
 def section(plot):
-    if not hasattr(plot, "log"):
-        marked = ' class="predicted"' if plot.name == "predictions" else ""
-        return (f'<section{marked}>\n<h2>{html.escape(plot.title)}</h2>\n<figure class="fixed">\n<div class="scroll">'
-                f"{inline_svg(plot.figure, plot.name)}</div>\n<figcaption>{html.escape(plot.caption)}</figcaption>\n</figure>\n</section>")
     import charts
-    return f"<section>\n{charts.section(plot, 'h2')}\n</section>"
+    if isinstance(plot, charts.Chart):
+        return f"<section>\n{charts.section(plot, 'h2')}\n</section>"
+    marked = ' class="predicted"' if plot.name == "predictions" else ""
+    shown = plot.html or f'{narrow_svg(plot)}<div class="scroll">{inline_svg(plot.figure, plot.name)}</div>'
+    return (f'<section{marked}>\n<h2>{html.escape(plot.title)}</h2>\n<figure class="fixed">\n{shown}\n'
+            f"<figcaption>{html.escape(plot.caption)}</figcaption>\n</figure>\n</section>")
 
 
 def page(title, parts, script=""):

@@ -9,7 +9,9 @@ from charts import scales, text_of, ticks
 from matplotlib import colormaps
 from PIL import Image, ImageDraw
 
-WIDE, TALL = 900, 560  # pixels at most
+WIDE, TALL = 900, 420   # pixels at most
+SMALL = 560             # of the width, where pictures stand side by side
+LARGEST = 500_000       # of the slider's frames [bytes]: there are fewer where they are large
 LEVELS = 48            # of colour
 WALL, EDGE, SOLID, LINE, GREY = range(LEVELS + 1, LEVELS + 6)  # 0 is transparent, 1 ... LEVELS the particles
 STILLS, FRAMES = 6, 24
@@ -33,6 +35,12 @@ def open_frames(directory):
     return Frames(run, ks, name, Surroundings(run, surroundings_of(run))), ks, stills
 
 
+def is_flat(frames):
+    """Long and low: pictures stand one above the other."""
+    side = frames.limits[:, 1] - frames.limits[:, 0]
+    return side[0] > 2.4 * side[1]
+
+
 class Plane:
     """One view of a flow: axes seen, limits [m], pixels."""
 
@@ -40,7 +48,7 @@ class Plane:
         self.frames, self.view = frames, view
         self.low, self.high = (frames.limits[list(view), end] for end in (0, 1))
         side = self.high - self.low
-        self.scale = min(WIDE / side[0], TALL / side[1])  # pixels of a metre
+        self.scale = min((WIDE if is_flat(frames) else SMALL) / side[0], TALL / side[1])  # pixels of a metre
         self.size = tuple(max(2, int(round(s * self.scale))) for s in side)
         self.colours = (colormaps[frames.field.colours](numpy.linspace(0, 1, LEVELS))[:, :3] * 255).round().astype(int)
         # white between the particles of a dense body would be noise: marks are a little larger than their distance
@@ -127,7 +135,9 @@ def pictures(frames, ks, stills, name):
     """Stills and the slider, as HTML."""
     planes = [Plane(frames, view) for view in frames.views]
     shots = {k: (particles.time, [plane.png(particles) for plane in planes]) for k in ks for particles in [frames.read(k)]}
-    flat = planes[0].size[0] > 2.4 * planes[0].size[1]
+    flat = is_flat(frames)
+    while len(ks) > 4 and sum(len(source) for k in ks for source in shots[k][1]) > LARGEST:
+        ks = [*ks[:-1][::2], ks[-1]]
 
     def figure(k):
         time, sources = shots[k]

@@ -3,7 +3,7 @@ import collections
 
 import matplotlib
 import numpy
-from charts import Chart, Line
+from charts import Chart, Line, bars
 
 matplotlib.use("svg")
 import matplotlib.pyplot as pyplot  # noqa: E402  (the backend comes first)
@@ -15,6 +15,7 @@ matplotlib.rcParams.update({
     "axes.titlesize": 10.5, "legend.frameon": False, "figure.constrained_layout.use": True,
 })
 
+COMPUTING = ("computing, mean of the ranks", "#4d9221")
 CAUSES = {  # of lost time: what it is called, and its colour
     "granularity": ("granularity: even the best cut is uneven", "#b2182b"),
     "partition": ("partition: not the best cut for the loads of then", "#ef8a62"),
@@ -26,7 +27,7 @@ CAUSES = {  # of lost time: what it is called, and its colour
     "rest": ("start, end and rest", "#d9d9d9"),
 }
 
-Plot = collections.namedtuple("Plot", "name title caption figure columns rows")
+Plot = collections.namedtuple("Plot", "name title caption figure columns rows html", defaults=[""])  # html: instead of the figure
 
 
 def colours(count):
@@ -75,12 +76,12 @@ def migration(runs):
 
 
 def lost_time(runs):
-    bars = 0.6 + 0.45 * len(runs)
-    figure, (axes, below) = pyplot.subplots(2, 1, figsize=(8, bars + 1.2), height_ratios=(bars, 1.2))
+    tall = 0.6 + 0.45 * len(runs)
+    figure, (axes, below) = pyplot.subplots(2, 1, figsize=(8, tall + 1.2), height_ratios=(tall, 1.2))
     rows, seen = [], set()
     for k, run in enumerate(runs):
         wall, left = run.summary["wall_s"], 100 * run.times["computing"] / run.summary["wall_s"]
-        axes.barh(k, left, color="#4d9221", label=None if seen else "computing, mean of the ranks")
+        axes.barh(k, left, color=COMPUTING[1], label=None if seen else COMPUTING[0])
         axes.text(left / 2, k, f"{left:.0f} %", ha="center", va="center", color="white", fontsize=9)
         rows.append((run.name, "computing", run.times["computing"], left))
         seen.add("computing")
@@ -92,6 +93,7 @@ def lost_time(runs):
             seen.add(cause)
             left += percent
             rows.append((run.name, cause, seconds, percent))
+    lines = [(run.name, [(CAUSES.get(row[1], COMPUTING), row[3]) for row in rows if row[0] == run.name]) for run in runs]
     axes.set(yticks=range(len(runs)), yticklabels=[run.name for run in runs], xlabel="wall time [%]", xlim=(0, 100))
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
@@ -99,7 +101,7 @@ def lost_time(runs):
     below.legend(*axes.get_legend_handles_labels(), loc="center", ncol=2, fontsize=9)
     return Plot("lost_time", "Where the time went", "Wall time of each run by cause. What is not computing was lost. "
                 "Waiting for slower ranks is the three causes of imbalance; exchange is what goes beyond it.",
-                figure, ("run", "cause", "seconds", "percent"), rows)
+                figure, ("run", "cause", "seconds", "percent"), rows, bars(lines))
 
 
 def decisions(runs):

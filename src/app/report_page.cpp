@@ -22,8 +22,8 @@ int become_script(int argc, char** argv) {
     const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
     const std::string script = (program.parent_path() / argv[1]).string();
     if (failed || !std::filesystem::exists(script + "/__main__.py")) {
-        fmt::print(stderr, "moraine: the script of moraine {} is not beside the program (no {}). Build it again?\n", argv[1],
-                   script);
+        fmt::print(stderr, "moraine: the script of moraine {} is not beside the program (no {}). Build it again?\n",
+                   argv[1], script);
         return machine_failed;
     }
     const char* chosen = std::getenv("MORAINE_PYTHON");

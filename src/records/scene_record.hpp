@@ -33,11 +33,19 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     Json::Named named{{"name", s.name}, {"shape", shapes[static_cast<int>(s.shape)]}};
     const auto add = [&](const char* key, const Triple& v) { named.emplace_back(key, vector(scene, v)); };
     switch (s.shape) {
-        case StructureShape::plane: add("point", s.point), add("normal", s.normal); break;
-        case StructureShape::sphere: add("center", s.center); break;
-        case StructureShape::box: add("min", s.min), add("max", s.max); break;
+        case StructureShape::plane:
+            add("point", s.point), add("normal", s.normal);
+            break;
+        case StructureShape::sphere:
+            add("center", s.center);
+            break;
+        case StructureShape::box:
+            add("min", s.min), add("max", s.max);
+            break;
         case StructureShape::cylinder:
-        case StructureShape::capsule: add("from", s.from), add("to", s.to); break;
+        case StructureShape::capsule:
+            add("from", s.from), add("to", s.to);
+            break;
         case StructureShape::polygon: {
             std::vector<Json> points;
             for (const auto& p : s.points) points.push_back(std::vector<double>(p.begin(), p.end()));
