@@ -20,7 +20,8 @@ figure { margin: 1rem 0; } figcaption { color: var(--faint); font-size: 0.85rem;
 figure.fixed svg { width: 100%; max-width: 60rem; height: auto; display: block; } svg text { fill: currentColor; }
 .predicted { border-left: 4px solid #e08214; padding-left: 1rem; } code { background: var(--code); padding: 0 0.2rem; overflow-wrap: anywhere; }
 dl.facts { display: flex; flex-wrap: wrap; gap: 0.6rem 2rem; margin: 0 0 1rem; } dl.facts div { min-width: 7rem; }
-dt { color: var(--faint); font-size: 0.8rem; } dd { margin: 0; font-size: 1.05rem; }
+details { font-size: 0.85rem; margin: 0.5rem 0; } details div { display: flex; gap: 0.8rem; } details dt { min-width: 7.5rem; }
+details dl { margin: 0.4rem 0; } details dd { font-size: 0.85rem; } dt { color: var(--faint); font-size: 0.8rem; } dd { margin: 0; font-size: 1.05rem; }
 .warning { border-left: 4px solid var(--bad); background: var(--badpaper); padding: 0.7rem 1rem; margin: 1rem 0; } .warning h3 { color: var(--bad); }
 .warning ul { margin: 0; padding-left: 1.2rem; } .good { color: var(--good); }
 .charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 20rem), 1fr)); gap: 1.6rem 2rem; margin-top: 1.6rem; }
@@ -58,8 +59,10 @@ def table(columns, rows, words=False):
                    for name in columns)
     body = "\n".join("<tr>" + "".join(cell("td", value) for value in row) + "</tr>" for row in rows)
     kind = ' class="words"' if words else ""
+    meanings = "".join(f"<div><dt>{html.escape(name[0])}</dt><dd>{html.escape(name[1])}</dd></div>" for name in columns if isinstance(name, tuple))
+    below = f"\n<details><summary>What the columns mean</summary><dl>{meanings}</dl></details>" if meanings else ""
     return (f'<div class="scroll"><table{kind}><thead><tr>{head}</tr></thead><tbody>\n{body}\n'
-            "</tbody></table></div>")
+            f"</tbody></table></div>{below}")
 
 
 def facts(rows):

@@ -91,7 +91,7 @@ class Report(moraine.ProgramTest):
             self.assertIn(words, page.cells)
         self.assertIn("Nothing in this plot was measured", text)
         figures = re.findall(r"<svg .*?</svg>", text, re.S)
-        self.assertEqual(len([figure for figure in figures if "xmlns" in figure]), 6)  # of matplotlib; charts are of the page
+        self.assertEqual(len([figure for figure in figures if "xmlns" in figure]), 5)  # of matplotlib; charts are of the page
         for figure in figures:
             xml.etree.ElementTree.fromstring(figure)
         self.assertLess(page.headings.index("The flow"), page.headings.index("Where the time went"))
