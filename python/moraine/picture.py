@@ -138,7 +138,7 @@ def main(words: Optional[Sequence[str]] = None) -> int:
         print(f"moraine: {wrong}", file=sys.stderr)
         return wrong.code
     except OSError as wrong:
-        print(f"moraine: cannot write or read {wrong.filename} ({wrong.strerror}). Is the disk full or read-only?", file=sys.stderr)
+        print(f"moraine: cannot write or read {wrong.filename or given.run} ({wrong.strerror or wrong}). Is the disk full or read-only?", file=sys.stderr)
         return 4
     return 0
 

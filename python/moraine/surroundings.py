@@ -14,7 +14,8 @@ def surroundings_of(run: Run) -> Optional[Mapping[str, Any]]:
     """scene.json of a run: domain, walls and structures by the keys of a scene. None of a run that has none, or a damaged one."""
     try:
         found = json.loads((run.path / "scene.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        Surroundings(run, found).solids((0, 1), 0.0, numpy.array([[0.0, 1.0], [0.0, 1.0]]))
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
         return None
     return found if isinstance(found, dict) else None
 

@@ -91,5 +91,5 @@ def owners(runs, times=None):
     for axes in page[:, 0]:
         axes.set_ylabel("y [m]")
     words = "" if flat else " In 3-D seen from above: the colour of a column is the rank that holds most of it."
-    return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; pale blocks "
+    return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; faint blocks "
                 "hold few particles." + words, figure, ("run", "time_s", "x_m", "y_m", "particles", "rank"), rows)

@@ -177,6 +177,7 @@ class Report(moraine.ProgramTest):
         self.assertIn("there was more energy than there had been, first at t = not known s", text)
         self.assertIn("<dd>8.1 %</dd>", text)
         self.assertNotRegex(text, r'points="[^"]*nan')
+        self.assertIn(">pipe</b>", text)
         columns = [k for k, word in enumerate(words) if word not in ("step", "structure", "time_s")]
         rows = [",".join("nan" if k in columns else value for k, value in enumerate(row.split(","))) for row in rows]
         (run / name).write_text("\n".join([header, *rows]) + "\n")

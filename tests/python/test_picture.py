@@ -69,6 +69,11 @@ class Pictures(PackageTest):
         self.assertEqual(len(panel.lines), 1)  # the base; x-max is open
         self.assertEqual(len(self.frames(run).figure(1).axes[0].texts), 0)
 
+    def test_a_displacement_that_is_no_number_is_passed_over(self):
+        table = {"time_s": numpy.array([1.0, 2.0, 3.0]), "displacement_x_m": numpy.array([1.0, numpy.nan, 3.0]),
+                 "displacement_y_m": numpy.full(3, numpy.nan)}
+        numpy.testing.assert_allclose(displacement_at({"rod": table}, "rod", 2.0, 2), [2.0, 0.0])
+
     def test_outlines_of_all_shapes_are_as_large_as_the_shapes(self):
         still = numpy.zeros(3)
         ball = outline({"shape": "sphere", "center": [1, 2, 3], "radius": 0.5}, (0, 2), 3, still)
@@ -181,8 +186,9 @@ class Pictures(PackageTest):
         from moraine.surroundings import surroundings_of
         run = moraine.run(JELLY, folder("moved"), sets={"structure.shelf.max": [0.9, 0.3], "time.end": 0.02}, progress=False)
         self.assertEqual(surroundings_of(run)["structure"][1]["max"], [0.9, 0.3])
-        (run.path / "scene.json").write_text("{torn")
-        self.assertIsNone(surroundings_of(run))
+        for torn in ("{torn", "[]", '{"wall": [{"face": 7}]}', '{"structure": [{"name": "a", "shape": "box"}]}', '{"wall": [{"face": "x-min"}]}'):
+            (run.path / "scene.json").write_text(torn)
+            self.assertIsNone(surroundings_of(run), torn)
 
     def test_particles_can_be_coloured_by_rank(self):
         figure = self.frames(slurry(), "rank").figure(1)
