@@ -1,5 +1,5 @@
 """Depth of the flow, from its particles: the ground is cut into columns, a depth is a column's extent upwards."""
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy
 
@@ -63,3 +63,28 @@ def depth_profile(position: numpy.ndarray, width: Optional[float] = None,
     depth = numpy.zeros(column.max() - first + 1)
     numpy.maximum.at(depth, column - first, depth_at(position, width, between))
     return (first + numpy.arange(len(depth)) + 0.5) * width, depth
+
+
+def depth_along(position: numpy.ndarray, start: Sequence[float], end: Sequence[float], width: float,
+                between: float) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    """Depth of the flow along a line on the ground: distances from `start` (n,) [m] and depths (n,) [m], 0 where there is none.
+
+    start, end: x [m] in 2-D, x and y [m] in 3-D; the line is a strip as wide as a column, `width` [m].
+
+    >>> places = numpy.array([[0.5, 0.2, 0.5], [0.5, 0.2, 1.5], [2.5, 0.2, 0.5], [0.5, 9.0, 7.0]])
+    >>> depth_along(places, [0, 0], [3, 0], 1.0, between=1.0)
+    (array([0.5, 1.5, 2.5]), array([2., 0., 1.]))
+    """
+    origin = numpy.array(start, dtype=float)
+    way = numpy.array(end, dtype=float) - origin
+    length = float(numpy.linalg.norm(way))
+    way /= length
+    relative = position[:, : len(origin)] - origin
+    along = relative @ way
+    aside = numpy.linalg.norm(relative - along[:, None] * way, axis=1)
+    count = max(1, round(length / width))
+    inside = (along >= 0) & (along < length) & (aside <= width / 2)
+    column = numpy.minimum((along[inside] / length * count).astype(int), count - 1)
+    low, high = _extents(position[inside, -1], column, count)
+    depth = numpy.where(high >= low, high - low + between, 0.0)
+    return (numpy.arange(count) + 0.5) * length / count, depth

@@ -84,11 +84,14 @@ def outline(structure: Mapping[str, Any], axes: Tuple[int, int], dimensions: int
 def displacement_at(tables: Dict[str, Table], name: str, time: float, dimensions: int) -> numpy.ndarray:
     """How far a structure has come at a time [s], (dimensions,) [m], from the run's structures; 0 where no row tells.
 
-    Between the rows it is linear, and before the first one it comes from 0 at the start.
+    Between the rows it is linear, and before the first one it comes from 0 at the start. What is no number is passed over.
     """
     if name not in tables:
         return numpy.zeros(dimensions)
     rows = tables[name]
-    times = numpy.concatenate(([0.0], rows["time_s"]))
-    return numpy.array([numpy.interp(time, times, numpy.concatenate(([0.0], rows[f"displacement_{a}_m"])))
-                        for a in "xyz"[:dimensions]])
+    moved = []
+    for axis in "xyz"[:dimensions]:
+        values = rows[f"displacement_{axis}_m"]
+        known = numpy.isfinite(values)
+        moved.append(numpy.interp(time, numpy.insert(rows["time_s"][known], 0, 0.0), numpy.insert(values[known], 0, 0.0)))
+    return numpy.array(moved)

@@ -34,10 +34,12 @@ def read_table(path: Union[str, pathlib.Path]) -> Table:
     path = pathlib.Path(path)
     if not path.is_file():
         raise Error(f"{path} cannot be read (no such file). Is {path.parent} the directory of a run that wrote it?")
-    with open(path, newline="") as file:
-        text = file.read()
-    whole = text[: text.rfind("\n") + 1]
-    rows = list(csv.reader(whole.splitlines()))
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            text = file.read()
+        rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    except (ValueError, csv.Error) as wrong:
+        raise Error(f"{path} is damaged ({wrong}). Run it again?") from None
     if not rows:
         raise Error(f"{path} is empty (it has no line with names). Did the run end before its first output?")
     names, rows = rows[0], [row for row in rows[1:] if len(row) == len(rows[0])]

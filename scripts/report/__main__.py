@@ -1,15 +1,19 @@
 """moraine report RUN_DIR... [--output report.html] [--times T,T,...]
 
-One self-contained page about runs, side by side; next to it a folder NAME_files with every plot as CSV, SVG and PNG.
-Called by the program. Exit codes are the program's: 2 the input is wrong, 4 a package is missing or the disk failed.
+One self-contained page about runs: what the flow did, then how its work was shared. Next to it a folder NAME_files with every plot as
+CSV, and as SVG and PNG where matplotlib is. Called by the program. Exit codes are the program's: 2 the input is wrong, 4 the disk failed.
 """
 import argparse
 import csv
+import html
+import importlib.util
 import os
 import pathlib
+import subprocess
 import sys
 
-DEBIAN = "/usr/bin/python3"  # where Debian's python3-matplotlib is, whatever python3 comes first in PATH
+DEBIAN = "/usr/bin/python3"  # where Debian's packages are, whatever python3 comes first in PATH
+PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "h5py": "python3-h5py"}
 
 
 def fail(code, words):
@@ -17,15 +21,14 @@ def fail(code, words):
     sys.exit(code)
 
 
-def need_matplotlib():
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        if os.path.exists(DEBIAN) and "MORAINE_REPORT_SECOND_TRY" not in os.environ and "MORAINE_PYTHON" not in os.environ:
+def missing_packages():
+    """What this Python lacks, after a try with Debian's own."""
+    missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
+    if missing and os.path.exists(DEBIAN) and "MORAINE_REPORT_SECOND_TRY" not in os.environ and "MORAINE_PYTHON" not in os.environ:
+        if subprocess.run([DEBIAN, "-c", "import " + ", ".join(PACKAGES)], capture_output=True).returncode == 0:
             os.environ["MORAINE_REPORT_SECOND_TRY"] = "1"
-            os.execv(DEBIAN, [DEBIAN, *sys.argv])
-        fail(4, f"the report needs matplotlib ({sys.executable} does not have it). Install it by "
-                "sudo apt-get install python3-matplotlib?")
+            os.execv(DEBIAN, [DEBIAN, "-B", *sys.argv])
+    return missing
 
 
 class Parser(argparse.ArgumentParser):
@@ -49,17 +52,25 @@ def parse():
 
 
 def run_rows(runs):
-    columns = ("run", "partitioner", "ranks", "threads", "particles", "steps", "wall [s]", "Mp-steps/s",
-               "imbalance", "worst", "of time", "repartitions", "moved [%]", "halo [MB/step]")
+    """The table of runs; of runs on one rank without what tells of many."""
+    columns = [("run", "the end of its directory"), ("partitioner", "how the ground is shared out"), ("ranks", "processes"),
+               ("threads", "of each rank"), ("particles", "at the end"), ("steps", "of the whole run"), ("wall [s]", "from start to end"),
+               ("Mp-steps/s", "million particle-steps in a second of stepping"),
+               ("imbalance", "most particles of a rank over the mean of all ranks, mean of the steps"), ("worst", "largest imbalance"),
+               ("of time", "largest computing time of a rank over the mean"), ("repartitions", "how often blocks changed owner"),
+               ("moved [%]", "particles that repartitions moved, of all"), ("halo [MB/step]", "sent by all ranks together")]
+    alone = all(run.summary["ranks"] == 1 for run in runs)
+    keep = [k for k in range(len(columns)) if not alone or k in (0, 2, 3, 4, 5, 6, 7)]
     rows = []
     for run in runs:
         s = run.summary
-        rows.append((run.name, s["partitioner"], s["ranks"], s["threads"], s["particles"], s["steps"],
-                     f"{s['wall_s']:.4g}", f"{s['particle_steps_per_s'] / 1e6:.4g}", f"{s['imbalance_mean']:.3f}",
-                     f"{s['imbalance_max']:.3f}", f"{s['imbalance_time_mean']:.3f}", s["repartitions"],
-                     f"{100 * s['migrated_particles'] / max(1, s['particles']):.1f}",
-                     f"{s['halo_bytes'] / max(1, s['steps']) / 1e6:.3g}"))
-    return columns, rows
+        row = (run.name, s["partitioner"], s["ranks"], s["threads"], s["particles"], s["steps"],
+               f"{s['wall_s']:.4g}", f"{s['particle_steps_per_s'] / 1e6:.4g}", f"{s['imbalance_mean']:.3f}",
+               f"{s['imbalance_max']:.3f}", f"{s['imbalance_time_mean']:.3f}", s["repartitions"],
+               f"{100 * s['migrated_particles'] / max(1, s['particles']):.1f}",
+               f"{s['halo_bytes'] / max(1, s['steps']) / 1e6:.3g}")
+        rows.append([row[k] for k in keep])
+    return [columns[k] for k in keep], rows
 
 
 def machine_rows(runs):
@@ -76,63 +87,108 @@ def words_on_answers(runs):
     return "" if len(runs) == 1 else "<p>The runs ended in different states: they are of different scenes, or end times.</p>"
 
 
-def missing_words(plots, runs):
-    """What is not on the page, and what would put it there."""
+def install_words(missing):
+    """What packages would add, as HTML; empty where all are there."""
+    if not missing:
+        return []
+    return [f"Pictures of the flow{', and plots of load balance' if set(missing) - {'h5py'} else ''}: this Python has no {', '.join(missing)}. "
+            f"Install by <code>sudo apt-get install {' '.join(PACKAGES[name] for name in missing)}</code> and make the report again."]
+
+
+def left_out(plots, runs):
+    """What is not there of load balance, and what would put it there."""
     names = {plot.name for plot in plots}
+    shared = [run for run in runs if run.summary["ranks"] > 1]
     words = []
-    if not names & {"strong_scaling", "weak_scaling"}:
+    if shared and not names & {"strong_scaling", "weak_scaling"}:
         words.append("Scaling: give runs of one scene on two or more numbers of ranks.")
-    if any(run.loads is None for run in runs):
+    if any(run.loads is None for run in shared):
         words.append("Owners and causes of imbalance: of runs with <code>--set output.block_loads=on</code>.")
-    if "predictions" not in names:
+    if shared and "predictions" not in names:
         words.append("Predictions for more ranks: of runs that <code>moraine replay</code> has looked at.")
-    return "<ul>" + "".join(f"<li>{word}</li>" for word in words) + "</ul>" if words else ""
+    return words
 
 
-def write_files(plots, folder):
+def write_files(plots, folder, drawn):
     folder.mkdir(parents=True, exist_ok=True)
-    for plot in plots:
+    for done, plot in enumerate(plots):
         with open(folder / f"{plot.name}.csv", "w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(plot.columns)
             writer.writerows(plot.rows)
-        plot.figure.savefig(folder / f"{plot.name}.svg", metadata={"Date": None})
-        plot.figure.savefig(folder / f"{plot.name}.png", dpi=200)
+        if drawn:
+            figure = plot.figure
+            figure.savefig(folder / f"{plot.name}.svg", metadata={"Date": None})
+            figure.savefig(folder / f"{plot.name}.png", dpi=200)
+        progress(f"plot {done + 1} of {len(plots)}: {plot.name}")
 
 
-def make(options):
-    import page
+def progress(words):
+    """On a terminal one line that changes; else nothing."""
+    if sys.stderr.isatty():
+        print(f"\r\033[Kmoraine report: {words}", end="", file=sys.stderr, flush=True)
+
+
+def balance_plots(runs, times):
+    """Plots of how the work was shared; of runs on one rank there are none but scaling and predictions."""
     import plots as p
     from owners import owners
+    shared = [run for run in runs if run.summary["ranks"] > 1]
+    shown = [run for run in shared if len(run.balance["step"]) > 0]
+    found = [p.strong(runs), p.weak(runs), p.lost_time(runs) if shared else None]
+    if shown:
+        found += [p.imbalance(shown), owners(shown, times), p.halo(shown), p.migration(shown), p.decisions(shown)]
+    return [plot for plot in [*found, p.predictions(runs)] if plot]
+
+
+def alone_words(runs):
+    """Where the time went, of runs that shared nothing."""
+    words = []
+    for run in runs:
+        if run.summary["ranks"] == 1:
+            wall = run.summary["wall_s"]
+            words.append(f"{run.name}: {wall:.4g} s on one rank, of which {100 * run.times['computing'] / wall:.0f} % computing and "
+                         f"{100 * run.times['output'] / wall:.0f} % output.")
+    return "".join(f"<p>{html.escape(line)}</p>" for line in words)
+
+
+def make(options, missing):
+    import flow
+    import page
     from runs import Run, unique_names
     runs = [Run(directory) for directory in options.runs]
     unique_names(runs)
-    shown = [run for run in runs if len(run.balance["step"]) > 0]
-    plots = [p.strong(runs), p.weak(runs), p.lost_time(runs)]
-    if shown:
-        plots += [p.imbalance(shown), owners(shown, options.times), p.halo(shown), p.migration(shown), p.decisions(shown)]
-    plots = [plot for plot in [*plots, p.predictions(runs)] if plot]
-    columns, rows = run_rows(runs)
+    drawn = not {"numpy", "matplotlib"} & set(missing)
+    progress("pictures of the flow")
+    parts, charts, lacking = flow.sections(runs)
+    plots = balance_plots(runs, options.times) if drawn else []
     title = "Moraine: " + ", ".join(sorted({run.summary["title"] or run.summary["scene"] for run in runs}))
-    parts = [page.table(columns, rows), words_on_answers(runs), *map(page.section, plots),
-             "<section>\n<h2>Machine and commit</h2>\n" + page.table(*machine_rows(runs), words=True) + "\n</section>"]
-    left_out = missing_words(plots, runs)
-    if left_out:
-        parts.append(f"<section>\n<h2>Not on this page</h2>\n{left_out}\n</section>")
+    columns, rows = run_rows(runs)
+    parts.append("<section>\n<h2>The computation</h2>\n" + page.table(columns, rows) + words_on_answers(runs) + alone_words(runs) + "\n</section>")
+    parts += [*map(page.section, plots), "<section>\n<h2>Machine and commit</h2>\n" + page.table(*machine_rows(runs), words=True) + "\n</section>"]
+    lacking = (install_words(missing) or lacking) + left_out(plots, runs)
+    if lacking:
+        parts.append("<section>\n<h2>Not on this page</h2>\n<ul>" + "".join(f"<li>{line}</li>" for line in lacking) + "</ul>\n</section>")
     output = pathlib.Path(options.output)
     files = output.parent / (output.stem + "_files")
     output.parent.mkdir(parents=True, exist_ok=True)
-    write_files(plots, files)
-    output.write_text(page.page(title, parts), encoding="utf-8")
-    print(f"The report is {output}; its plots as CSV, SVG and PNG are in {files}")
+    write_files([*charts, *plots], files, drawn)
+    output.write_text(page.page(title, parts, flow.script()), encoding="utf-8")
+    progress("")
+    print(f"The report is {output}; its plots as {'CSV, SVG and PNG' if drawn else 'CSV'} are in {files}")
+    if missing:
+        print(f"It lacks the pictures: this Python has no {', '.join(missing)}. Install them by sudo apt-get install "
+              f"{' '.join(PACKAGES[name] for name in missing)}", file=sys.stderr)
 
 
 def main():
     options = parse()
-    need_matplotlib()
-    from runs import Wrong
+    missing = missing_packages()
+    here = pathlib.Path(__file__).resolve().parent
+    sys.path += [str(place) for place in (here.parent / "python", here.parents[1] / "python") if place.is_dir()]
+    from wrong import Wrong
     try:
-        make(options)
+        make(options, missing)
     except Wrong as wrong:
         fail(2, str(wrong))
     except OSError as error:

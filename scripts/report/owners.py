@@ -32,9 +32,9 @@ def panels_of(runs, times, flat):
     length = max(size[0] / size[1] for size in sizes)
     if flat and length > 4:
         rows = len(runs) * len(times)
-        figure, panels = pyplot.subplots(rows, 1, figsize=(9, (0.55 + 8.4 / length) * rows + 0.6), squeeze=False)
+        figure, panels = pyplot.subplots(rows, 1, figsize=(8.2, (0.55 + 7.6 / length) * rows + 0.6), squeeze=False)
         return figure, panels.reshape(len(runs), len(times)), panels
-    size = (9, 1.1 + (1.2 if flat else 2.6) * len(runs))
+    size = (8.2, 1.1 + (1.2 if flat else 2.6) * len(runs))
     figure, panels = pyplot.subplots(len(runs), len(times), figsize=size, sharex="row", sharey="row", squeeze=False)
     return figure, panels, panels
 
@@ -83,7 +83,7 @@ def owners(runs, times=None):
             check = run.loads.nearest(time)
             squares = draw(axes, run.loads, check, most)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-            axes.set_title(f"{run.name}, t = {check.time:.3g} s", fontsize=8)
+            axes.set_title(f"{run.name}, t = {check.time:.3g} s", fontsize=9)
             rows += [(run.name, check.time, *corner, particles, owner) for corner, particles, owner in squares]
     name_colours(page[0][-1], max(check.ranks for run in runs for check in run.loads.checks))
     for axes in page[-1]:
@@ -91,5 +91,5 @@ def owners(runs, times=None):
     for axes in page[:, 0]:
         axes.set_ylabel("y [m]")
     words = "" if flat else " In 3-D seen from above: the colour of a column is the rank that holds most of it."
-    return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; pale blocks "
+    return Plot("owners", "Who held which block", "Occupied blocks, coloured by the rank that held them; faint blocks "
                 "hold few particles." + words, figure, ("run", "time_s", "x_m", "y_m", "particles", "rank"), rows)

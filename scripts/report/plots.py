@@ -3,17 +3,19 @@ import collections
 
 import matplotlib
 import numpy
+from charts import Chart, Line, bars
 
 matplotlib.use("svg")
 import matplotlib.pyplot as pyplot  # noqa: E402  (the backend comes first)
 from matplotlib import ticker  # noqa: E402
 
 matplotlib.rcParams.update({
-    "svg.fonttype": "none", "svg.hashsalt": "moraine", "font.family": "DejaVu Sans", "font.size": 9,
+    "svg.fonttype": "none", "svg.hashsalt": "moraine", "font.family": "DejaVu Sans", "font.size": 9.5,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.25,
-    "axes.titlesize": 10, "legend.frameon": False, "figure.constrained_layout.use": True,
+    "axes.titlesize": 10.5, "legend.frameon": False, "figure.constrained_layout.use": True,
 })
 
+COMPUTING = ("computing, mean of the ranks", "#4d9221")
 CAUSES = {  # of lost time: what it is called, and its colour
     "granularity": ("granularity: even the best cut is uneven", "#b2182b"),
     "partition": ("partition: not the best cut for the loads of then", "#ef8a62"),
@@ -25,7 +27,7 @@ CAUSES = {  # of lost time: what it is called, and its colour
     "rest": ("start, end and rest", "#d9d9d9"),
 }
 
-Plot = collections.namedtuple("Plot", "name title caption figure columns rows")
+Plot = collections.namedtuple("Plot", "name title caption figure columns rows html", defaults=[""])  # html: instead of the figure
 
 
 def colours(count):
@@ -41,23 +43,13 @@ def log_axis(axis, values):
 
 
 def legend_beside(axes, **what):
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, fontsize=8, **what)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, fontsize=9, **what)
 
 
 def over_time(runs, name, title, label, caption, value, log=False):
     """One line per run against simulated time. value(run) is an array along the rows of balance.csv."""
-    figure, axes = pyplot.subplots(figsize=(8, 3))
-    rows = []
-    for run, colour in zip(runs, colours(len(runs))):
-        values = value(run)
-        axes.plot(run.time, values, color=colour, linewidth=1.2, label=run.name)
-        rows += [(run.name, t, v) for t, v in zip(run.time, values)]
-    axes.set(xlabel="simulated time [s]", ylabel=label)
-    if log:
-        axes.set_yscale("log")
-        log_axis(axes.yaxis, [row[-1] for row in rows])
-    legend_beside(axes)
-    return Plot(name, title, caption, figure, ("run", "time_s", name), rows)
+    lines = [Line(run.name, list(map(float, run.time)), list(map(float, value(run)))) for run in runs]
+    return Chart(name, title, caption, "simulated time [s]", label, lines, log, columns=("run", "time_s", name))
 
 
 def imbalance(runs):
@@ -84,13 +76,13 @@ def migration(runs):
 
 
 def lost_time(runs):
-    bars = 0.6 + 0.45 * len(runs)
-    figure, (axes, below) = pyplot.subplots(2, 1, figsize=(8, bars + 1.2), height_ratios=(bars, 1.2))
+    tall = 0.6 + 0.45 * len(runs)
+    figure, (axes, below) = pyplot.subplots(2, 1, figsize=(8, tall + 1.2), height_ratios=(tall, 1.2))
     rows, seen = [], set()
     for k, run in enumerate(runs):
         wall, left = run.summary["wall_s"], 100 * run.times["computing"] / run.summary["wall_s"]
-        axes.barh(k, left, color="#4d9221", label=None if seen else "computing, mean of the ranks")
-        axes.text(left / 2, k, f"{left:.0f} %", ha="center", va="center", color="white", fontsize=8)
+        axes.barh(k, left, color=COMPUTING[1], label=None if seen else COMPUTING[0])
+        axes.text(left / 2, k, f"{left:.0f} %", ha="center", va="center", color="white", fontsize=9)
         rows.append((run.name, "computing", run.times["computing"], left))
         seen.add("computing")
         parts = {**run.lost(), **{cause: run.times[cause] for cause in ("exchange", "balancing", "output", "rest")}}
@@ -101,14 +93,15 @@ def lost_time(runs):
             seen.add(cause)
             left += percent
             rows.append((run.name, cause, seconds, percent))
+    lines = [(run.name, [(CAUSES.get(row[1], COMPUTING), row[3]) for row in rows if row[0] == run.name]) for run in runs]
     axes.set(yticks=range(len(runs)), yticklabels=[run.name for run in runs], xlabel="wall time [%]", xlim=(0, 100))
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
     below.axis("off")
-    below.legend(*axes.get_legend_handles_labels(), loc="center", ncol=2, fontsize=7.5)
+    below.legend(*axes.get_legend_handles_labels(), loc="center", ncol=2, fontsize=9)
     return Plot("lost_time", "Where the time went", "Wall time of each run by cause. What is not computing was lost. "
                 "Waiting for slower ranks is the three causes of imbalance; exchange is what goes beyond it.",
-                figure, ("run", "cause", "seconds", "percent"), rows)
+                figure, ("run", "cause", "seconds", "percent"), rows, bars(lines))
 
 
 def decisions(runs):
@@ -123,7 +116,7 @@ def decisions(runs):
         axes.scatter(run.time[~done], places[~done], s=10, color="#999999")
         axes.scatter(run.time[done], places[done], s=22, marker="^", color="#b2182b")
         axes.set(yticks=range(len(names)), yticklabels=names, ylim=(-0.6, len(names) - 0.4))
-        axes.set_title(f"{run.name}: {int(done.sum())} repartitions at {len(reasons)} checks", loc="left", fontsize=8)
+        axes.set_title(f"{run.name}: {int(done.sum())} repartitions at {len(reasons)} checks", loc="left", fontsize=9)
         rows += list(zip([run.name] * len(reasons), run.time, reasons, done.astype(int),
                          run.balance["imbalance"], run.balance["planned_imbalance"], run.balance["plan"]))
     panels[-1, 0].set(xlabel="simulated time [s]")

@@ -1,42 +1,27 @@
-"""Reads what runs wrote: summary.json, balance.csv, and, where they are there, block_loads.bin and replay.csv."""
+"""Reads what runs wrote: summary.json, the tables, and, where they are there, block_loads.bin and replay.csv.
+
+Without numpy the tables are lists, and block loads are left out.
+"""
 import csv
 import json
+import math
 import os
 import pathlib
-import struct
 
-import numpy
+try:
+    import numpy
+    from loads import Loads
+except ImportError:
+    numpy = None
+from wrong import Wrong
 
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
 NUMBERS = ("step", "time_s", "imbalance", "halo_bytes", "migrated_particles", "repartitioned", "planned_imbalance")
-WORDS = ("reason", "plan", "kind", "partitioner", "trigger")
+WORDS = ("reason", "plan", "kind", "partitioner", "trigger", "structure")
 SUMMARY_NUMBERS = ("ranks", "threads", "particles", "steps", "wall_s", "particle_steps_per_s", "imbalance_mean",
                    "imbalance_max", "imbalance_time_mean", "repartitions", "migrated_particles", "halo_bytes")
 SUMMARY_WORDS = ("version", "commit", "scene", "title", "device", "precision", "partitioner", "state_hash")
 CAUSES = ("computing", "lost_to_imbalance", "exchange", "balancing", "output", "rest")
-HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
-FRAME = struct.Struct("<8sqddqqQ")
-ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
-
-
-class Wrong(Exception):
-    """The input is wrong; the words are for the user."""
-
-
-def mix(word):
-    """One step of core/hash.hpp."""
-    word = (word + 0x9e3779b97f4a7c15) % 2**64
-    word = (word ^ word >> 30) * 0xbf58476d1ce4e5b9 % 2**64
-    word = (word ^ word >> 27) * 0x94d049bb133111eb % 2**64
-    return word ^ word >> 31
-
-
-def hash_of(data):
-    """mix_bytes of core/hash.hpp, of whole words."""
-    value = 0
-    for word, in struct.iter_unpack("<Q", data):
-        value = mix(value ^ mix(word))
-    return value
 
 
 def number(text):
@@ -55,7 +40,7 @@ def table(path):
     for k, name in enumerate(names):
         values = [number(row[k]) for row in rows]
         words = name in WORDS or any(isinstance(value, str) for value in values)
-        columns[name] = [row[k] for row in rows] if words else numpy.array(values, dtype=float)
+        columns[name] = [row[k] for row in rows] if words else numpy.array(values, dtype=float) if numpy else values
     return columns
 
 
@@ -64,7 +49,7 @@ def check_numbers(path, columns, names):
     for name in names:
         if name not in columns:
             raise Wrong(f"{path} has no column {name} (it is not of this version, or damaged). Run it again?")
-        if isinstance(columns[name], list) or not numpy.isfinite(columns[name]).all():
+        if not all(isinstance(value, float) and math.isfinite(value) for value in columns[name]):
             raise Wrong(f"{path} is damaged (not all of column {name} are numbers). Run it again?")
 
 
@@ -82,72 +67,6 @@ def check_summary(path, summary):
     for name in SUMMARY_WORDS:
         if not isinstance(summary.get(name), str):
             raise Wrong(f"{path} is damaged ({name} is missing). Run it again?")
-
-
-def gather_bits(key, start, stride, bits):
-    value = numpy.zeros(key.shape, dtype=numpy.uint64)
-    for k in range(bits):
-        bit = (key >> numpy.uint64(start + stride * k)) & numpy.uint64(1)
-        value |= bit << numpy.uint64(k)
-    return value
-
-
-class ImbalanceCheck:
-    """Blocks at one balance interval: keys, particles, owners."""
-
-    def __init__(self, step, time, ranks, rows):
-        self.step, self.time, self.ranks, self.rows = step, time, ranks, rows
-
-    def imbalance(self):
-        """Maximum over mean of the ranks, by particles."""
-        held = numpy.bincount(self.rows["owner"], weights=self.rows["particles"], minlength=self.ranks)
-        return held.max() * self.ranks / held.sum()
-
-    def best_imbalance(self):
-        """The same of the best contiguous cut of the Morton curve: bisection over the heaviest part."""
-        sums = numpy.concatenate(([0], numpy.cumsum(self.rows["particles"], dtype=numpy.int64)))
-        low, high = int(max(self.rows["particles"].max(), -(-sums[-1] // self.ranks))), int(sums[-1])
-        while low < high:
-            middle, at = (low + high) // 2, 0
-            for _ in range(self.ranks):
-                at = int(numpy.searchsorted(sums, sums[at] + middle, side="right")) - 1
-            if at == len(sums) - 1:
-                high = middle
-            else:
-                low = middle + 1
-        return low * self.ranks / sums[-1]
-
-
-class Loads:
-    """block_loads.bin, by checks; the whole of it, up to a torn end."""
-
-    def __init__(self, path):
-        data = pathlib.Path(path).read_bytes()
-        if len(data) < HEADER.size or data[:8] != b"MORLOAD3":
-            raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
-        if hash_of(data[:HEADER.size - 8]) != HEADER.unpack_from(data)[-1]:
-            raise Wrong(f"{path} is damaged (its header is not what was written). Leave that run out?")
-        head = HEADER.unpack_from(data)
-        self.dimensions = head[1]
-        self.corner, self.side = head[18:21], head[21]
-        self.checks, at = [], HEADER.size
-        while at + FRAME.size <= len(data):
-            _, step, time, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
-            at += FRAME.size + 32 * ranks
-            if at + ROW.itemsize * blocks > len(data):
-                break
-            self.checks.append(ImbalanceCheck(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at)))
-            at += ROW.itemsize * blocks
-
-    def position(self, check):
-        """Lower corners of the blocks [m], one row an axis."""
-        bits = 31 if self.dimensions == 2 else 21
-        bias = 1 << (bits - 1)
-        axes = [gather_bits(check.rows["key"], a, self.dimensions, bits) for a in range(self.dimensions)]
-        return [self.corner[a] + self.side * (axes[a].astype(numpy.int64) - bias) for a in range(self.dimensions)]
-
-    def nearest(self, time):
-        return min(self.checks, key=lambda check: abs(check.time - time))
 
 
 class Run:
@@ -168,10 +87,25 @@ class Run:
         except (ValueError, IndexError, KeyError, csv.Error) as error:
             raise Wrong(f"{directory} cannot be read ({type(error).__name__}: {error}). Run it again?") from None
         loads = self.path / "block_loads.bin"
-        self.loads = Loads(loads) if loads.exists() else None
+        self.loads = Loads(loads) if loads.exists() and numpy else None
         replay = self.path / "replay.csv"
         self.replay = table(replay) if replay.exists() else None
-        self.name = self.path.name
+        self.name = self.key = self.path.name
+        self.read_flow()
+
+    def read_flow(self):
+        """history.csv, and structures.csv by structure. What is no number in them stays so: the page leaves it out."""
+        try:
+            self.history = table(self.path / "history.csv")
+            rows = table(self.path / "structures.csv") if (self.path / "structures.csv").exists() else {}
+        except (OSError, ValueError, IndexError, csv.Error) as error:
+            raise Wrong(f"{self.path} cannot be read (history.csv or structures.csv: {error}). Run it again?") from None
+        if not len(self.history.get("time_s", [])):
+            raise Wrong(f"{self.path / 'history.csv'} has no row of a time (the run ended before its first output). Run it again?")
+        self.dimensions = 3 if "centre_z_m" in self.history else 2
+        names = rows.get("structure", [])
+        self.structures = {name: {key: [value for value, at in zip(values, names) if at == name] for key, values in rows.items()}
+                           for name in dict.fromkeys(names)}
 
     @property
     def time(self):

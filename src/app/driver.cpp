@@ -9,6 +9,7 @@
 
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
+#include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
 #include "records/time_report.hpp"
@@ -108,6 +109,7 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
+    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_));
     if (!options_.no_particles) {
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});

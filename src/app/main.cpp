@@ -1,5 +1,5 @@
-// moraine: the command line. `run` a scene, `check` it, `replay` or `report` runs; exit codes say who can mend what
-// went wrong.
+// moraine: the command line. `run` a scene, `check` it, `replay`, `picture` or `report` runs; exit codes say who can
+// mend what went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <new>
 
 #include "app/agreed_scene.hpp"
@@ -127,7 +126,7 @@ int run_program(int argc, char** argv) {
 }  // namespace moraine
 
 int main(int argc, char** argv) {
-    if (argc > 1 && std::strcmp(argv[1], "report") == 0) return moraine::become_report(argc, argv);
+    if (argc > 1 && moraine::is_script(argv[1])) return moraine::become_script(argc, argv);
     std::signal(SIGXFSZ, SIG_IGN);       // a limit on file sizes is told by the write that meets it (io/disk_file.cpp)
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
     int provided = 0;

@@ -12,13 +12,18 @@
 
 namespace moraine {
 
-int become_report(int argc, char** argv) {
+bool is_script(const char* command) {
+    return std::strcmp(command, "report") == 0 || std::strcmp(command, "picture") == 0;
+}
+
+int become_script(int argc, char** argv) {
     constexpr int machine_failed = 4;
     std::error_code failed;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-    const std::string script = (program.parent_path() / "report").string();
+    const std::string script = (program.parent_path() / argv[1]).string();
     if (failed || !std::filesystem::exists(script + "/__main__.py")) {
-        fmt::print(stderr, "moraine: the report's script is not beside the program (no {}). Build it again?\n", script);
+        fmt::print(stderr, "moraine: the script of moraine {} is not beside the program (no {}). Build it again?\n",
+                   argv[1], script);
         return machine_failed;
     }
     const char* chosen = std::getenv("MORAINE_PYTHON");
@@ -29,7 +34,7 @@ int become_report(int argc, char** argv) {
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     ::execvp(arguments[0], arguments.data());
-    fmt::print(stderr, "moraine: cannot start {} ({}). Install python3 and python3-matplotlib?\n", python,
+    fmt::print(stderr, "moraine: cannot start {} ({}). Install python3, python3-matplotlib and python3-h5py?\n", python,
                std::strerror(errno));
     return machine_failed;
 }

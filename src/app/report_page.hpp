@@ -1,11 +1,14 @@
 #pragma once
-// `moraine report`: hands over to the script beside the program (scripts/report, Python with matplotlib), which
-// reads what runs wrote. Plots are a plotting library's work; what a run is and did stays in its files.
+// `moraine report` and `moraine picture`: hand over to the scripts beside the program (scripts/report, scripts/picture,
+// Python), which read what runs wrote. Plots are a plotting library's work; what a run is and did stays in its files.
 
 namespace moraine {
 
-/// `argv` as main has it; before MPI starts. Does not return where the script can be started; else an exit code,
-/// and the reason on stderr.
-int become_report(int argc, char** argv);
+/// Whether a command is the work of a script.
+bool is_script(const char* command);
+
+/// Becomes the script of the command argv[1]; `argv` as main has it; before MPI starts. Does not return where the
+/// script can be started; else an exit code, and the reason on stderr.
+int become_script(int argc, char** argv);
 
 }  // namespace moraine

@@ -49,7 +49,7 @@ TEST_CASE("a directory that holds a run is refused, and overwritten only of a ru
     const TestFolder folder(comm);
     for (const char* file : {"summary.json", "history.csv", "particles.vtkhdf", "checkpoint-000000012.h5"}) {
         claim_run_directory(comm, folder / "a", RunClaim::overwrite);
-        for (const char* other : {"notes.txt", "balance.csv", "checkpoint-1.h5.partial"})
+        for (const char* other : {"notes.txt", "balance.csv", "scene.json", "checkpoint-1.h5.partial"})
             put(comm, folder / "a/" + other);
         CHECK(refusal(comm, folder / "a", RunClaim::fresh).empty());
         put(comm, folder / "a/" + file);

@@ -9,12 +9,14 @@ import unittest.mock
 import xml.etree.ElementTree
 from html.parser import HTMLParser
 
+import chromium
 import moraine
 from moraine import INPUTS, call, sets, summary, table
 
 SCENE = INPUTS / "slurry_runout.toml"
 END = 0.02 if moraine.SLOW else 0.1
-ASK = "import matplotlib"
+ASK = "import matplotlib, h5py"
+SHOTS = os.environ.get("MORAINE_SCREENSHOTS")  # a folder to keep screenshots in, to look at them
 
 
 def has_matplotlib():
@@ -32,12 +34,12 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         found = dict(attributes)
-        if tag not in ("meta", "link", "br", "img"):
+        if tag not in ("meta", "link", "br", "img", "input"):
             self.open.append(tag)
-        if tag in ("script", "link", "img", "iframe"):
+        if tag in ("link", "iframe"):
             self.fetched.append(tag)
         for name in ("href", "xlink:href", "src"):
-            if not found.get(name, "#").startswith("#"):
+            if not found.get(name, "#").startswith(("#", "data:image/png;base64,")):
                 self.fetched.append(found[name])
         if "id" in found:
             self.ids.append(found["id"])
@@ -89,9 +91,11 @@ class Report(moraine.ProgramTest):
             self.assertIn(words, page.cells)
         self.assertIn("Nothing in this plot was measured", text)
         figures = re.findall(r"<svg .*?</svg>", text, re.S)
-        self.assertEqual(len(figures), 8)
+        self.assertEqual(len([figure for figure in figures if "xmlns" in figure]), 5)  # of matplotlib; charts are of the page
         for figure in figures:
             xml.etree.ElementTree.fromstring(figure)
+        self.assertLess(page.headings.index("The flow"), page.headings.index("Where the time went"))
+        self.assertEqual(len([heading for heading in page.headings if heading.startswith("The flow")]), 1)  # one answer, one flow
         self.check_files(runs)
 
     def check_files(self, runs):
@@ -117,11 +121,124 @@ class Report(moraine.ProgramTest):
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_runs_without_block_loads_make_a_page_that_says_what_is_missing(self):
-        run = self.run_scene(SCENE, "plain", *sets(time__end=END))
+        run = self.run_scene(SCENE, "plain", *sets(time__end=END), ranks=2)
         self.report(run)
         text = (self.folder / "report.html").read_text()
         self.assertIn("output.block_loads=on", text)
         self.assertNotIn("Who held which block", text)
+
+    def structure_run(self, *words):
+        """A pipe that is pushed into clay, on one rank."""
+        keys = sets(domain__cell=0.2, time__end=0.4, output__interval=0.1)
+        return self.run_scene(INPUTS / "pipe_penetration.toml", "pipe", *keys, *words)
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_the_flow_comes_first_with_pictures_structures_and_a_slider(self):
+        self.report(self.structure_run())
+        text = (self.folder / "report.html").read_text()
+        page = Page(text)
+        self.assertEqual((page.open, page.fetched), ([], []))
+        for heading in ("Depth along x", "Energies", "Energy budget", "Force on pipe", "Largest speed", "Move through the run"):
+            self.assertIn(f"<h3>{heading}</h3>", text)
+        stills = text.split('class="stills')[1].split("movie")[0]
+        self.assertEqual(stills.count("<img "), 5)
+        self.assertEqual(stills.count(">pipe</b>"), 5)  # its name stands in each picture
+        self.assertIn("speed [m/s]", text)
+        frames = json.loads(re.search(r'<script type="application/json">(.*?)</script>', text, re.S).group(1))
+        self.assertEqual([f"{float(time):.1f}" for time in frames["times"]], ["0.0", "0.1", "0.2", "0.3", "0.4"])
+        self.assertEqual([len(views) for views in frames["frames"]], [1] * 5)
+        self.assertLess(len(text), 300_000)
+        for name in ("Imbalance over time", "Halo volume", "Migration volume", "Decisions of the trigger", "Where the time went"):
+            self.assertNotIn(name, page.headings)  # one rank: these would say nothing
+        self.assertRegex(text, r"s on one rank, of which \d+ % computing")
+        with open(self.folder / "report_files/force_0_0.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 2 * len((self.folder / "pipe/structures.csv").read_text().splitlines()[1:]))
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_warnings_and_numbers_that_are_none_are_shown_without_a_traceback(self):
+        run = self.structure_run()
+        found = summary(run)
+        found.update(over_filling=0.081, warnings=[
+            {"problem": "filling", "amount": 0.081, "step": 120, "time_s": 0.3, "place_m": [1.5, 0.25]},
+            {"problem": "energy", "amount": None, "step": 130, "time_s": None, "place_m": None}, "no warning at all"])
+        (run / "summary.json").write_text(json.dumps(found))
+        for name in ("history.csv", "structures.csv"):
+            header, *rows = (run / name).read_text().splitlines()
+            words = header.split(",")
+            for k, row in enumerate(rows):
+                values = row.split(",")
+                keep = ("step", "structure", "time_s") if k % 2 else words
+                rows[k] = ",".join(value if word in keep else "nan" for word, value in zip(words, values))
+            (run / name).write_text("\n".join([header, *rows]) + "\n")
+        self.assertEqual(self.report(run).err, "")
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("fronts fall short by it (8.1 %), first at t = 0.3 s, step 120, near (1.5, 0.25) m", text)
+        self.assertIn("there was more energy than there had been, first at t = not known s", text)
+        self.assertIn("<dd>8.1 %</dd>", text)
+        self.assertNotRegex(text, r'points="[^"]*nan')
+        self.assertIn(">pipe</b>", text)
+        columns = [k for k, word in enumerate(words) if word not in ("step", "structure", "time_s")]
+        rows = [",".join("nan" if k in columns else value for k, value in enumerate(row.split(","))) for row in rows]
+        (run / name).write_text("\n".join([header, *rows]) + "\n")
+        self.assertEqual(self.report(run).err, "")
+        self.assertIn("The records of it hold no numbers", (self.folder / "report.html").read_text())
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_a_run_without_particles_has_a_page_without_pictures(self):
+        self.report(self.structure_run("--no-particles"))
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("Did the run have --no-particles?", text)
+        self.assertIn("<h3>Force on pipe</h3>", text)
+        self.assertNotIn("<img", text)
+
+    @unittest.skipUnless(has_matplotlib() and chromium.PROGRAM, "no matplotlib, or no Chromium")
+    def test_chromium_shows_it_at_three_widths_light_and_dark(self):
+        runs = [self.structure_run(), *self.runs()[:2]]
+        for name, words in (("one", runs[:1]), ("many", runs)):
+            self.report(*words, "--output", f"{name}.html")
+        with chromium.Browser() as browser:
+            for name in ("one", "many"):
+                for width in (390, 768, 1400):
+                    for dark in (False, True):
+                        with self.subTest(f"{name} {width} {dark}"):
+                            browser.open(self.folder / f"{name}.html", width, dark)
+                            self.check_shown(browser, width, dark)
+                            if SHOTS:
+                                browser.screenshot(f"{SHOTS}/{name}-{width}-{'dark' if dark else 'light'}.png")
+            self.check_slider(browser)
+            self.assertEqual(browser.messages, [])
+
+    def check_shown(self, browser, width, dark):
+        """Nothing wider than the window, no text below 11 pixels, ink that is far from the paper, all pictures there."""
+        self.assertLessEqual(browser.value("document.documentElement.scrollWidth"), width)
+        small = browser.value("""(() => {
+            const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+            while (walk.nextNode()) {
+              const at = walk.currentNode.parentElement;
+              if (!walk.currentNode.data.trim() || at.closest("script, style, title, defs") || !at.getClientRects().length) continue;
+              const svg = at.closest("svg");
+              const size = parseFloat(getComputedStyle(at).fontSize) * (svg ? Math.hypot(at.getScreenCTM().a, at.getScreenCTM().b) : 1);
+              if (size < 10.99) found.push(size.toFixed(1) + " " + walk.currentNode.data.trim());
+            }
+            return found; })()""")
+        self.assertEqual(small, [])
+        ink, paper = (browser.value(f"getComputedStyle(document.body).{name}") for name in ("color", "backgroundColor"))
+        ink, paper = (sum(map(int, re.findall(r"\d+", colour)[:3])) / 3 for colour in (ink, paper))
+        self.assertGreater((ink - paper) * (1 if dark else -1), 150)
+        self.assertTrue(browser.value("[...document.images].length > 4 && [...document.images].every(i => i.complete && i.naturalWidth > 0)"))
+
+    def check_slider(self, browser):
+        """It moves picture and time; Play goes to the end."""
+        before = browser.value("document.querySelector('.movie img').src")
+        browser.value("(() => { const r = document.querySelector('.movie input'); r.value = 2; r.dispatchEvent(new Event('input')); })()")
+        self.assertNotEqual(browser.value("document.querySelector('.movie img').src"), before)
+        time = browser.value("document.querySelector('.movie output').textContent")
+        self.assertRegex(time, r"^t = \d.* s$")
+        browser.value("document.querySelector('.movie button').click()")
+        browser.value("new Promise(done => { const wait = setInterval(() => { if (document.querySelector('.movie button').textContent === 'Play') "
+                      "{ clearInterval(wait); done(1); } }, 20); })")
+        self.assertEqual(browser.value("(r => r.value === r.max)(document.querySelector('.movie input'))"), True)
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_wrong_use_is_refused(self):
@@ -147,12 +264,20 @@ class Report(moraine.ProgramTest):
                 self.assertIn("summary.json", self.assert_one_problem(call("report", run, folder=self.folder)))
         self.assertFalse((self.folder / "report.html").exists())
 
-    def test_without_matplotlib_it_says_what_to_install(self):
+    def test_without_packages_there_is_a_page_that_says_what_to_install(self):
         python = self.folder / "python"
         python.write_text('#!/bin/sh\nexec python3 -S "$@"\n')
         python.chmod(0o755)
+        run = self.structure_run()
         with unittest.mock.patch.dict(os.environ, MORAINE_PYTHON=str(python)):
-            self.assertIn("apt-get install python3-matplotlib", self.assert_one_problem(call("report", "nowhere"), 4))
+            self.assertIn("apt-get install python3-numpy python3-matplotlib python3-h5py", self.report(run).err)
+            self.assert_one_problem(call("report", "nowhere"))
+        text = (self.folder / "report.html").read_text()
+        self.assertEqual(Page(text).open, [])
+        for words in ("<h3>Energies</h3>", "<h3>Force on pipe</h3>", "The computation", "sudo apt-get install python3-numpy"):
+            self.assertIn(words, text)
+        self.assertNotIn("<img", text)
+        self.assertTrue((self.folder / "report_files/energies_0.csv").exists())
         with unittest.mock.patch.dict(os.environ, MORAINE_PYTHON=str(self.folder / "none")):
             self.assertIn("Install python3", self.assert_one_problem(call("report", "nowhere"), 4))
 

@@ -1,17 +1,21 @@
 """Pictures: their files and sizes, what stands in them, and what cannot be drawn."""
 import contextlib
+import csv
 import io
+import os
 import pathlib
 import shutil
 import subprocess
 import sys
+import time
 import unittest
+import unittest.mock
 
 import numpy
 import moraine
 from moraine.outlines import displacement_at, outline
 from moraine.picture import draw, main
-from runs_for_tests import JELLY, PackageTest, folder, jelly, slurry, slurry_3d
+from runs_for_tests import JELLY, PackageTest, folder, jelly, program, slurry, slurry_3d
 
 try:
     import matplotlib.image
@@ -65,6 +69,11 @@ class Pictures(PackageTest):
         self.assertEqual(len(panel.lines), 1)  # the base; x-max is open
         self.assertEqual(len(self.frames(run).figure(1).axes[0].texts), 0)
 
+    def test_a_displacement_that_is_no_number_is_passed_over(self):
+        table = {"time_s": numpy.array([1.0, 2.0, 3.0]), "displacement_x_m": numpy.array([1.0, numpy.nan, 3.0]),
+                 "displacement_y_m": numpy.full(3, numpy.nan)}
+        numpy.testing.assert_allclose(displacement_at({"rod": table}, "rod", 2.0, 2), [2.0, 0.0])
+
     def test_outlines_of_all_shapes_are_as_large_as_the_shapes(self):
         still = numpy.zeros(3)
         ball = outline({"shape": "sphere", "center": [1, 2, 3], "radius": 0.5}, (0, 2), 3, still)
@@ -83,7 +92,7 @@ class Pictures(PackageTest):
         done = subprocess.run([sys.executable, "-m", "moraine.picture", str(jelly().path), "--times", "0,0.05,0.08", "--output", str(output),
                                "--scene", str(scene)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
-        names = ["speed-0.png", "speed-1.png", "speed-2.png", "speed.gif"]
+        names = ["speed-0.png", "speed-1.png", "speed-2.png", "speed.gif"] + (["speed.mp4"] if shutil.which("ffmpeg") else [])
         self.assertEqual(sorted(path.name for path in output.iterdir()), names)
         for name in names:
             self.assertIn(name, done.stderr)
@@ -116,3 +125,116 @@ class Pictures(PackageTest):
         shutil.copytree(jelly().path, copy)
         (copy / "summary.json").unlink()
         self.assertEqual(len(draw(copy, times=[0.0], animate=False)), 1)
+
+    def program(self, *words, code=0):
+        """moraine picture, as a user calls it; its lines on stderr."""
+        done = subprocess.run([program.PROGRAM, "picture", *map(str, words)], capture_output=True, text=True,
+                              env={**os.environ, "MORAINE_PYTHON": sys.executable, "PYTHONPATH": ""})
+        self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
+        return done.stderr.splitlines()
+
+    def test_the_program_draws_and_says_how_far_it_is(self):
+        output = folder("by-program")
+        said = self.program(jelly().path, "--time", "0.05", "--output", output)
+        self.assertEqual([path.name for path in output.iterdir()], ["speed-0.png"])
+        self.assertRegex(said[-1], r"speed-0.png  t = 0.06 s  \(1 of 1\)$|speed-0.png  t = 0.04 s  \(1 of 1\)$")
+        said = self.program(jelly().path, "--times", "0,0.1", "--output", output, "--sheet")
+        self.assertEqual(len(said), 2)
+        with Image.open(output / "speed-sheet.png") as sheet:
+            self.assertEqual(sheet.mode, "P")  # of few colours
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_with_ffmpeg_there_is_an_mp4(self):
+        files = draw(jelly().path, times=[0.0, 0.04], output=folder("moving"))
+        self.assertEqual([path.suffix for path in files], [".png", ".png", ".gif", ".mp4"])
+        self.assertEqual(files[-1].read_bytes()[4:8], b"ftyp")
+
+    def test_wrong_words_are_one_line_and_exit_code_2(self):
+        run, nothing = jelly().path, folder("never")
+        for words, why in (([run, "--field", "sped"], "'sped' cannot be drawn .* Did you mean speed?"),
+                           ([run, "--quantity", "presure"], "Did you mean pressure?"),
+                           ([run, "--times", "soon"], "soon"), ([run, "--tmies", "1"], "--tmies"), ([], "RUN_DIR"),
+                           ([run, "--times", "nan"], "time nan s cannot be drawn"),
+                           ([run, "--line", "1,1"], "no profile along 1,1"), ([run, "--line", "0,0,1,1"], "in 2-D is x0,x1"),
+                           ([folder("nowhere")], "no such directory"), ([folder("")], "no history.csv")):
+            with self.subTest(words):
+                said = self.program(*words, *(["--output", nothing] if words else []), code=2)
+                self.assertEqual(len(said), 1, said)
+                self.assertRegex(said[0], f"^moraine: .*{why}.*[?]$")
+        self.assertFalse(nothing.exists())
+
+    def test_without_packages_it_says_what_to_install(self):
+        python = folder("python")
+        python.write_text(f'#!/bin/sh\nexec {sys.executable} -S "$@"\n')
+        python.chmod(0o755)
+        done = subprocess.run([program.PROGRAM, "picture", "nowhere"], capture_output=True, text=True,
+                              env={**os.environ, "MORAINE_PYTHON": str(python), "PYTHONPATH": ""})
+        self.assertEqual(done.returncode, 4)
+        self.assertRegex(done.stderr, "^moraine: pictures need .*apt-get install python3-matplotlib python3-h5py[?]\n$")
+
+    def test_walls_and_structures_are_those_of_the_run_itself(self):
+        from moraine.surroundings import surroundings_of
+        found = surroundings_of(jelly())
+        self.assertEqual(found["domain"], {"min": [0, 0], "max": [4, 2], "cell": 0.25})
+        self.assertEqual([wall["kind"] for wall in found["wall"]], ["none", "open", "no-slip", "none"])
+        keep = ("name", "shape", "from", "to", "radius", "min", "max")
+        self.assertEqual(found["structure"], [{key: item[key] for key in keep if key in item} for item in JELLY["structure"]])
+        panel = self.frames(jelly(), scene=found).figure(1).axes[0]
+        self.assertEqual([text.get_text() for text in panel.texts], ["rod", "shelf"])
+
+    def test_what_set_changed_stands_where_it_was_put(self):
+        from moraine.surroundings import surroundings_of
+        run = moraine.run(JELLY, folder("moved"), sets={"structure.shelf.max": [0.9, 0.3], "time.end": 0.02}, progress=False)
+        self.assertEqual(surroundings_of(run)["structure"][1]["max"], [0.9, 0.3])
+        for torn in ("{torn", "[]", '{"wall": [{"face": 7}]}', '{"structure": [{"name": "a", "shape": "box"}]}', '{"wall": [{"face": "x-min"}]}'):
+            (run.path / "scene.json").write_text(torn)
+            self.assertIsNone(surroundings_of(run), torn)
+
+    def test_particles_can_be_coloured_by_rank(self):
+        figure = self.frames(slurry(), "rank").figure(1)
+        colours = figure.axes[0].collections[0].get_array()
+        self.assertEqual(sorted(set(colours.tolist())), [0, 1])
+        self.assertEqual([tick.get_text() for tick in figure.axes[1].get_yticklabels()], ["0", "1"])
+
+    def test_a_profile_along_a_line_is_drawn_and_written(self):
+        output = folder("line")
+        draw(slurry_3d().path, times=[0.0], output=output, line=[0.0, 2.0, 8.0, 2.0], animate=False)
+        with open(output / "speed-profile.csv", newline="") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        block = [row["depth_m"] for row in rows if row["distance_m"] < 4]
+        self.assertTrue(all(abs(depth - 5) < 0.3 for depth in block), block)  # the reservoir of the scene is 5 m deep
+        self.assertEqual(rows[-1]["depth_m"], 0)
+        self.assertLess(rows[-1]["distance_m"], 8)
+
+    def test_what_is_no_number_does_not_spoil_a_picture(self):
+        import dataclasses
+        frames = self.frames(slurry())
+        read = frames.run.particles.read
+
+        def spoilt(k, fields=None):
+            particles = read(k, fields)
+            position, velocity = particles.position.copy(), particles["velocity"].copy() if fields else None
+            position[:10] = numpy.nan
+            if fields:
+                velocity[20:30] = numpy.inf
+            return dataclasses.replace(particles, position=position, fields={"velocity": velocity} if fields else {})
+        with unittest.mock.patch.object(frames.run.particles, "read", spoilt):
+            figure = self.frames(frames.run).figure(1)
+            figure.canvas.draw()
+        self.assertEqual(len(figure.axes[0].collections[0].get_offsets()), len(slurry().particles[1]) - 10)
+        self.assertTrue(numpy.isfinite(figure.axes[0].collections[0].get_clim()).all())
+
+    def test_a_run_that_goes_on_or_was_killed_is_drawn_as_far_as_it_is(self):
+        directory = folder("under-way")
+        job = program.Job("run", program.INPUTS / "slurry_runout.toml", "--output", directory, "--quiet",
+                          *program.sets(domain__cell=0.25, time__end=100, output__interval=0.02), ranks=1)
+        self.addCleanup(job.stop)
+        for _ in range(20000):
+            with contextlib.suppress(moraine.Error, OSError):
+                if len(moraine.Run(directory).particles) > 2:
+                    break
+            time.sleep(0.01)
+        self.assertIn("speed-0.png", self.program(directory, "--no-animation", "--time", "0.02")[-1])
+        job.stop()
+        self.assertFalse((directory / "summary.json").exists())
+        self.assertGreater(len(self.program(directory, "--sheet")), 1)

@@ -100,6 +100,8 @@ class Results(PackageTest):
         self.assertIn("is no series of particles", self.problem(lambda: run.particles))
         (copy / "summary.json").write_text('{"steps": ')
         self.assertIn("stopped while it wrote", self.problem(lambda: run.summary))
+        (copy / "history.csv").write_bytes(b"time_s,front_m\n0,\xff\n")
+        self.assertIn("history.csv is damaged", self.problem(lambda: moraine.Run(copy).history))
         self.assertIn("broken", repr(run))
 
     def test_particles_go_to_pyvista_or_its_absence_is_said(self):

@@ -1,0 +1,92 @@
+"""block_loads.bin: who held which block at each balance interval."""
+import pathlib
+import struct
+
+import numpy
+from wrong import Wrong
+
+HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
+FRAME = struct.Struct("<8sqddqqQ")
+ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
+
+
+def mix(word):
+    """One step of core/hash.hpp."""
+    word = (word + 0x9e3779b97f4a7c15) % 2**64
+    word = (word ^ word >> 30) * 0xbf58476d1ce4e5b9 % 2**64
+    word = (word ^ word >> 27) * 0x94d049bb133111eb % 2**64
+    return word ^ word >> 31
+
+
+def hash_of(data):
+    """mix_bytes of core/hash.hpp, of whole words."""
+    value = 0
+    for word, in struct.iter_unpack("<Q", data):
+        value = mix(value ^ mix(word))
+    return value
+
+
+def gather_bits(key, start, stride, bits):
+    value = numpy.zeros(key.shape, dtype=numpy.uint64)
+    for k in range(bits):
+        bit = (key >> numpy.uint64(start + stride * k)) & numpy.uint64(1)
+        value |= bit << numpy.uint64(k)
+    return value
+
+
+class ImbalanceCheck:
+    """Blocks at one balance interval: keys, particles, owners."""
+
+    def __init__(self, step, time, ranks, rows):
+        self.step, self.time, self.ranks, self.rows = step, time, ranks, rows
+
+    def imbalance(self):
+        """Maximum over mean of the ranks, by particles."""
+        held = numpy.bincount(self.rows["owner"], weights=self.rows["particles"], minlength=self.ranks)
+        return held.max() * self.ranks / held.sum()
+
+    def best_imbalance(self):
+        """The same of the best contiguous cut of the Morton curve: bisection over the heaviest part."""
+        sums = numpy.concatenate(([0], numpy.cumsum(self.rows["particles"], dtype=numpy.int64)))
+        low, high = int(max(self.rows["particles"].max(), -(-sums[-1] // self.ranks))), int(sums[-1])
+        while low < high:
+            middle, at = (low + high) // 2, 0
+            for _ in range(self.ranks):
+                at = int(numpy.searchsorted(sums, sums[at] + middle, side="right")) - 1
+            if at == len(sums) - 1:
+                high = middle
+            else:
+                low = middle + 1
+        return low * self.ranks / sums[-1]
+
+
+class Loads:
+    """block_loads.bin, by checks; the whole of it, up to a torn end."""
+
+    def __init__(self, path):
+        data = pathlib.Path(path).read_bytes()
+        if len(data) < HEADER.size or data[:8] != b"MORLOAD3":
+            raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
+        if hash_of(data[:HEADER.size - 8]) != HEADER.unpack_from(data)[-1]:
+            raise Wrong(f"{path} is damaged (its header is not what was written). Leave that run out?")
+        head = HEADER.unpack_from(data)
+        self.dimensions = head[1]
+        self.corner, self.side = head[18:21], head[21]
+        self.checks, at = [], HEADER.size
+        while at + FRAME.size <= len(data):
+            _, step, time, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
+            at += FRAME.size + 32 * ranks
+            if at + ROW.itemsize * blocks > len(data):
+                break
+            self.checks.append(ImbalanceCheck(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at)))
+            at += ROW.itemsize * blocks
+
+    def position(self, check):
+        """Lower corners of the blocks [m], one row an axis."""
+        bits = 31 if self.dimensions == 2 else 21
+        bias = 1 << (bits - 1)
+        axes = [gather_bits(check.rows["key"], a, self.dimensions, bits) for a in range(self.dimensions)]
+        return [self.corner[a] + self.side * (axes[a].astype(numpy.int64) - bias) for a in range(self.dimensions)]
+
+    def nearest(self, time):
+        return min(self.checks, key=lambda check: abs(check.time - time))

@@ -1,0 +1,76 @@
+#pragma once
+// scene.json: what stands around the particles of a run, for pictures: domain, walls, structures.
+//
+// Keys and values are those of the scene with all that --set changed, so that a picture needs no scene file. It is
+// written when the run begins: a run that goes on, or was killed, can be drawn too. Where structures have moved to is
+// in structures.csv.
+
+#include "core/scene_spec.hpp"
+#include "io/json_text.hpp"
+#include "records/version.hpp"
+
+namespace moraine {
+
+namespace scene_record {
+
+/// A point or vector: as many components as the scene has dimensions.
+inline Json vector(const Scene& scene, const Triple& v) {
+    return std::vector<double>(v.begin(), v.begin() + scene.dimensions);
+}
+
+inline Json walls(const Scene& scene) {
+    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic"};
+    std::vector<Json> list;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        for (std::size_t side = 0; side < 2; ++side)
+            list.push_back(Json::Named{{"face", std::string(1, "xyz"[a]) + (side == 0 ? "-min" : "-max")},
+                                       {"kind", kinds[static_cast<int>(scene.walls[a][side].kind)]}});
+    return list;
+}
+
+inline Json structure(const Scene& scene, const StructureSpec& s) {
+    constexpr const char* shapes[] = {"plane", "sphere", "cylinder", "box", "capsule", "polygon"};
+    Json::Named named{{"name", s.name}, {"shape", shapes[static_cast<int>(s.shape)]}};
+    const auto add = [&](const char* key, const Triple& v) { named.emplace_back(key, vector(scene, v)); };
+    switch (s.shape) {
+        case StructureShape::plane:
+            add("point", s.point), add("normal", s.normal);
+            break;
+        case StructureShape::sphere:
+            add("center", s.center);
+            break;
+        case StructureShape::box:
+            add("min", s.min), add("max", s.max);
+            break;
+        case StructureShape::cylinder:
+        case StructureShape::capsule:
+            add("from", s.from), add("to", s.to);
+            break;
+        case StructureShape::polygon: {
+            std::vector<Json> points;
+            for (const auto& p : s.points) points.push_back(std::vector<double>(p.begin(), p.end()));
+            named.emplace_back("points", points);
+            if (scene.dimensions == 3) named.emplace_back("z", std::vector<double>{s.min[2], s.max[2]});
+        }
+    }
+    if (s.radius > 0) named.emplace_back("radius", s.radius);
+    return named;
+}
+
+}  // namespace scene_record
+
+inline Json surroundings(const Scene& scene) {
+    std::vector<Json> structures;
+    for (const StructureSpec& s : scene.structures) structures.push_back(scene_record::structure(scene, s));
+    return Json::Named{{"version", version_text},
+                       {"scene", scene.name},
+                       {"title", scene.title},
+                       {"dimensions", scene.dimensions},
+                       {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
+                                              {"max", scene_record::vector(scene, scene.max)},
+                                              {"cell", scene.cell}}},
+                       {"wall", scene_record::walls(scene)},
+                       {"structure", structures}};
+}
+
+}  // namespace moraine
