@@ -52,8 +52,8 @@ template <class Real, int Dim>
 struct LightShare {
     Vec<Real, Dim> axis;  ///< of its columns; in C their squares [-]
     Vec<Real, Dim> part;  ///< of each axis in what is taken of the trace
-    Real volume;          ///< of the trace of what is left [-]
-    Real volume_kept;     ///< the same in C
+    Real volume;          ///< of the trace of what is left; in C its square, unless `mapped` [-]
+    bool mapped;          ///< ReactionLimits::mapped
     bool whole;           ///< all of it is
 };
 
@@ -76,7 +76,8 @@ template <class Real, int Dim>
 MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits, Vec<Real, Dim> reaction,
                                              const bool* folded, Real dilation) {
     LightShare<Real, Dim> share;
-    share.volume = share.volume_kept = Real(1);
+    share.volume = Real(1);
+    share.mapped = limits.mapped;
     share.whole = true;
     Real sum = Real(0);
     for (int b = 0; b < Dim; ++b) {
@@ -92,7 +93,6 @@ MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits,
     const Real together = dilation * sum;
     if (together > limits.of(together)) {
         share.volume = limits.of(together) / together;
-        share.volume_kept = limits.mapped ? share.volume : share.volume * share.volume;
         for (int b = 0; b < Dim; ++b) share.part[b] = reaction[b] / sum;
         share.whole = false;
     }

@@ -118,7 +118,9 @@ MORAINE_HD TakenGradients<Real, Dim> taken_gradients(const LightStencil<Real, Di
         }
     });
     g.seen = taken_from(g.seen, share.axis, share.volume, share.part);
-    if constexpr (Affine) g.kept = taken_from(g.kept, share.axis, share.volume_kept, share.part, true);
+    if constexpr (Affine)
+        g.kept = taken_from(g.kept, share.axis, share.mapped ? share.volume : share.volume * share.volume, share.part,
+                            true);
     return g;
 }
 
