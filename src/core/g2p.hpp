@@ -287,7 +287,7 @@ struct GridToParticles {
         for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
         const LightShare<Real, Dim> share = light_share(limits, reaction, in.folded, k.dilation);
         if (share.whole) return;
-        const auto taken = taken_gradients<Affine>(in, share, [&](int at, int i, int j, int l) {
+        const auto taken = taken_gradients<Affine>(in, limits, share, [&](int at, int i, int j, int l) {
             const int index[3] = {light.base[0] + i, light.base[1] + j, Dim == 3 ? light.base[Dim - 1] + l : 0};
             return acceleration<Real, Dim>(context.walls, index, nodes[2 * at], nodes[2 * at + 1]);
         });

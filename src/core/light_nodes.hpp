@@ -47,14 +47,29 @@ struct ReactionLimits {
     }
 };
 
-/// What is left of an acceleration's gradient.
+/// What is left of an acceleration's gradient, as what it follows from: it is asked for where a gather has registers
+/// for less.
 template <class Real, int Dim>
 struct LightShare {
-    Vec<Real, Dim> axis;  ///< of its columns; in C their squares [-]
-    Vec<Real, Dim> part;  ///< of each axis in what is taken of the trace
-    Real volume;          ///< of the trace of what is left; in C its square, unless `mapped` [-]
-    bool mapped;          ///< ReactionLimits::mapped
-    bool whole;           ///< all of it is
+    Vec<Real, Dim> reaction;  ///< R_b of each axis
+    bool limited[Dim];        ///< by the limit of a folded one
+    Real sum;                 ///< of them, those at their limits
+    Real together;            ///< of the pressure: e times the sum
+    bool whole;               ///< all of it is left
+
+    /// Of a column; in C its square.
+    MORAINE_HD Real axis(const ReactionLimits<Real>& limits, int b) const {
+        return limited[b] ? limits.wall / reaction[b] : Real(1);
+    }
+    /// Of an axis in what is taken of the trace.
+    MORAINE_HD Real part(const ReactionLimits<Real>& limits, int b) const {
+        return (limited[b] ? limits.wall : reaction[b]) / sum;
+    }
+    /// Of the trace of what the axes leave; in C its square, unless the stress sees what is kept.
+    MORAINE_HD Real volume(const ReactionLimits<Real>& limits) const {
+        const Real most = limits.of(together);
+        return together > most ? most / together : Real(1);
+    }
 };
 
 /// (dw / w)^2 along one axis [1/m2].
@@ -73,44 +88,37 @@ MORAINE_HD Real reacting_weight(Real w, Real mass_ratio) {
 
 /// From the reactions of one particle.
 template <class Real, int Dim>
-MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits, Vec<Real, Dim> reaction,
+MORAINE_HD LightShare<Real, Dim> light_share(const ReactionLimits<Real>& limits, const Vec<Real, Dim>& reaction,
                                              const bool* folded, Real dilation) {
     LightShare<Real, Dim> share;
-    share.volume = Real(1);
-    share.mapped = limits.mapped;
+    share.reaction = reaction;
     share.whole = true;
-    Real sum = Real(0);
+    share.sum = Real(0);
     for (int b = 0; b < Dim; ++b) {
-        share.axis[b] = Real(1);
-        share.part[b] = Real(0);
-        if (folded[b] && reaction[b] > limits.wall) {
-            share.axis[b] = limits.wall / reaction[b];
-            reaction[b] = limits.wall;
-            share.whole = false;
-        }
-        sum += reaction[b];
+        share.limited[b] = folded[b] && reaction[b] > limits.wall;
+        if (share.limited[b]) share.whole = false;
+        share.sum += share.limited[b] ? limits.wall : reaction[b];
     }
-    const Real together = dilation * sum;
-    if (together > limits.of(together)) {
-        share.volume = limits.of(together) / together;
-        for (int b = 0; b < Dim; ++b) share.part[b] = reaction[b] / sum;
-        share.whole = false;
-    }
+    share.together = dilation * share.sum;
+    if (share.together > limits.of(share.together)) share.whole = false;
     return share;
 }
 
 /// What the share takes from a gradient: T(a) - a. kept: from C.
 template <class Real, int Dim>
-MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const Vec<Real, Dim>& axis, Real volume,
-                                     const Vec<Real, Dim>& part, bool kept = false) {
+MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const ReactionLimits<Real>& limits,
+                                     const LightShare<Real, Dim>& share, bool kept) {
     Mat<Real, Dim> taken;
-    Real left = Real(0);
+    Real left = Real(0), volume = share.volume(limits);
+    if (kept && !limits.mapped) volume *= volume;
     for (int b = 0; b < Dim; ++b) {
-        const Real share = kept ? axis[b] * axis[b] : axis[b];
-        for (int c = 0; c < Dim; ++c) taken(c, b) = (share - Real(1)) * a(c, b);
-        left += share * a(b, b);
+        Real axis = share.axis(limits, b);
+        if (kept) axis *= axis;
+        for (int c = 0; c < Dim; ++c) taken(c, b) = (axis - Real(1)) * a(c, b);
+        left += axis * a(b, b);
     }
-    for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * part[b];
+    if (volume < Real(1))
+        for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * share.part(limits, b);
     return taken;
 }
 

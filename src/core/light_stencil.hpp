@@ -102,6 +102,7 @@ struct TakenGradients {
 /// change(tile offset, i, j, k): acceleration() of a node.
 template <bool Affine, class Real, int Dim, int Width, class Change>
 MORAINE_HD TakenGradients<Real, Dim> taken_gradients(const LightStencil<Real, Dim, Width>& n,
+                                                     const ReactionLimits<Real>& limits,
                                                      const LightShare<Real, Dim>& share, const Change& change) {
     TakenGradients<Real, Dim> g;
     for (int a = 0; a < Dim; ++a)
@@ -117,10 +118,8 @@ MORAINE_HD TakenGradients<Real, Dim> taken_gradients(const LightStencil<Real, Di
                 for (int b = 0; b < Dim; ++b) g.kept(a, b) += arm[b] * dv[a];
         }
     });
-    g.seen = taken_from(g.seen, share.axis, share.volume, share.part);
-    if constexpr (Affine)
-        g.kept = taken_from(g.kept, share.axis, share.mapped ? share.volume : share.volume * share.volume, share.part,
-                            true);
+    g.seen = taken_from(g.seen, limits, share, false);
+    if constexpr (Affine) g.kept = taken_from(g.kept, limits, share, true);
     return g;
 }
 

@@ -205,7 +205,7 @@ __device__ __forceinline__ bool find_taken(const View<Real, Dim>& v, const Gathe
     LightStencil<Real, Dim, Shape::width> n;
     const LightShare<Real, Dim> share = share_of<Shape, Affine, false>(v, g, shared.tile, shared.masses, cell, p, n);
     if (share.whole) return false;
-    const auto taken = taken_gradients<Affine>(n, share, [&](int at, int i, int j, int k) {
+    const auto taken = taken_gradients<Affine>(n, g.light.limits, share, [&](int at, int i, int j, int k) {
         const int place[3] = {i, j, k};
         int index[Dim];
 #pragma unroll
