@@ -27,7 +27,9 @@ constexpr P2gPlan p2g_plan() {
     };
     const bool two = halved || (!flat && (Case::width == 4 || (Case::width == 3 && !single)));
     const bool deep = !flat && (single ? Case::width == 3 && !many : Case::width == 4);
-    const bool tight = flat && !single && Case::width == 3 && Case::affine && Case::mean;  // a register too many
+    // Where the mean is a register too many.
+    const bool tight =
+        Case::affine && Case::mean && (single ? Case::width == (flat ? 4 : 2) : flat && Case::width == 3);
     return {two ? 2 : 1, deep ? 3 : 2,
             resident[Case::dim - 2][single ? 0 : 1][Case::width - 2][heavy ? 1 : 0] - (tight ? 1 : 0)};
 }
