@@ -13,10 +13,11 @@ namespace {
 
 const std::string slurry = inputs_folder() + "/slurry_runout_3d.toml";
 
-/// What is said of the 3-D slurry with cells of `cell` on a machine; empty if it fits.
+/// What is said of the 3-D slurry, by FLIP, with cells of `cell` on a machine; empty if it fits.
 std::string said(const std::string& cell, const Machine& machine) {
     try {
-        read_scene(slurry, {"domain.cell=" + cell}, [&](const Scene& s) { check_capacity(s, machine); });
+        read_scene(slurry, {"domain.cell=" + cell, "numerics.transfer=flip"},
+                   [&](const Scene& s) { check_capacity(s, machine); });
     } catch (const InputError& e) {
         const std::string message = e.what();
         return message.substr(message.find("slurry_runout_3d.toml"));
