@@ -2,7 +2,7 @@
 
 TRANSFERS = {name: [f"numerics.transfer={name.lower()}"] for name in ("FLIP", "APIC", "AFLIP")}
 CURE = ["material.fluid.pressure_smoothing=0.22", "material.fluid.particle_shifting=0.2"]  # docs/adr/0008-filling.md
-VARIANTS = TRANSFERS | {f"{name} filled": sets + CURE for name, sets in TRANSFERS.items()}
+VARIANTS = TRANSFERS | {f"{name} shifted": sets + CURE for name, sets in TRANSFERS.items()}
 DENSITY, POISSON = 1000.0, 0.495
 
 

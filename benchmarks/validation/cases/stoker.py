@@ -77,7 +77,7 @@ def rows(ladders):
     for variant, lines in ladders.items():
         for z in lines:
             f, name = z["figures"], f"{variant}, h0/{z['level']}"
-            goal = z["level"] == 40 and variant.endswith("filled")
+            goal = z["level"] == 40 and variant.endswith("shifted")
             for what, most in (("E_h [%]", 3), ("middle depth, off by [%]", 2), ("bore's speed, off by [%]", 3)):
                 met = abs(f[what]) <= most if goal else None
                 found.append(Row(f"{name}: {what.removesuffix(' [%]')}", f"{f[what]:+.2f} %", f"{most} %" if goal else "-", met))

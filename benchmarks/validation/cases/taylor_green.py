@@ -2,6 +2,8 @@
 
 One vortex in a box of 1 m with smooth walls, u = U sin(pi x) cos(pi y), v = -U cos(pi x) sin(pi y), U = 1 m/s, Re = U L / nu = 200, U / c = 0.05, 2 x 2
 particles per cell, no pressure at the start. Exact and incompressible: the kinetic energy falls as exp(-4 nu pi^2 t), to 0.306 at 6 L / U.
+
+Shifted: `pressure_smoothing = 0.22`, `particle_shifting = 0.2` ([ADR 8](../../docs/adr/0008-filling.md)). It stalls at 64 cells and gets worse at 128; half the step is better there, so it is a matter of steps and not of cells. Why is not known.
 """
 import math
 
@@ -15,9 +17,9 @@ MATERIAL = "fluid"
 LEVELS = {"cpu": [16, 32, 64], "cuda": [16, 32, 64, 128]}
 RUNG = "L/{}"
 HALF = {"APIC": "time.cfl=0.344", "AFLIP": "time.cfl=0.304"}  # of the default step
-VARIANTS = fluid_scene.VARIANTS | {f"{name} filled half": fluid_scene.VARIANTS[f"{name} filled"] + [step] for name, step in HALF.items()}
+VARIANTS = fluid_scene.VARIANTS | {f"{name} shifted half": fluid_scene.VARIANTS[f"{name} shifted"] + [step] for name, step in HALF.items()}
 SPEED, NU, END = 1.0, 1 / 200, 6.0
-GOALS = {"AFLIP filled": {16: 12, 32: 6, 64: 5}, "APIC filled": {32: 15}}
+GOALS = {"AFLIP shifted": {16: 12, 32: 6, 64: 5}, "APIC shifted": {32: 15}}
 
 
 def sets(level):
