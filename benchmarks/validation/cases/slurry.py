@@ -11,8 +11,8 @@
 
 Shifted: `pressure_smoothing = 0.22` and `particle_shifting = 0.2` ([ADR 8](../../docs/adr/0008-filling.md)). Runout at rest, H0/25, 50, 100, 200: APIC 48.3, 48.8, 49.8, 49.1 m; AFLIP 52.5, 52.7, 50.6, 48.9; FLIP 52.6, 52.2, 50.1, 48.5.
 
-* The three transfers are 8.5, 8.0, 1.5 and 1.3 % apart: they meet as cells shrink. From H0/100 to 200 the runout changes by -1.4 % (APIC), -3.4 % (AFLIP) and -3.3 % (FLIP).
-* At 8 s they are 1.0 % apart at H0/200 (42.1, 41.9, 41.6 m) and 0.9 % at H0/100.
+* The three transfers are 8.3, 7.6, 1.5 and 1.3 % apart: they meet as cells shrink. From H0/100 to 200 the runout changes by -1.4 % (APIC), -3.4 % (AFLIP) and -3.3 % (FLIP).
+* At 8 s they are 1.2 % apart at H0/200 (42.1, 41.9, 41.6 m) and 0.9 % at H0/100.
 * Noise at rest 1.7, 0.64, 0.28, 0.27 % (APIC), creep at most 1.1 %. Over-filling is 0.01 to 0.03 % at rest, but its largest value in the run grows with the level: 0.7, 1.4, 2.0, 3.5 %.
 
 Why goals are missed without it:
