@@ -63,13 +63,14 @@ def _surface(structure: Mapping[str, Any], dimensions: int) -> numpy.ndarray:
 
 def outline(structure: Mapping[str, Any], axes: Tuple[int, int], dimensions: int,
             displacement: numpy.ndarray) -> Optional[numpy.ndarray]:
-    """Outline (m, 2) [m] of a [[structure]] of the scene in the plane of the two axes; None of a plane, which has no end.
+    """Outline (m, 2) [m] of a [[structure]] of the scene in the plane of the two axes; None of a plane, which has no end, and of
+    ground in 3-D, whose heights are in its own file.
 
     >>> box = {"shape": "box", "min": [0, 0], "max": [2, 1]}
     >>> outline(box, (0, 1), 2, numpy.array([1.0, 0.0])).tolist()
     [[1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0]]
     """
-    if structure["shape"] == "plane":
+    if structure["shape"] in ("plane", "ground"):
         return None
     moved = displacement[list(axes)]
     if structure["shape"] == "polygon":

@@ -78,9 +78,13 @@ std::vector<std::string> all_sets(const Options& options) {
 
 std::vector<Common> tables_of(const Scene& scene) {
     std::vector<Common> tables;
+    for (const StructureSpec& s : scene.structures)
+        if (s.ground)
+            tables.push_back({"the bytes of " + s.file, hash_of_file(path_of_file(scene, s.file)),
+                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
     for (const BodySpec& body : scene.bodies)
-        if (body.shape == BodyShape::table)
-            tables.push_back({"the bytes of " + body.file, hash_of_file(table_path(scene, body)),
+        if (body.shape == BodyShape::table || body.shape == BodyShape::layer)
+            tables.push_back({"the bytes of " + body.file, hash_of_file(path_of_file(scene, body.file)),
                               "Is it on a disk that all hosts share, or an old copy on one of them?"});
     return tables;
 }

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/courant.hpp"
+#include "core/ground.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_keys.hpp"
+#include "seeding/seed_region.hpp"
 
 namespace moraine {
 namespace {
@@ -12,6 +16,13 @@ namespace {
 std::string bytes_text(double bytes) {
     if (bytes < 1e9) return fmt::format("{:.1f} MB", bytes / 1e6);
     return fmt::format("{:.2f} GB", bytes / 1e9);
+}
+
+/// "terrain    200 x 100 heights, 5 m apart, from 812.3 to 1520 m, voellmy"; of the part that the domain needs.
+std::string terrain_line(const Ground& ground, const std::string& law) {
+    const auto [low, high] = std::minmax_element(ground.height.begin(), ground.height.end());
+    return fmt::format("terrain    {} x {} heights, {:.6g} m apart, from {:.4g} to {:.4g} m, {}\n", ground.count[0],
+                       ground.count[1], ground.spacing, *low, *high, law);
 }
 
 /// "structure  pipe: sphere, velocity, rough"
@@ -22,11 +33,25 @@ std::string structure_lines(const Scene& scene) {
         return std::string();
     };
     std::string text;
-    for (const StructureSpec& s : scene.structures)
-        text +=
-            fmt::format("structure  {}: {}, {}, {}\n", s.name, word("structure", "shape", static_cast<int>(s.shape)),
-                        word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
-                        word("structure.contact", "law", static_cast<int>(s.law)));
+    for (const StructureSpec& s : scene.structures) {
+        const std::string law = word("structure.contact", "law", static_cast<int>(s.law));
+        text += s.ground ? terrain_line(*s.ground, law)
+                         : fmt::format("structure  {}: {}, {}, {}\n", s.name,
+                                       word("structure", "shape", static_cast<int>(s.shape)),
+                                       word("structure.motion", "kind", static_cast<int>(s.motion.kind)), law);
+    }
+    return text;
+}
+
+/// "release    scar: 2412 m3, 3.5 cells thick (4 and more resolve a flow)"
+std::string release_lines(const Scene& scene) {
+    std::string text;
+    for (const BodySpec& b : scene.bodies) {
+        if (b.shape != BodyShape::layer) continue;
+        const double cells = b.thickness / scene.cell;
+        text += fmt::format("release    {}: {:.6g} m3, {:.3g} cells thick{}\n", b.name, measure_of(b, scene.dimensions),
+                            cells, cells < 4 ? " (4 and more resolve a flow)" : "");
+    }
     return text;
 }
 
@@ -48,6 +73,7 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
     text += fmt::format("particles  {}\n", p.particles);
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     text += structure_lines(scene);
+    text += release_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
     text += fmt::format("dt         {:.4g} s ({})\n", p.dt,
                         scene.dt > 0 ? std::string("fixed")

@@ -51,7 +51,9 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
       device_message_(device.message),
-      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {}
+      sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {
+    if (scene.hazard.cell > 0) maps_ = std::make_unique<HazardMaps>(scene, comm);
+}
 
 template <class Real, int Dim>
 double Driver<Real, Dim>::wall() const {
@@ -84,6 +86,7 @@ void Driver<Real, Dim>::begin() {
         const SavedRecords records = saved_records(file);
         history_row = records.history_row;
         if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
+        if (maps_ && !maps_->restore(records.maps)) file.refuse("no run has its maps");
     } else {
         sim_.seed();
     }
@@ -101,7 +104,7 @@ void Driver<Real, Dim>::begin() {
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
-    if (!restarting) output();
+    if (!restarting) sample_maps(), output();
     const bool has_row = resume && std::strtoll(history_row.c_str(), nullptr, 10) == clock.step;
     if (has_row) last_output_step_ = clock.step;  // and at the end of the run it is not written again
     if (loads_) loads_->write();
@@ -134,6 +137,7 @@ void Driver<Real, Dim>::run() {
     try {
         while (sim_.clock().time < scene_.end) advance();
         sim_.conclude();
+        sample_maps();
         if (last_output_step_ != sim_.clock().step) output();
     } catch (const PhysicsError&) {
         progress_->clear();
@@ -174,6 +178,7 @@ void Driver<Real, Dim>::after_step() {
         sim_.conclude();
         record_structures();
     }
+    if (maps_ && maps_->is_due(clock.time)) sample_maps();
     if (clock.step % scene_.balance.interval == 0) record_balance();
     const bool due =
         checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;
@@ -197,6 +202,7 @@ void Driver<Real, Dim>::output() {
         history_->row(row.values());
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
+        if (maps_) maps_->write(directory_);
         if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
@@ -220,7 +226,7 @@ void Driver<Real, Dim>::checkpoint() {
         sim_.conclude();
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
-             {history_->last_row(), health_.stored()});
+             {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{}});
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -234,6 +240,15 @@ void Driver<Real, Dim>::record_structures() {
 }
 
 template <class Real, int Dim>
+void Driver<Real, Dim>::sample_maps() {
+    if constexpr (Dim == 3) {
+        if (!maps_) return;
+        sim_.bin();
+        sim_.phases().time(Phase::output, [&] { maps_->sample(sim_); });
+    }
+}
+
+template <class Real, int Dim>
 void Driver<Real, Dim>::record_balance() {
     if (loads_) sim_.phases().time(Phase::output, [&] { loads_->write(); });
     balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
@@ -243,6 +258,7 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::finish() {
     const RunClock<Dim>& clock = sim_.clock();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
+    if (maps_) maps_->write(directory_);
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
     write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_));

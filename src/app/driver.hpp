@@ -15,6 +15,7 @@
 #include "app/watchdog.hpp"
 #include "io/csv_log.hpp"
 #include "io/vtkhdf.hpp"
+#include "records/hazard_maps.hpp"
 #include "records/load_record.hpp"
 #include "records/run_health.hpp"
 #include "records/time_series.hpp"
@@ -41,6 +42,7 @@ class Driver {
     void warn(const TimeSeriesRow<Dim>& row);
     void record_balance();
     void record_structures();
+    void sample_maps();
     void checkpoint();
     void finish();
     double wall() const;
@@ -54,6 +56,7 @@ class Driver {
     Simulation<Real, Dim> sim_;
     std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
+    std::unique_ptr<HazardMaps> maps_;                        ///< none unless the scene asks for them
     std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;

@@ -78,6 +78,15 @@ void check(const fs::path& path, RunClaim claim) {
     }
 }
 
+/// What a run before left of its maps.
+void remove_maps(const fs::path& path) {
+    if (!fs::is_directory(path / "maps")) return;
+    for (const auto& file : files_of_run(path / "maps", [](const std::string& name) { return name.ends_with(".asc"); }))
+        fs::remove(file);
+    std::error_code not_empty;
+    fs::remove(path / "maps", not_empty);
+}
+
 RunLock claim_it(const fs::path& path, RunClaim claim) {
     std::vector<fs::path> made;  // deepest first
     for (fs::path p = fs::absolute(path); !fs::exists(p) && p.has_relative_path(); p = p.parent_path())
@@ -87,6 +96,7 @@ RunLock claim_it(const fs::path& path, RunClaim claim) {
         RunLock lock(path.string());
         const auto removed = claim == RunClaim::overwrite ? belongs_to_run : is_unfinished;
         for (const auto& file : files_of_run(path, removed)) fs::remove(file);
+        if (claim == RunClaim::overwrite) remove_maps(path);
         const fs::path probe = path / "summary.json.partial";  // the permission bits are not the whole truth
         DiskFile(probe.string(), DiskFile::Mode::create);
         fs::remove(probe);

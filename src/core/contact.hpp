@@ -19,6 +19,9 @@
 // the area that the soil covers. An undrained interface bears its strength wherever the soil touches, pressed or not:
 // some of its nodes carry no load, and would lose their part of the area. A rough one holds what comes nearer and
 // touches.
+//
+// Voellmy's law is Coulomb's with a drag by the square of the speed, |f_t| <= mu |f_n| + k w^2 A_i, k = rho g / xi, at
+// the speed w that is left after the step: a quadratic equation. The drag also acts wherever the soil touches.
 
 #include "core/contact_field.hpp"
 #include "core/gap_tiles.hpp"
@@ -45,7 +48,7 @@ struct ContactNode {
 template <int Dim>
 MORAINE_HD bool is_near(const ContactField<Dim>& f, const Structure<Dim>& s, const int* node) {
     const double reach = f.cell * (look_from + 1.5 * (Dim == 2 ? 1.4143 : 1.7321));  // and half of the block's diagonal
-    return surface(s, f.corners, node_place(f, s, node, 1.5)).distance < reach;
+    return distance_bound(s, f.corners, node_place(f, s, node, 1.5)) < reach;
 }
 
 template <int Dim>
@@ -62,6 +65,20 @@ MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<
     n.sticks = s.law == InterfaceLaw::rough && gap.cells() < touching;
     n.area = gap.faces() * (Dim == 2 ? f.cell : f.cell * f.cell);
     return n;
+}
+
+/// w of w + drag w^2 = speed [m/s]; 0 where that is negative. drag [s/m].
+MORAINE_HD double after_drag(double speed, double drag) {
+    using std::sqrt;
+    return speed > 0 ? 2 * speed / (1 + sqrt(1 + 4 * drag * speed)) : 0.0;
+}
+
+/// Whether the law has a part that acts where the soil touches, pressed or not.
+MORAINE_HD bool acts_where_it_touches(InterfaceLaw law) {
+#if !defined(__CUDA_ARCH__)
+    if (law == InterfaceLaw::voellmy) return true;
+#endif
+    return law == InterfaceLaw::undrained;
 }
 
 /// Change of the velocity relative to the structure along its surface that the interface gives [m/s].
@@ -82,6 +99,14 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
         case InterfaceLaw::undrained:
             most = s.cap * n.area * dt_over_mass;
             break;
+#if !defined(__CUDA_ARCH__)  // no device steps a scene that has it (app/main.cpp)
+        case InterfaceLaw::voellmy:
+            most = speed - after_drag(speed - s.friction * pressed, s.cap * n.area * dt_over_mass);
+            break;
+#else
+        default:
+            break;
+#endif
     }
     slip = (most < speed ? most / speed : 1.0) * slip;
 }
@@ -96,7 +121,7 @@ MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>&
     const double approach = dot(slip, n.surface.normal);
     const double too_fast = -n.gap / dt - approach;
     const double pressed = too_fast > 0 ? too_fast * n.hold : 0.0;
-    if (!(pressed > 0 || (n.sticks && approach < 0) || (s.law == InterfaceLaw::undrained && n.area > 0))) return false;
+    if (!(pressed > 0 || (n.sticks && approach < 0) || (acts_where_it_touches(s.law) && n.area > 0))) return false;
     slip = slip - approach * n.surface.normal;
     slow_slip(s, n, pressed, dt / mass, slip);
     for (int a = 0; a < Dim; ++a) v[a] = Real(double(v[a]) + pressed * n.surface.normal[a] - slip[a]);

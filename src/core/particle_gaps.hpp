@@ -39,7 +39,7 @@ MORAINE_HD bool is_near_block(const ContactField<Dim>& f, const Structure<Dim>& 
     int lowest[Dim];
     for (int a = 0; a < Dim; ++a) lowest[a] = 4 * position[a];
     const double reach = f.cell * (particle_reach + 2 * (Dim == 2 ? 1.4143 : 1.7321));  // and half of the diagonal
-    return surface(s, f.corners, node_place(f, s, lowest, 2 - f.offset)).distance < reach;
+    return distance_bound(s, f.corners, node_place(f, s, lowest, 2 - f.offset)) < reach;
 }
 
 /// Of one particle: what it tells the nodes that it reaches.

@@ -76,7 +76,7 @@ MORAINE_HD bool structure_within(const ContactField<Dim>& field, const int* lowe
     bool near = false;
     for (int k = 0; k < field.count && !near; ++k) {
         const Structure<Dim>& s = field.structure[k];
-        const double distance = surface(s, field.corners, node_place(field, s, lowest, half)).distance;
+        const double distance = distance_bound(s, field.corners, node_place(field, s, lowest, half));
         near = distance < (reach + half * (Dim == 2 ? 1.4143 : 1.7321)) * field.cell;
     }
     return near;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 namespace moraine {
 
 using Triple = std::array<double, 3>;
+
+struct Ground;  // core/ground.hpp
 
 enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
 /// pic is flip with blend 0; aflip is flip with the affine field of apic (Fei et al. 2021).
@@ -38,11 +41,12 @@ constexpr bool is_affine(Transfer transfer) {
 enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
-enum class BodyShape { box, polygon, sphere, table };
+/// layer: a release, draped on the ground.
+enum class BodyShape { box, polygon, sphere, table, layer };
 enum class Seeding { lattice, jittered };
-enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon };
+enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon, ground };
 enum class StructureMotion { fixed, velocity, sinusoid, table, free };
-enum class InterfaceLaw { smooth, rough, coulomb, undrained };
+enum class InterfaceLaw { smooth, rough, coulomb, undrained, voellmy };
 enum class Volumetric { particle, cell };
 enum class Trigger { never, every, threshold, planned };
 
@@ -81,8 +85,10 @@ struct BodySpec {
     Triple min{}, max{};                        ///< box [m]; polygon in 3-D: min[2], max[2] are its ends
     Triple center{};                            ///< sphere (2-D: disk) [m]
     double radius = 0;                          ///< [m]
-    std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
-    std::string file;                           ///< table: path of .csv or .h5, absolute or relative to the scene
+    std::vector<std::array<double, 2>> points;  ///< polygon, layer: in x, y, either sense [m]
+    std::string file;      ///< table: path of .csv or .h5; layer: of its polygon; absolute or relative to the scene
+    double thickness = 0;  ///< layer: normal to the ground [m]
+    std::shared_ptr<const Ground> ground;  ///< layer
     std::array<int, 3> particles_per_cell{2, 2, 2};
     Seeding seeding = Seeding::lattice;
     double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
@@ -117,10 +123,14 @@ struct StructureSpec {
     Triple min{}, max{};                        ///< box; polygon in 3-D: min[2], max[2] are its ends [m]
     std::vector<std::array<double, 2>> points;  ///< polygon in x, y, either sense [m]
     bool clear = false;                         ///< particles that begin inside are removed
+    std::string file;                           ///< ground: path, absolute or relative to the scene
+    std::shared_ptr<const Ground> ground;
     InterfaceLaw law = InterfaceLaw::smooth;
-    double friction = 0;  ///< coulomb [-]
+    double friction = 0;  ///< coulomb, voellmy: mu [-]
     double alpha = 0;     ///< undrained: share of su [-]
     double su = 0;        ///< undrained [Pa]
+    double xi = 0;        ///< voellmy [m/s2]
+    double density = 0;   ///< voellmy: rho [kg/m3]
     MotionSpec motion;
 };
 
@@ -136,6 +146,13 @@ struct OutputSpec {
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays
+};
+
+/// Maps of a run over terrain (records/hazard_maps.hpp).
+struct HazardSpec {
+    double cell = 0;         ///< side of a cell of the maps [m]; 0: none
+    double threshold = 0.1;  ///< depth from which the flow has arrived [m]
+    std::vector<std::string> maps;
 };
 
 struct BalanceSpec {
@@ -173,6 +190,7 @@ struct Scene {
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;
     OutputSpec output;
+    HazardSpec hazard;
     BalanceSpec balance;
     std::uint64_t seed = 1;
     double watchdog = 0;  ///< [s of wall time] without a finished step that end a run; 0: none

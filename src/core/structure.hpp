@@ -7,9 +7,15 @@
 // stadium) and of a polygon, in 3-D a prism along z. An exact distance grows by at most the way walked (Lipschitz
 // constant 1), so one evaluation at the middle of a block of nodes tells that none of them is near. Positions are
 // doubles also where the particles are single: a structure moves by a millionth of a cell per step.
+//
+// Ground (core/ground.hpp) has its distance by one step to the foot point, exact to 0.004 h on real models, and only
+// where it may be below `radius`; further off it is a lower bound, and so is all of distance_bound().
+//
+//   g = z - b(x),  q = x + g grad b / (1 + |grad b|^2),  n = (-grad b(q), 1) / |..|,  d = n . (x - q, z - b(q))
 
 #include <cmath>
 
+#include "core/ground.hpp"
 #include "core/scene_spec.hpp"
 #include "core/vec.hpp"
 
@@ -18,15 +24,15 @@ namespace moraine {
 template <int Dim>
 struct Structure {
     StructureShape shape;
-    Vec<double, Dim> at;        ///< now: a point of the plane; centre; middle of the segment, box or prism [m]
+    Vec<double, Dim> at;        ///< now: a point of the plane; centre; middle of segment, box, prism, domain [m]
     Vec<double, Dim> along;     ///< plane: normal; cylinder, capsule: unit vector; box, prism: half lengths [m]
-    double radius;              ///< [m]
+    double radius;              ///< ground: where distances are not bounds [m]
     double half;                ///< cylinder, capsule: half length [m]
-    int first_corner, corners;  ///< polygon: corners relative to `at`, counter-clockwise
+    int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table
     Vec<double, Dim> velocity;  ///< in this step [m/s]
     InterfaceLaw law;
     double friction;  ///< Coulomb coefficient [-]
-    double cap;       ///< largest shear stress [Pa]
+    double cap;       ///< largest shear stress [Pa]; voellmy: that at 1 m/s
 };
 
 template <int Dim>
@@ -148,7 +154,25 @@ MORAINE_HD Surface<Dim> prism_surface(const Structure<Dim>& p, const Vec<double,
     return s;
 }
 
-/// Of one structure at x [m]; `corners` of all polygons.
+/// Of the ground with this table at x [m]; lower bounds beyond `reach`.
+template <int Dim>
+MORAINE_HD Surface<Dim> ground_surface(const Vec<double, 2>* table, double reach, const Vec<double, Dim>& x) {
+    using std::fabs;
+    using std::sqrt;
+    const Vec<double, Dim> up = last_axis<Dim>();
+    const double cosine = table[1][1], over_all = (x[Dim - 1] - table[2][1]) * cosine;
+    if (over_all > reach) return {over_all, up};
+    GroundPoint<Dim> b = ground_at(table, x);
+    const double gap = x[Dim - 1] - b.height;
+    if (fabs(gap) * cosine > reach) return {gap * cosine, up};
+    Vec<double, Dim> foot = x - (-gap / (1 + dot(b.slope, b.slope))) * b.slope;
+    b = ground_at(table, foot);
+    foot[Dim - 1] = b.height;
+    const Vec<double, Dim> normal = (1 / sqrt(1 + dot(b.slope, b.slope))) * (up - b.slope);
+    return {dot(x - foot, normal), normal};
+}
+
+/// Of one structure at x [m]; `corners` of all polygons, tables of ground.
 template <int Dim>
 MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
     const Vec<double, Dim> from = x - s.at;
@@ -166,9 +190,25 @@ MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* c
             t = t < -s.half ? -s.half : (t > s.half ? s.half : t);
             return round_surface(from - t * s.along, s.radius, last_axis<Dim>());
         }
+#if !defined(__CUDA_ARCH__)  // no device steps a scene that has it (app/main.cpp)
+        case StructureShape::ground:
+            return ground_surface(corners + s.first_corner, s.radius, x);
+#endif
         default:
             return prism_surface(s, corners, from);
     }
+}
+
+/// No more than the distance, and it grows by at most the way walked.
+template <int Dim>
+MORAINE_HD double distance_bound(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
+#if !defined(__CUDA_ARCH__)
+    if (s.shape == StructureShape::ground) {
+        const Vec<double, 2>* table = corners + s.first_corner;
+        return (x[Dim - 1] - ground_at(table, x).height) * table[1][1];
+    }
+#endif
+    return surface(s, corners, x).distance;
 }
 
 }  // namespace moraine

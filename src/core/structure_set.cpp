@@ -26,15 +26,30 @@ Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points,
     return middle;
 }
 
+/// Distances of the ground are bounds from here on [cells]: contact and gaps look at nothing further off.
+constexpr double ground_reach = 2;
+
+template <int Dim>
+void place_ground(const Scene& scene, const StructureSpec& spec, Structure<Dim>& s,
+                  std::vector<Vec<double, 2>>& corners) {
+    s.first_corner = static_cast<int>(corners.size());
+    corners.insert(corners.end(), spec.ground->table.begin(), spec.ground->table.end());
+    s.radius = ground_reach * scene.cell;
+    const Vec<double, Dim> low = vec_of<Dim>(scene.min), high = vec_of<Dim>(scene.max);
+    s.at = low - (-0.5) * (high - low);  // periodic images are those inside the domain
+    s.at[Dim - 1] = 0;
+}
+
 /// The value of a structure at the start; the corners of a polygon are appended.
 template <int Dim>
-Structure<Dim> structure_of(const StructureSpec& spec, std::vector<Vec<double, 2>>& corners) {
+Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::vector<Vec<double, 2>>& corners) {
     Structure<Dim> s{};
     s.shape = spec.shape;
     s.radius = spec.radius;
     s.law = spec.law;
     s.friction = spec.friction;
-    s.cap = spec.alpha * spec.su;
+    s.cap = spec.law == InterfaceLaw::voellmy ? spec.density * magnitude(vec_of<3>(scene.gravity)) / spec.xi
+                                              : spec.alpha * spec.su;
     s.velocity = zero_vec<double, Dim>();
     const Vec<double, Dim> from = vec_of<Dim>(spec.from), to = vec_of<Dim>(spec.to);
     const Vec<double, Dim> low = vec_of<Dim>(spec.min), high = vec_of<Dim>(spec.max);
@@ -67,6 +82,9 @@ Structure<Dim> structure_of(const StructureSpec& spec, std::vector<Vec<double, 2
             if constexpr (Dim == 3) s.at[2] = (low[2] + high[2]) / 2, s.along[2] = (high[2] - low[2]) / 2;
             break;
         }
+        case StructureShape::ground:
+            place_ground(scene, spec, s, corners);
+            break;
     }
     return s;
 }
@@ -76,7 +94,7 @@ Structure<Dim> structure_of(const StructureSpec& spec, std::vector<Vec<double, 2
 template <int Dim>
 StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(scene.structures.size()) {
     for (const StructureSpec& spec : scene.structures) {
-        values_.push_back(structure_of<Dim>(spec, corners_));
+        values_.push_back(structure_of<Dim>(scene, spec, corners_));
         start_.push_back(values_.back().at);
         any_free_ = any_free_ || spec.motion.kind == StructureMotion::free;
         any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;

@@ -190,10 +190,11 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
 }
 
 /// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and
-/// RunHealth::stored().
+/// RunHealth::stored(), and the maps so far.
 struct SavedRecords {
     std::string history_row;
     std::vector<double> health;
+    std::vector<double> maps = {};  ///< HazardMaps::stored(); empty: none
 };
 
 /// Binned state only; after conclude().
@@ -202,6 +203,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     CheckpointHeader header = clock_header(sim.clock());
     header["history_row"] = records.history_row;
     header["health"] = records.health;
+    if (!records.maps.empty()) header["maps"] = records.maps;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -228,6 +230,7 @@ inline SavedRecords saved_records(const CheckpointReader& file) {
     };
     take("history_row", records.history_row);
     take("health", records.health);
+    take("maps", records.maps);
     return records;
 }
 

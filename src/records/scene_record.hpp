@@ -5,6 +5,7 @@
 // written when the run begins: a run that goes on, or was killed, can be drawn too. Where structures have moved to is
 // in structures.csv.
 
+#include "core/ground.hpp"
 #include "core/scene_spec.hpp"
 #include "io/json_text.hpp"
 #include "records/version.hpp"
@@ -28,7 +29,22 @@ inline Json walls(const Scene& scene) {
     return list;
 }
 
+/// The ground of a scene in 2-D, down to the domain's lower end; in 3-D its file alone.
+inline Json ground(const Scene& scene, const StructureSpec& s) {
+    Json::Named named{{"name", s.name}, {"shape", scene.dimensions == 2 ? "polygon" : "ground"}};
+    named.emplace_back("file", s.file);
+    if (scene.dimensions == 3) return named;
+    const auto place = [&](std::int64_t i) { return s.ground->first[0] + static_cast<double>(i) * s.ground->spacing; };
+    std::vector<Json> points{std::vector<double>{place(0), scene.min[1]}};
+    for (std::int64_t i = 0; i < s.ground->count[0]; ++i)
+        points.push_back(std::vector<double>{place(i), s.ground->height[static_cast<std::size_t>(i)]});
+    points.push_back(std::vector<double>{place(s.ground->count[0] - 1), scene.min[1]});
+    named.emplace_back("points", points);
+    return named;
+}
+
 inline Json structure(const Scene& scene, const StructureSpec& s) {
+    if (s.ground) return ground(scene, s);
     constexpr const char* shapes[] = {"plane", "sphere", "cylinder", "box", "capsule", "polygon"};
     Json::Named named{{"name", s.name}, {"shape", shapes[static_cast<int>(s.shape)]}};
     const auto add = [&](const char* key, const Triple& v) { named.emplace_back(key, vector(scene, v)); };
@@ -51,7 +67,10 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
             for (const auto& p : s.points) points.push_back(std::vector<double>(p.begin(), p.end()));
             named.emplace_back("points", points);
             if (scene.dimensions == 3) named.emplace_back("z", std::vector<double>{s.min[2], s.max[2]});
+            break;
         }
+        case StructureShape::ground:  // above
+            break;
     }
     if (s.radius > 0) named.emplace_back("radius", s.radius);
     return named;

@@ -14,6 +14,7 @@
 #include "scene/scene_file.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
 
 namespace moraine {
@@ -53,6 +54,12 @@ class Reader {
         each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
         each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        read_terrain(section_table(root_, "terrain"));
+        if (const toml::table* hazard = section_table(root_, "hazard")) {
+            read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
+            check_hazard(scene_, places_);
+        }
+        each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         check_scene(scene_, places_);
         if (admit) admit(scene_);
@@ -136,6 +143,18 @@ class Reader {
         scene_.materials.push_back(std::move(material));
     }
 
+    /// Position of the material that a body or release names.
+    int material_of(const toml::table& table, const std::string& path) {
+        const std::string wanted = table.get("material")->as_string()->get();
+        std::vector<std::string> names;
+        for (const MaterialSpec& material : scene_.materials) names.push_back(material.name);
+        const auto found = std::find(names.begin(), names.end(), wanted);
+        if (found == names.end())
+            refuse(places_.of(path + ".material"), fmt::format("{}.material = {}", path, quote(wanted)),
+                   "there is no such material", names.empty() ? "Write one as [[material]]?" : suggest(wanted, names));
+        return static_cast<int>(found - names.begin());
+    }
+
     void read_body(const toml::table& table, const std::string& path) {
         BodySpec body;
         read_table(&table, "body", path, body_rows(), body);
@@ -144,14 +163,15 @@ class Reader {
                 read_table(nested, std::string("body.") + part, path + "." + part, body_rows(), body);
         if (body.seeding == Seeding::lattice) body.jitter = 0;
 
-        const std::string wanted = table.get("material")->as_string()->get();
-        std::vector<std::string> names;
-        for (const MaterialSpec& material : scene_.materials) names.push_back(material.name);
-        const auto found = std::find(names.begin(), names.end(), wanted);
-        if (found == names.end())
-            refuse(places_.of(path + ".material"), fmt::format("{}.material = {}", path, quote(wanted)),
-                   "there is no such material", names.empty() ? "Write one as [[material]]?" : suggest(wanted, names));
-        body.material = static_cast<int>(found - names.begin());
+        body.material = material_of(table, path);
+        scene_.bodies.push_back(std::move(body));
+    }
+
+    void read_release(const toml::table& table, const std::string& path) {
+        BodySpec body;
+        read_table(&table, "release", path, release_rows(), body);
+        body.material = material_of(table, path);
+        load_release(scene_, body, places_);
         scene_.bodies.push_back(std::move(body));
     }
 
@@ -161,7 +181,20 @@ class Reader {
         for (const char* part : {"contact", "motion"})
             if (const toml::table* nested = section_table(table, part))
                 read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
+        complete_law(scene_, structure, path, places_);
         scene_.structures.push_back(std::move(structure));
+    }
+
+    void read_terrain(const toml::table* table) {
+        if (!table) return;
+        StructureSpec terrain;
+        read_table(table, "terrain", "terrain", terrain_rows(), terrain);
+        if (const toml::table* contact = section_table(*table, "contact"))
+            read_table(contact, "structure.contact", "terrain.contact", structure_rows(), terrain);
+        complete_law(scene_, terrain, "terrain", places_);
+        load_ground(scene_, terrain, places_);
+        open_faces(scene_, places_);
+        scene_.structures.push_back(std::move(terrain));
     }
 
     void read_wall(const toml::table& table, const std::string& path) {

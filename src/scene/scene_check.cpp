@@ -120,7 +120,7 @@ void check_fields(const Scene& scene, const Places& places) {
 void check_starts(const Scene& scene, const Places& places) {
     const bool weightless = scene.gravity == Triple{};
     for (const BodySpec& body : scene.bodies) {
-        const std::string path = "body." + body.name;
+        const std::string path = path_of(body);
         if (body.geostatic && weightless)
             refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero",
                    "Set gravity?");

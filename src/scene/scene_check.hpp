@@ -7,6 +7,11 @@
 
 namespace moraine {
 
+/// Where a body stands in the scene: "body.NAME", "release.NAME".
+inline std::string path_of(const BodySpec& body) {
+    return (body.shape == BodyShape::layer ? "release." : "body.") + body.name;
+}
+
 /// Domain, walls, transfer, balance, output, bodies and time: all but the particles. Throws InputError. Not collective.
 void check_scene(const Scene& scene, const Places& places);
 

@@ -16,7 +16,7 @@ namespace {
 constexpr char axis_name[] = "xyz";
 
 void check_form(const Scene& scene, const BodySpec& body, const Places& places) {
-    const std::string path = "body." + body.name;
+    const std::string path = path_of(body);
     const bool prism = body.shape == BodyShape::polygon;
     if (prism && scene.dimensions == 3 && !places.has(path + ".z"))
         refuse(places.of(path), path + ".z is missing", "a polygon in 3-D is a prism along z", "Add z = [0, 1]?");
@@ -51,8 +51,8 @@ void check_extent(const Scene& scene, const BodySpec& body, const Extent& e, con
         const double slack = 1e-9 * (scene.max[a] - scene.min[a]);
         if (e.lower[a] < scene.min[a] - slack || e.upper[a] > scene.max[a] + slack)
             refuse(
-                places.of("body." + body.name),
-                fmt::format("body.{} reaches from {} to {} along {}", body.name, e.lower[a], e.upper[a], axis_name[a]),
+                places.of(path_of(body)),
+                fmt::format("{} reaches from {} to {} along {}", path_of(body), e.lower[a], e.upper[a], axis_name[a]),
                 fmt::format("the domain from {} to {}", scene.min[a], scene.max[a]),
                 "Move the body or widen domain.min, domain.max?");
     }
@@ -65,7 +65,7 @@ void check_lattice(const Scene& scene, const BodySpec& body, const Places& place
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         points *= (e.upper[a] - e.lower[a]) / scene.cell * body.particles_per_cell[a] + 2;
     if (points > std::ldexp(1, 48))
-        refuse(places.of("body." + body.name), fmt::format("body.{} spans {:.3g} particles", body.name, points),
+        refuse(places.of(path_of(body)), fmt::format("{} spans {:.3g} particles", path_of(body), points),
                "ids have space for 2^48 a body", "Use a larger domain.cell?");
 }
 
@@ -83,9 +83,10 @@ void each_part(const Scene& scene, std::size_t body, const F& f) {
     }
 }
 
-Extent extent_in(const Scene& scene, std::size_t body) {
-    if (scene.bodies[body].shape != BodyShape::table) return extent_of(scene.bodies[body], scene.dimensions);
-    Extent e{scene.max, scene.min};
+/// Smallest box around the particles of a body.
+Extent extent_of_particles(const Scene& scene, std::size_t body) {
+    constexpr double far = 1e300;
+    Extent e{{far, far, far}, {-far, -far, -far}};
     each_part(scene, body, [&](const std::vector<Seed>& seeds) {
         for (const Seed& s : seeds)
             for (std::size_t a = 0; a < 3; ++a) {
@@ -95,6 +96,11 @@ Extent extent_in(const Scene& scene, std::size_t body) {
         return false;
     });
     return e;
+}
+
+Extent extent_in(const Scene& scene, std::size_t body) {
+    if (scene.bodies[body].shape == BodyShape::table) return extent_of_particles(scene, body);
+    return extent_of(scene.bodies[body], scene.dimensions);
 }
 
 bool may_touch(const Extent& a, const Extent& b, int dimensions) {
@@ -122,8 +128,8 @@ std::optional<Triple> overlap(const Scene& scene, std::size_t a, std::size_t b) 
 void check_overlap(const Scene& scene, const Places& places, std::size_t a, std::size_t b) {
     const std::optional<Triple> found = overlap(scene, a, b);
     if (!found) return;
-    const std::string& name = scene.bodies[std::max(a, b)].name;
-    refuse(places.of("body." + name), fmt::format("body.{} overlaps body.{}", name, scene.bodies[std::min(a, b)].name),
+    const std::string name = path_of(scene.bodies[std::max(a, b)]);
+    refuse(places.of(name), fmt::format("{} overlaps {}", name, path_of(scene.bodies[std::min(a, b)])),
            fmt::format("both have ({:.6g})", fmt::join(found->begin(), found->begin() + scene.dimensions, ", ")),
            "Move or shrink one of them?");
 }
@@ -146,7 +152,7 @@ void check_overlaps(const Scene& scene, const Places& places) {
 void check_start(const Scene& scene, const BodySpec& body, const Places& places) {
     const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
     const LawInfo& law = *find_law(material.law);
-    const std::string path = "body." + body.name, ratio = path + ".over_consolidation_ratio";
+    const std::string path = path_of(body), ratio = path + ".over_consolidation_ratio";
     if (!law.has_initial_state && body.start.over_consolidation_ratio != 1)
         refuse(places.of(ratio), ratio + " is not used", "law " + material.law + " keeps no preconsolidation pressure",
                "Remove it?");
@@ -174,9 +180,10 @@ void check_bodies(const Scene& scene, const Places& places) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
         if (body.shape != BodyShape::table) {
-            if (body.shape == BodyShape::polygon) check_polygon(body.points, "body." + body.name, places);
+            if (body.shape == BodyShape::polygon || body.shape == BodyShape::layer)
+                check_polygon(body.points, path_of(body), places);
             check_form(scene, body, places);
-            check_extent(scene, body, extent_of(body, scene.dimensions), places);
+            if (body.shape != BodyShape::layer) check_extent(scene, body, extent_of(body, scene.dimensions), places);
             check_lattice(scene, body, places);
         }
         check_start(scene, body, places);
@@ -189,8 +196,9 @@ void check_particles(const Scene& scene, const Places& places) {
         const BodySeeds seeds(scene, static_cast<int>(b));
         std::int64_t particles = 0;
         for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);
+        if (body.shape == BodyShape::layer) check_extent(scene, body, extent_of_particles(scene, b), places);
         if (particles == 0)
-            refuse(places.of("body." + body.name), fmt::format("body.{} has no particles", body.name),
+            refuse(places.of(path_of(body)), fmt::format("{} has no particles", path_of(body)),
                    "it is smaller than their spacing", "Use a smaller domain.cell or more particles_per_cell?");
     }
     check_overlaps(scene, places);

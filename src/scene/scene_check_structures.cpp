@@ -13,7 +13,7 @@ namespace {
 constexpr char axis_name[] = "xyz";
 
 std::string path_of(const StructureSpec& s) {
-    return "structure." + s.name;
+    return s.shape == StructureShape::ground ? s.name : "structure." + s.name;
 }
 
 bool is_zero(const Triple& t) {
@@ -89,8 +89,8 @@ void check_inside(const Scene& scene, const Places& places) {
             cleared = cleared || (s.clear && distance < 0);
             if (s.clear || distance >= -1e-9 * scene.cell) continue;
             refuse(places.of(path_of(s)),
-                   fmt::format("{} begins inside body.{}", path_of(s),
-                               scene.bodies[static_cast<std::size_t>(seed.body)].name),
+                   fmt::format("{} begins inside {}", path_of(s),
+                               path_of(scene.bodies[static_cast<std::size_t>(seed.body)])),
                    fmt::format("a particle at ({:.6g}) is {:.3g} m deep in it",
                                fmt::join(seed.x.begin(), seed.x.begin() + scene.dimensions, ", "), -distance),
                    "Move one of them, or set clear = true to leave such particles out?");
@@ -106,6 +106,9 @@ void check_inside(const Scene& scene, const Places& places) {
 void check_structures(const Scene& scene, const Places& places) {
     if (scene.structures.empty()) return;
     for (const StructureSpec& s : scene.structures) {
+        if (s.name == "terrain" && s.shape != StructureShape::ground && scene.structures[0].ground)
+            refuse(places.of(path_of(s)), "a structure is called terrain", "[terrain] is in the records by that name",
+                   "Rename it?");
         check_shape(scene, s, places);
         check_motion(scene, s, places);
     }

@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <span>
 #include <sstream>
 
+#include "core/ground.hpp"
+#include "core/hash.hpp"
 #include "core/material/laws.hpp"
 
 namespace moraine {
@@ -68,7 +71,7 @@ void add_materials(Entries& all, const Scene& s) {
 
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
-        const std::string key = "body." + b.name;
+        const std::string key = (b.shape == BodyShape::layer ? "release." : "body.") + b.name;
         add(all, key + ".material", b.material);
         add(all, key + ".shape", b.shape);
         add(all, key + ".min", b.min);
@@ -88,9 +91,15 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic", b.geostatic);
         add(all, key + ".geostatic.surface", b.geostatic_surface);
         add(all, key + ".geostatic.k0", b.geostatic_k0);
+        if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
         if (b.start.over_consolidation_ratio != 1)
             add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);
     }
+}
+
+std::uint64_t hash_of(const Ground& g) {
+    const auto bytes = std::as_bytes(std::span(g.table));
+    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
 }
 
 void add_structures(Entries& all, const Scene& s) {
@@ -107,6 +116,9 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".max", r.max);
         add(all, key + ".points", r.points);
         add(all, key + ".clear", r.clear);
+        if (r.ground) add(all, key + ".heights", hash_of(*r.ground));
+        if (r.law == InterfaceLaw::voellmy)
+            add(all, key + ".contact.xi", r.xi), add(all, key + ".contact.density", r.density);
         add(all, key + ".contact.law", r.law);
         add(all, key + ".contact.friction", r.friction);
         add(all, key + ".contact.alpha", r.alpha);
@@ -132,6 +144,8 @@ Entries scene_identity(const Scene& scene) {
     add_materials(all, scene);
     add_bodies(all, scene);
     add_structures(all, scene);
+    if (scene.hazard.cell > 0) add(all, "hazard.cell", scene.hazard.cell);
+    if (scene.hazard.cell > 0) add(all, "hazard.threshold", scene.hazard.threshold);
     return all;
 }
 

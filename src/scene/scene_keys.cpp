@@ -52,8 +52,15 @@ std::vector<SceneKey> all_scene_keys() {
     }
     append(keys, body_rows());
     append(keys, wall_rows());
+    append(keys, terrain_rows());
+    append(keys, hazard_rows());
+    append(keys, release_rows());
     append(keys, structure_rows());
     return keys;
+}
+
+std::string table_of_keys(const std::string& table) {
+    return table == "terrain.contact" ? "structure.contact" : table;
 }
 
 std::string selector_of(const std::string& table) {

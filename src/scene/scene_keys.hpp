@@ -90,6 +90,15 @@ struct FacedWall {
 };
 const std::vector<KeyRow<FacedWall>>& wall_rows();
 const std::vector<KeyRow<StructureSpec>>& structure_rows();
+/// Of [[release]]: a body that is a layer.
+const std::vector<KeyRow<BodySpec>>& release_rows();
+/// Of [hazard], and what hazard.maps may name.
+const std::vector<KeyRow<Scene>>& hazard_rows();
+const std::vector<std::string>& hazard_map_names();
+/// Of [terrain]; its contact has the keys of a structure's.
+const std::vector<KeyRow<StructureSpec>>& terrain_rows();
+/// The table whose keys a table has: terrain.contact has those of structure.contact, others their own.
+std::string table_of_keys(const std::string& table);
 
 /// The key of a law's parameter.
 SceneKey parameter_key(const LawInfo& law, const Parameter& parameter);

@@ -34,8 +34,9 @@ std::vector<std::string> valid_names(const toml::table& table, const std::string
     const auto add = [&](const std::string& name) {
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     };
+    if (section == "terrain") add("contact");
     for (const SceneKey& key : all_scene_keys()) {
-        if (key.table == section && is_used(key, table)) add(key.name);
+        if (key.table == table_of_keys(section) && is_used(key, table)) add(key.name);
         const std::string prefix = section.empty() ? "" : section + ".";
         if (key.table != section && key.table.starts_with(prefix))
             add(key.table.substr(prefix.size(), key.table.find('.', prefix.size()) - prefix.size()));
@@ -80,7 +81,8 @@ class NameCheck {
   private:
     static bool is_table(const std::string& section) {
         const std::vector<SceneKey> keys = all_scene_keys();
-        return std::any_of(keys.begin(), keys.end(), [&](const SceneKey& key) { return key.table == section; });
+        return std::any_of(keys.begin(), keys.end(),
+                           [&](const SceneKey& key) { return key.table == table_of_keys(section); });
     }
 
     void nested(const toml::node& node, const std::string& section, const std::string& path) const {

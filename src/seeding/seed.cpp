@@ -29,12 +29,15 @@ BodySeeds::BodySeeds(const Scene& scene, int body)
     : scene_(scene), body_(scene.bodies[static_cast<std::size_t>(body)]), index_(body) {
     if (body_.shape == BodyShape::table)
         table_ = read_particle_table(scene, body_);
+    else if (body_.shape == BodyShape::layer)
+        layer_.emplace(scene, body_);
     else
         lattice_ = lattice_of(scene, body_);
 }
 
 std::int64_t BodySeeds::rows() const {
     if (body_.shape == BodyShape::table) return static_cast<std::int64_t>(table_.x.size());
+    if (layer_) return layer_->rows();
     return lattice_.count[static_cast<std::size_t>(scene_.dimensions - 1)];
 }
 
@@ -54,6 +57,7 @@ void BodySeeds::each_point(std::int64_t first, std::int64_t last, const F& f) co
 
 std::int64_t BodySeeds::count(std::int64_t first, std::int64_t last) const {
     if (body_.shape == BodyShape::table) return last - first;
+    if (layer_) return layer_->count(first, last);
     if (body_.shape == BodyShape::box)
         return (last - first) * lattice_.count[0] * (scene_.dimensions == 2 ? 1 : lattice_.count[1]);
     std::int64_t sum = 0;
@@ -66,9 +70,17 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
         for (std::int64_t r = first; r < last; ++r) out.push_back(table_seed(r));
         return;
     }
-    const double volume = measure_of(body_, scene_.dimensions) / static_cast<double>(total);
-    const double mass = scene_.materials[static_cast<std::size_t>(body_.material)].density * volume;
+    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
     const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
+    if (layer_) {
+        layer_->each(first, last, [&](std::int64_t point, const Triple& x, double volume) {
+            const std::uint64_t id = base | static_cast<std::uint64_t>(point);
+            out.push_back({id, index_, x, density * volume, volume, start_velocity(body_, x)});
+        });
+        return;
+    }
+    const double volume = measure_of(body_, scene_.dimensions) / static_cast<double>(total);
+    const double mass = density * volume;
     each_point(first, last, [&](std::int64_t point, const Triple& lattice_x) {
         const std::uint64_t id = base | static_cast<std::uint64_t>(point);
         const Triple x = body_.seeding == Seeding::jittered ? jittered(id, lattice_x) : lattice_x;

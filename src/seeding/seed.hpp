@@ -7,14 +7,17 @@
 //   jitter: x += spacing * jitter * u, u in [-1, 1) from a hash of (seed, id, axis); a particle that
 //   would leave its body stays on the lattice
 //
-// A row is a plane of the lattice across its last axis (2-D: a line), or a particle of a table.
+// A row is a plane of the lattice across its last axis (2-D: a line), a line along x of a layer's columns
+// (seeding/seed_layer.hpp, which says what volumes they have), or a particle of a table.
 // In 2-D all is per metre of thickness.
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/scene_spec.hpp"
+#include "seeding/seed_layer.hpp"
 #include "seeding/seed_region.hpp"
 #include "seeding/seed_table.hpp"
 
@@ -55,6 +58,7 @@ class BodySeeds {
     int index_;
     Lattice lattice_;
     ParticleTable table_;
+    std::optional<Layer> layer_;
 };
 
 inline std::int64_t seed_rows(const Scene& scene, int body) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/structure.hpp"
+#include "seeding/seed_layer.hpp"
+
 namespace moraine {
 namespace {
 
@@ -20,8 +23,10 @@ double twice_area(const BodySpec& body) {
     return sum;
 }
 
+}  // namespace
+
 /// Even-odd rule; an edge owns its lower end, so a corner counts once.
-bool in_polygon(const BodySpec& body, double x, double y) {
+bool is_in_polygon(const BodySpec& body, double x, double y) {
     bool inside = false;
     const std::size_t n = body.points.size();
     for (std::size_t i = 0, j = n - 1; i < n; j = i++) {
@@ -32,18 +37,21 @@ bool in_polygon(const BodySpec& body, double x, double y) {
     return inside;
 }
 
-}  // namespace
-
 Extent extent_of(const BodySpec& body, int dimensions) {
     Extent e{body.min, body.max};
     if (body.shape == BodyShape::sphere)
         for (std::size_t a = 0; a < static_cast<std::size_t>(dimensions); ++a)
             e.lower[a] = body.center[a] - body.radius, e.upper[a] = body.center[a] + body.radius;
-    if (body.shape == BodyShape::polygon)
+    if (body.shape == BodyShape::polygon || body.shape == BodyShape::layer)
         for (std::size_t a = 0; a < 2; ++a) {
             const auto [low, high] = std::minmax_element(body.points.begin(), body.points.end(),
                                                          [a](const auto& p, const auto& q) { return p[a] < q[a]; });
             e.lower[a] = (*low)[a], e.upper[a] = (*high)[a];
+        }
+    if (body.shape == BodyShape::layer)
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (a == 2) e.lower[2] = body.ground->table[2][0], e.upper[2] = body.ground->table[2][1];
+            e.lower[a] -= a == 2 ? 0 : body.thickness, e.upper[a] += body.thickness;
         }
     return e;
 }
@@ -53,14 +61,28 @@ double measure_of(const BodySpec& body, int dimensions) {
         const double disk = std::numbers::pi * body.radius * body.radius;
         return dimensions == 2 ? disk : disk * body.radius * 4 / 3;
     }
+    if (body.shape == BodyShape::layer) return layer_volume(body);
     const double height = dimensions == 2 ? 1 : body.max[2] - body.min[2];
     if (body.shape == BodyShape::polygon) return 0.5 * std::abs(twice_area(body)) * height;
     return (body.max[0] - body.min[0]) * (body.max[1] - body.min[1]) * height;
 }
 
+namespace {
+
+/// Over the polygon along the normal, and no further off the ground than the layer is thick.
+bool is_in_layer(const BodySpec& body, const Triple& place) {
+    const Vec<double, 3> x{{place[0], place[1], place[2]}};
+    const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
+    if (!(s.distance > 0 && s.distance < body.thickness)) return false;
+    return is_in_polygon(body, x[0] - s.distance * s.normal[0], x[1] - s.distance * s.normal[1]);
+}
+
+}  // namespace
+
 bool is_inside(const BodySpec& body, int dimensions, const Triple& x) {
+    if (body.shape == BodyShape::layer) return is_in_layer(body, x);
     const bool within_height = dimensions == 2 || (x[2] > body.min[2] && x[2] < body.max[2]);
-    if (body.shape == BodyShape::polygon) return within_height && in_polygon(body, x[0], x[1]);
+    if (body.shape == BodyShape::polygon) return within_height && is_in_polygon(body, x[0], x[1]);
     if (body.shape == BodyShape::box)
         return within_height && x[0] > body.min[0] && x[0] < body.max[0] && x[1] > body.min[1] && x[1] < body.max[1];
     if (body.shape == BodyShape::table) return false;

@@ -158,12 +158,12 @@ void check_row(const Scene& scene, const ParticleTable& table, std::size_t r, co
 
 }  // namespace
 
-std::string table_path(const Scene& scene, const BodySpec& body) {
-    return (std::filesystem::path(scene.path).parent_path() / body.file).string();
+std::string path_of_file(const Scene& scene, const std::string& file) {
+    return (std::filesystem::path(scene.path).parent_path() / file).string();
 }
 
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
-    const std::string path = table_path(scene, body);
+    const std::string path = path_of_file(scene, body.file);
     const std::vector<std::string>& names = column_names(scene.dimensions);
     const bool csv = path.ends_with(".csv");
     if (!csv && !path.ends_with(".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");

@@ -20,7 +20,7 @@ struct ParticleTable {
 /// Not collective: every rank that calls it reads the whole file.
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body);
 
-/// Path of the body's file: relative to the scene's folder.
-std::string table_path(const Scene& scene, const BodySpec& body);
+/// Path of a file that a scene names: relative to the scene's folder.
+std::string path_of_file(const Scene& scene, const std::string& file);
 
 }  // namespace moraine

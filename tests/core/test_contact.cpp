@@ -126,3 +126,14 @@ TEST_CASE("the moment of what a node gives is its arm times the impulse") {
     CHECK(plane.quantum.value(plane.sums.sum[3]) == 0);  // nothing follows along a smooth plane
     CHECK(plane.quantum.value(plane.sums.sum[4]) == doctest::Approx(0.4));
 }
+
+TEST_CASE("Voellmy's drag acts where soil lies, pressed or not, at the speed that it leaves") {
+    Plane lifted(InterfaceLaw::voellmy), pressed(InterfaceLaw::voellmy), held(InterfaceLaw::voellmy);
+    const double drag = 3 * 0.5 * 0.1 / 0.4;  // cap A dt / m [s/m]; the plane goes ahead with 1 m/s
+    const Vec<double, 2> free = lifted.touch({{3, 2}}), slid = pressed.touch({{3, -1}});
+    CHECK(free[1] == 2);
+    CHECK(free[0] - 1 + drag * (free[0] - 1) * (free[0] - 1) == doctest::Approx(2));
+    CHECK(slid[1] == doctest::Approx(0));
+    CHECK(slid[0] - 1 + drag * (slid[0] - 1) * (slid[0] - 1) == doctest::Approx(2 - 0.5 * 1));
+    CHECK(held.touch({{1.3, -1}})[0] == doctest::Approx(1));  // friction alone stops it
+}

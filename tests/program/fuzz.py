@@ -139,6 +139,9 @@ class Fuzzer:
         text = mutated_text(source.read_text(), pick)
         if 'file = "reference' in text:
             shutil.copy(INPUTS / "reference_particles.csv", place)
+        if "[terrain]" in text:
+            shutil.copy(INPUTS / "valley.asc", place)
+            shutil.copy(INPUTS / "valley_release.csv", place)
         (place / "s.toml").write_text(text, errors="surrogateescape")
         return self.ask(["check", "s.toml"], place)[1]
 

@@ -6,13 +6,18 @@ import moraine
 from moraine import INPUTS, call, sets, summary, table
 
 
+def on_host(scene):
+    """Devices have no terrain."""
+    return ["--device", "cpu"] if "[terrain]" in scene.read_text() else []
+
+
 class Check(moraine.ProgramTest):
     def said(self, words, *more):
         """What check says of a number."""
         return float(re.search(rf"^{words} +([-+.e\d]+)", self.report(*more), re.M)[1])
 
     def report(self, scene, *words):
-        ended = call("check", scene, *words)
+        ended = call("check", scene, *words, *on_host(scene))
         self.assertEqual((ended.code, ended.err), (0, ""), ended)
         return ended.out
 
@@ -36,7 +41,7 @@ class Check(moraine.ProgramTest):
             if "3d" in scene.name:
                 keys += sets(domain__cell=0.2)
             with self.subTest(scene.name):
-                directory = self.run_scene(scene, scene.stem, *keys, ranks=2)
+                directory = self.run_scene(scene, scene.stem, *keys, *on_host(scene), ranks=2)
                 self.assertEqual(self.said("particles", scene, *keys), summary(directory)["particles"])
 
     def test_its_steps_are_those_of_the_run_within_30_percent(self):

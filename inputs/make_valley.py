@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Makes inputs/valley.asc and inputs/valley_release.csv: a steep head, a channel that bends, and a plain.
+
+    python3 inputs/make_valley.py
+
+Heights are formulas of this file, so the valley is free to use. Two metres between nodes.
+"""
+import math
+import pathlib
+
+SIDE, COLUMNS, ROWS = 2.0, 131, 61  # 260 m x 120 m
+
+
+def height(x, y):
+    """A parabola down to a plain at x = 190 m; a channel of 14 m at the head that opens and shallows downhill."""
+    fall = max(0.0, 1 - x / 190)
+    bed = 62 * fall * fall + 2
+    axis = 60 + 10 * math.sin(x / 28)
+    width = 14 + 16 * (1 - fall)
+    depth = 14 * min(1.0, 2 * fall)
+    return bed + depth * (1 - math.exp(-((y - axis) / width) ** 2))
+
+
+def main():
+    here = pathlib.Path(__file__).resolve().parent
+    with open(here / "valley.asc", "w") as file:
+        file.write(f"ncols {COLUMNS}\nnrows {ROWS}\nxllcenter 0\nyllcenter 0\ncellsize {SIDE:g}\nNODATA_value -9999\n")
+        for j in reversed(range(ROWS)):
+            file.write(" ".join(f"{height(SIDE * i, SIDE * j):.2f}" for i in range(COLUMNS)) + "\n")
+    corners = [(12, 55), (22, 53), (36, 58), (40, 66), (36, 76), (24, 76), (13, 68)]
+    (here / "valley_release.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in corners))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+#pragma once
+// maps/NAME.asc: what a run over terrain leaves in plan, sampled while it goes on.
+//
+//   depth  D = sum V_p / a^2        vertical: of all particles over a map cell of side a, also of those that fly
+//   speed  w = |sum m v| / sum m    of the column's mean, its vertical part included
+//   max_depth, max_speed; max_pressure: (sum m / sum V) w^2 [Pa]; max_momentum_flux: D w^2 [m3/s2];
+//   arrival: time of the first sample with D >= threshold [s]; deposit: D of the last sample [m]
+//
+// A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
+// freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole
+// numbers, and ranks that share a column add theirs before anything is compared: one answer on any number of ranks. A
+// checkpoint keeps the maps. The files are written at outputs and at the end.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulation/simulation.hpp"
+
+namespace moraine {
+
+class HazardMaps {
+  public:
+    /// comm and scene must outlive it.
+    HazardMaps(const Scene& scene, const Comm& comm);
+
+    /// Whether a sample is to be taken now. The same on all ranks.
+    bool is_due(double time) const { return time >= next_; }
+    /// Takes a sample. Binned state only. Collective.
+    template <class Real>
+    void sample(const Simulation<Real, 3>& sim);
+
+    /// The files into the directory's folder maps. Rank 0 writes. Collective; throws MachineError.
+    void write(const std::string& directory) const;
+
+    /// For a checkpoint; the same on all ranks.
+    std::vector<double> stored() const;
+    /// Returns whether `all` can be what stored() gave in such a scene.
+    bool restore(const std::vector<double>& all);
+
+  private:
+    enum Map { max_depth, max_speed, max_pressure, max_momentum_flux, arrival, deposit, maps };
+    using Column = std::array<double, maps>;
+
+    /// Whole numbers of one column: volume, mass, momentum.
+    struct Sums {
+        std::int64_t volume = 0, mass = 0, momentum[3] = {};
+        static constexpr int count = 5;
+    };
+    struct Window {
+        std::int64_t first[2], size[2];
+        std::size_t columns() const { return static_cast<std::size_t>(size[0] * size[1]); }
+    };
+
+    template <class Real>
+    Window window_of(const Simulation<Real, 3>& sim) const;
+    template <class Real>
+    double add_columns(const Simulation<Real, 3>& sim, const Window& window, std::vector<std::int64_t>& sums) const;
+    void take(double time, const Window& window, const std::vector<std::int64_t>& sums);
+    std::int64_t column_along(std::size_t axis, double x) const;
+    std::string text_of(int map) const;
+
+    const Scene& scene_;
+    const Comm& comm_;
+    std::array<std::int64_t, 2> size_{};  ///< columns along x and y
+    double volume_unit_ = 1, mass_unit_ = 1, momentum_unit_ = 1;
+    std::vector<Column> columns_;  ///< x fastest, y rising
+    double next_ = 0;              ///< time of the next sample [s]
+};
+
+}  // namespace moraine

@@ -1,0 +1,25 @@
+#pragma once
+// What [terrain] and [[release]] mean beyond their keys: files are read, and faces without a wall are open. Not
+// collective.
+
+#include "core/scene_spec.hpp"
+#include "io/input_error.hpp"
+
+namespace moraine {
+
+/// Reads the model that the spec names, of the part that the domain needs. Throws InputError.
+void load_ground(const Scene& scene, StructureSpec& spec, const Places& places);
+
+/// Reads the polygon of a release. The terrain is scene.structures[0]. Throws InputError.
+void load_release(const Scene& scene, BodySpec& spec, const Places& places);
+
+/// What holds between [hazard] and the rest. Throws InputError.
+void check_hazard(const Scene& scene, const Places& places);
+
+/// Over terrain a face that the scene does not name is open: what flows out of the model is counted and gone.
+void open_faces(Scene& scene, const Places& places);
+
+/// What the keys of a contact leave to the rest of the scene. `path`: of the structure. Throws InputError.
+void complete_law(const Scene& scene, StructureSpec& spec, const std::string& path, const Places& places);
+
+}  // namespace moraine

@@ -1,0 +1,117 @@
+// Keys of [terrain], [[release]] and [hazard].
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+using enum KeyType;
+using S = StructureSpec;
+using B = BodySpec;
+using V = KeyValue;
+
+const std::vector<KeyRow<StructureSpec>> terrain{
+    {{.table = "terrain",
+      .name = "dem",
+      .type = text,
+      .standard = "",
+      .meaning =
+          "In 3-D, where z is up: an ESRI ASCII grid (.asc) in metres and in the scene's coordinates, relative to "
+          "the scene. Faces without a wall are open."},
+     [](S& s, const V& v) { s.file = v.text; }},
+    {{.table = "terrain",
+      .name = "profile",
+      .type = text,
+      .standard = "",
+      .meaning = "In 2-D, where y is up: a .csv with a header x,z and points at even distances."},
+     [](S& s, const V& v) { s.file = v.text; }},
+    {{.table = "terrain",
+      .name = "clear",
+      .type = truth,
+      .standard = "false",
+      .meaning =
+          "true: particles of bodies that would begin below the ground are left out; false: the scene is refused "
+          "then."},
+     [](S& s, const V& v) { s.clear = v.truth; }},
+};
+
+const std::vector<KeyRow<BodySpec>> releases{
+    {{.table = "release", .name = "name", .type = name, .meaning = "By which --set refers to it."},
+     [](B& b, const V& v) { b.name = v.text; }},
+    // Resolved to Scene::materials by the reader, which knows their names.
+    {{.table = "release", .name = "material", .type = name, .meaning = "Name of a material."}, [](B&, const V&) {}},
+    {{.table = "release",
+      .name = "area",
+      .type = text,
+      .meaning = "Polygon in plan, in the scene's coordinates: a .csv with a header x,y and a row per corner, or a "
+                 ".geojson of one polygon; relative to the scene."},
+     [](B& b, const V& v) { b.file = v.text; }},
+    {{.table = "release",
+      .name = "thickness",
+      .unit = "m",
+      .range = {0, std::numeric_limits<double>::infinity(), true, false},
+      .meaning =
+          "Normal to the ground; the volume is this times the sloping area. At least a cell; 4 cells and more are "
+          "resolved."},
+     [](B& b, const V& v) { b.thickness = v.real; }},
+    {{.table = "release",
+      .name = "particles_per_cell",
+      .type = per_axis,
+      .standard = "2",
+      .range = {1, 32},
+      .meaning = "Along x and y in plan, and along the normal."},
+     [](B& b, const V& v) {
+         for (std::size_t a = 0; a < v.numbers.size(); ++a) b.particles_per_cell[a] = static_cast<int>(v.numbers[a]);
+     }},
+    {{.table = "release",
+      .name = "velocity",
+      .type = vector,
+      .unit = "m/s",
+      .standard = "[0, 0, 0]",
+      .meaning = "At the start."},
+     [](B& b, const V& v) { b.velocity = v.triple(); }},
+};
+
+const std::vector<KeyRow<Scene>> hazards{
+    {{.table = "hazard",
+      .name = "cell",
+      .unit = "m",
+      .range = {0, std::numeric_limits<double>::infinity(), true, false},
+      .meaning = "Side of a cell of the maps, from the lower corner of the domain on; at least domain.cell."},
+     [](Scene& s, const V& v) { s.hazard.cell = v.real; }},
+    {{.table = "hazard",
+      .name = "maps",
+      .type = words,
+      .standard = "[\"max_depth\", \"max_speed\", \"max_pressure\", \"max_momentum_flux\", \"arrival\", "
+                  "\"deposit\"]",
+      .meaning = "What is written into maps/NAME.asc, over the whole run: docs/terrain.md has the rules."},
+     [](Scene& s, const V& v) { s.hazard.maps = v.words; }},
+    {{.table = "hazard",
+      .name = "threshold",
+      .unit = "m",
+      .standard = "0.1",
+      .range = {0, std::numeric_limits<double>::infinity(), true, false},
+      .meaning = "Depth from which a column has been reached, and tells a speed."},
+     [](Scene& s, const V& v) { s.hazard.threshold = v.real; }},
+};
+
+}  // namespace
+
+const std::vector<KeyRow<Scene>>& hazard_rows() {
+    return hazards;
+}
+
+/// In the order of records/hazard_maps.hpp.
+const std::vector<std::string>& hazard_map_names() {
+    static const std::vector<std::string> names{"max_depth",         "max_speed", "max_pressure",
+                                                "max_momentum_flux", "arrival",   "deposit"};
+    return names;
+}
+
+const std::vector<KeyRow<BodySpec>>& release_rows() {
+    return releases;
+}
+const std::vector<KeyRow<StructureSpec>>& terrain_rows() {
+    return terrain;
+}
+
+}  // namespace moraine

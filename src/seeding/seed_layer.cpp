@@ -1,0 +1,111 @@
+#include "seeding/seed_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/ground.hpp"
+#include "seeding/seed_region.hpp"
+
+namespace moraine {
+namespace {
+
+using Ring = std::vector<std::array<double, 2>>;
+
+/// The part of a polygon on one side of a line across an axis (Sutherland and Hodgman 1974): sign 1: above it. Where a
+/// polygon falls into parts these are joined by edges that enclose nothing.
+Ring cut(const Ring& ring, std::size_t axis, double at, double sign) {
+    Ring part;
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+        const double here = sign * (ring[i][axis] - at), before = sign * (ring[j][axis] - at);
+        if ((here < 0) != (before < 0)) {
+            const double t = before / (before - here);
+            std::array<double, 2> p;
+            p[1 - axis] = ring[j][1 - axis] + t * (ring[i][1 - axis] - ring[j][1 - axis]);
+            p[axis] = at;
+            part.push_back(p);
+        }
+        if (here >= 0) part.push_back(ring[i]);
+    }
+    return part;
+}
+
+Ring between(const Ring& ring, std::size_t axis, double low, double high) {
+    return ring.empty() ? ring : cut(cut(ring, axis, low, 1), axis, high, -1);
+}
+
+/// Signed area and its first moments about the first corner.
+std::array<double, 3> moments_of(const Ring& ring) {
+    std::array<double, 3> m{};
+    for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+        const double ax = ring[i][0] - ring[0][0], ay = ring[i][1] - ring[0][1];
+        const double bx = ring[i + 1][0] - ring[0][0], by = ring[i + 1][1] - ring[0][1];
+        const double area = 0.5 * (ax * by - ay * bx);
+        m[0] += area, m[1] += area * (ax + bx) / 3, m[2] += area * (ay + by) / 3;
+    }
+    return m;
+}
+
+/// sec and, if wanted, the normal at a place in plan.
+double sec_at(const Ground& ground, double x, double y, Triple* foot = nullptr, Triple* normal = nullptr) {
+    const GroundPoint<3> b = ground_at<3>(ground.table.data(), {{x, y, 0}});
+    const double sec = std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
+    if (foot) *foot = {x, y, b.height};
+    if (normal) *normal = {-b.slope[0] / sec, -b.slope[1] / sec, 1 / sec};
+    return sec;
+}
+
+}  // namespace
+
+double layer_volume(const BodySpec& body) {
+    const double side = 0.5 * body.ground->spacing;
+    const Extent e = extent_of(body, 3);
+    double sum = 0;
+    for (double y = e.lower[1]; y < e.upper[1]; y += side) {
+        const Ring strip = between(body.points, 1, y, y + side);
+        if (strip.size() < 3) continue;
+        for (double x = e.lower[0]; x < e.upper[0]; x += side) {
+            const Ring cell = between(strip, 0, x, x + side);
+            if (cell.size() < 3) continue;
+            const auto [area, mx, my] = moments_of(cell);
+            if (area != 0) sum += area * sec_at(*body.ground, cell[0][0] + mx / area, cell[0][1] + my / area);
+        }
+    }
+    return body.thickness * std::fabs(sum);
+}
+
+Layer::Layer(const Scene& scene, const BodySpec& body) : body_(body) {
+    const Extent e = extent_of(body, 3);
+    for (std::size_t a = 0; a < 2; ++a) {
+        spacing_[a] = scene.cell / body.particles_per_cell[a];
+        const double first = std::floor((e.lower[a] - scene.min[a]) / spacing_[a]);
+        first_[a] = scene.min[a] + (first + 0.5) * spacing_[a];
+        count_[a] = std::llround(std::ceil((e.upper[a] - scene.min[a]) / spacing_[a]) - first);
+    }
+    layers_ = std::max<std::int64_t>(1, std::llround(body.thickness * body.particles_per_cell[2] / scene.cell));
+    double sum = 0;
+    columns_.push_back(0);
+    for (std::int64_t j = 0; j < count_[1]; ++j) {
+        std::int64_t columns = 0;
+        for (std::int64_t i = 0; i < count_[0]; ++i) {
+            Triple foot, normal;
+            const double sec = column(i, j, foot, normal);
+            sum += sec;
+            columns += sec > 0;
+        }
+        columns_.push_back(columns_.back() + columns);
+    }
+    if (sum > 0) share_ = layer_volume(body) / (sum * static_cast<double>(layers_));
+}
+
+std::int64_t Layer::count(std::int64_t first, std::int64_t last) const {
+    return layers_ * (columns_[static_cast<std::size_t>(last)] - columns_[static_cast<std::size_t>(first)]);
+}
+
+/// sec of a column, 0 where it is not in the polygon.
+double Layer::column(std::int64_t i, std::int64_t j, Triple& foot, Triple& normal) const {
+    const double x = first_[0] + static_cast<double>(i) * spacing_[0];
+    const double y = first_[1] + static_cast<double>(j) * spacing_[1];
+    return is_in_polygon(body_, x, y) ? sec_at(*body_.ground, x, y, &foot, &normal) : 0;
+}
+
+}  // namespace moraine

@@ -1,0 +1,61 @@
+#pragma once
+// A release: a layer of constant thickness T normal to the ground, over a polygon in plan, draped with particles.
+//
+//   x_p = (x, y, b) + (k + 1/2) T / n  n(x, y),   k = 0 .. n - 1,   n = round(T / s),   s = h / particles_per_cell
+//   V_p = f s_x s_y sec(x, y) T / n,   sec = sqrt(1 + |grad b|^2)
+//   V   = T * integral of sec over the polygon = sum_p V_p, which is what f is for
+//
+// (x, y): points of the domain's lattice in the polygon. So a column stands on the slope and its lowest particle half a
+// spacing over it, whatever the slope, where a lattice cut by the ground would begin at random heights. That T times
+// the sloping area is not the space that the layer has over curved ground (they differ by T over the radius of
+// curvature) is how releases are measured in the field.
+//
+// The integral is by cells of half the model's spacing, cut by the polygon, at their centroids.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+/// V [m3].
+double layer_volume(const BodySpec& body);
+
+class Layer {
+  public:
+    /// Of a body that is a layer. Goes through its columns once. Both must outlive it.
+    Layer(const Scene& scene, const BodySpec& body);
+
+    std::int64_t rows() const { return count_[1]; }
+    std::int64_t count(std::int64_t first, std::int64_t last) const;
+
+    /// Calls f(place in the lattice, x [m], V_p [m3]) for the particles of rows [first, last): lines along x.
+    template <class F>
+    void each(std::int64_t first, std::int64_t last, const F& f) const {
+        for (std::int64_t j = first; j < last; ++j)
+            for (std::int64_t i = 0; i < count_[0]; ++i) {
+                Triple foot, normal;
+                const double sec = column(i, j, foot, normal);
+                for (std::int64_t k = 0; sec > 0 && k < layers_; ++k) {
+                    const double up = (static_cast<double>(k) + 0.5) * body_.thickness / static_cast<double>(layers_);
+                    f(i + count_[0] * (j + count_[1] * k),
+                      Triple{foot[0] + up * normal[0], foot[1] + up * normal[1], foot[2] + up * normal[2]},
+                      sec * share_);
+                }
+            }
+    }
+
+  private:
+    double column(std::int64_t i, std::int64_t j, Triple& foot, Triple& normal) const;
+
+    const BodySpec& body_;
+    std::array<double, 2> first_{}, spacing_{};  ///< of the lattice in plan [m]
+    std::array<std::int64_t, 2> count_{};
+    std::int64_t layers_ = 1;            ///< n
+    double share_ = 0;                   ///< V_p of level ground [m3]
+    std::vector<std::int64_t> columns_;  ///< in rows before each
+};
+
+}  // namespace moraine

@@ -1,0 +1,142 @@
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/error.hpp"
+#include "io/terrain_file.hpp"
+
+using namespace moraine;
+
+namespace {
+
+const std::string grid =
+    "ncols 4\nnrows 3\nxllcorner 10\nyllcorner 20\ncellsize 2\nNODATA_value -9999\n"
+    "9 10 11 12\n5 6 7 8\n1 2 3 4\n";
+
+/// Gone with the test case.
+class TestFolder {
+  public:
+    TestFolder() : path_(std::filesystem::temp_directory_path() / ("moraine-test-" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    ~TestFolder() { std::filesystem::remove_all(path_); }
+    TestFolder(const TestFolder&) = delete;
+    TestFolder& operator=(const TestFolder&) = delete;
+    std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+  private:
+    std::filesystem::path path_;
+};
+
+std::string written(const TestFolder& folder, const std::string& name, const std::string& text) {
+    std::ofstream(folder.file(name)) << text;
+    return folder.file(name);
+}
+
+template <class F>
+std::string said_by(const F& f) {
+    try {
+        f();
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+std::string said_of(const std::string& name, std::string text) {
+    const TestFolder folder;
+    const std::string path = written(folder, name, text);
+    return said_by([&] {
+        if (name.ends_with(".asc"))
+            cropped(read_ascii_grid(path), path, {10, 20}, {18, 26});
+        else if (name == "profile.csv")
+            read_profile(path);
+        else
+            read_polygon(path);
+    });
+}
+
+std::string with(const std::string& from, const std::string& to) {
+    std::string text = grid;
+    return text.replace(text.find(from), from.size(), to);
+}
+
+bool has(const std::string& text, const std::string& part) {
+    CAPTURE(text);
+    CHECK(text.find(part) != std::string::npos);
+    return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a grid's first row is the northern one, and a corner is half a cell from a node") {
+    const TestFolder folder;
+    const Ground g = read_ascii_grid(written(folder, "g.asc", grid));
+    CHECK(g.first[0] == 11);
+    CHECK(g.first[1] == 21);
+    CHECK(g.count == std::array<std::int64_t, 2>{4, 3});
+    CHECK(g.height.front() == 1);
+    CHECK(g.height.back() == 12);
+    const Ground c = read_ascii_grid(written(folder, "c.asc", with("xllcorner 10", "XLLCENTER 10")));
+    CHECK(c.first[0] == 10);
+}
+
+TEST_CASE("a domain gets the part of a model that it needs") {
+    Ground all;
+    all.spacing = 1;
+    all.count = {100, 100};
+    all.height.assign(10000, 5.0);
+    all.height[0] = std::nan("");
+    const Ground part = cropped(all, "g.asc", {40, 50}, {44, 52});
+    CHECK(part.first == std::array<double, 2>{37, 47});
+    CHECK(part.count == std::array<std::int64_t, 2>{11, 9});
+    CHECK(has(said_by([&] { cropped(all, "g.asc", {1, 1}, {5, 5}); }), "no height at (0, 0)"));
+}
+
+TEST_CASE("a wrong grid is refused with its line and what is wrong") {
+    CHECK(said_of("g.asc", grid).empty());
+    CHECK(has(said_of("g.asc", with("ncols 4", "ncols 5")), "15 heights are promised"));
+    CHECK(has(said_of("g.asc", with("10 11 12", "10.000 11.00")), "ends after 11 of 12 heights"));
+    CHECK(has(said_of("g.asc", with("ncols 4", "ncols 3")), "more than 9 heights"));
+    CHECK(has(said_of("g.asc", with("nrows 3", "nrows 500000000")), "heights are promised"));
+    CHECK(has(said_of("g.asc", with("6 7", "nan 7")), "g.asc:8: the height in row 2, column 2 = \"nan\""));
+    CHECK(has(said_of("g.asc", with("6 7", "inf 7")), "must be a finite number"));
+    CHECK(has(said_of("g.asc", with("6 7", "6,5 7")), "Is the decimal sign a point?"));
+    CHECK(has(said_of("g.asc", with("6 7", "-9999 7")), "no height at (13, 23)"));
+    CHECK(has(said_of("g.asc", with("cellsize 2", "cellsize 0")), "must be > 0"));
+    CHECK(has(said_of("g.asc", with("cellsize 2", "dx 2")), "is no key of an ESRI ASCII grid"));
+    CHECK(has(said_of("g.asc", with("xllcorner 10\n", "")), "xllcorner or xllcenter"));
+    CHECK(has(said_of("g.asc", with("xllcorner 10", "xllcorner 11")), "the model reaches from 11 to 19 along x"));
+    CHECK(has(said_of("g.asc", ""), "ncols is missing"));
+    CHECK(has(said_by([] { read_ascii_grid("/nowhere/g.asc"); }), "no such file"));
+    CHECK(has(said_by([] { read_ascii_grid("/tmp"); }), "not a regular file"));
+}
+
+TEST_CASE("a profile has a header and even distances") {
+    CHECK(said_of("profile.csv", "x,z\n0,1\n1,2\n2,4\n").empty());
+    CHECK(has(said_of("profile.csv", "0,1\n1,2\n2,4\n"), "must be x,z"));
+    CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,2\n3,4\n"), "Resample the profile?"));
+    CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,a\n3,4\n"), "profile.csv:3: z = \"a\""));
+    CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,2\n"), "2 points"));
+}
+
+TEST_CASE("an area is a ring of corners, from a table or a GeoJSON") {
+    const TestFolder folder;
+    using Ring = std::vector<std::array<double, 2>>;
+    const Ring triangle{{0, 0}, {4, 0}, {4, 3}};
+    CHECK(read_polygon(written(folder, "a.csv", "x,y\n0,0\n4,0\n4,3\n")) == triangle);
+    const std::string ring = "[[0,0],[4.0, 0],\n[4,3,7],[0,0]]";
+    CHECK(read_polygon(written(folder, "a.geojson", R"({"type":"Polygon","coordinates":[)" + ring + "]}")) == triangle);
+    CHECK(read_polygon(written(folder, "m.geojson",
+                               R"({"type":"Feature","geometry":{"type":"MultiPolygon",)"
+                               R"("coordinates": [[)" +
+                                   ring + "]]}}")) == triangle);
+    CHECK(has(said_of("a.csv", "x,y\n0,0\n4,0\n"), "2 corners"));
+    CHECK(has(said_of("a.geojson", R"({"type":"Point","coordinates":[0,0]})"), "no polygon was found"));
+    CHECK(has(said_of("a.geojson", R"({"type":"Polygon","coordinates":[[[0,0],[4]]]})"), "without two numbers"));
+    CHECK(has(said_of("a.geojson", R"({"type":"Polygon","coordinates":[)"), "without two numbers"));
+    CHECK(has(said_of("a.gpkg", "x"), "must be .csv or .geojson"));
+}

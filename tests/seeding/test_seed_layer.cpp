@@ -1,0 +1,84 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "core/structure.hpp"
+#include "seeding/seed.hpp"
+#include "seeding/seed_layer.hpp"
+
+using namespace moraine;
+
+namespace {
+
+double hill(double x, double y) {
+    return 0.6 * x + 4 * std::sin(x / 9) * std::cos(y / 11);
+}
+
+/// A release of two metres over a polygon that is not convex, on a hill.
+Scene layer_scene() {
+    Scene scene;
+    scene.dimensions = 3;
+    scene.min = {0, 0, -10};
+    scene.max = {40, 40, 50};
+    scene.cell = 0.5;
+    scene.materials.resize(1);
+    scene.materials[0].density = 1500;
+    auto ground = std::make_shared<Ground>();
+    ground->spacing = 1;
+    ground->count = {41, 41};
+    for (int j = 0; j < 41; ++j)
+        for (int i = 0; i < 41; ++i) ground->height.push_back(hill(i, j));
+    ground->fit();
+    BodySpec body;
+    body.name = "scar";
+    body.shape = BodyShape::layer;
+    body.ground = ground;
+    body.thickness = 2;
+    body.points = {{8, 8}, {30.3, 9}, {29, 31}, {20, 17.5}, {9, 28}};
+    scene.bodies.push_back(body);
+    return scene;
+}
+
+std::vector<Seed> seeds_of(const Scene& scene) {
+    const BodySeeds body(scene, 0);
+    std::vector<Seed> seeds;
+    body.fill(0, body.rows(), body.count(0, body.rows()), seeds);
+    return seeds;
+}
+
+}  // namespace
+
+TEST_CASE("a release has its thickness times the sloping area of its polygon, within 0.1 %") {
+    const Scene scene = layer_scene();
+    const BodySpec& body = scene.bodies[0];
+    double area = 0;  // by small squares, of the heights themselves
+    const double side = 0.02;
+    for (double y = 8; y < 31; y += side)
+        for (double x = 8; x < 31; x += side) {
+            if (!is_in_polygon(body, x + side / 2, y + side / 2)) continue;
+            const double u = (x + side / 2) / 9, v = (y + side / 2) / 11;
+            const double zx = 0.6 + 4.0 / 9 * std::cos(u) * std::cos(v), zy = -4.0 / 11 * std::sin(u) * std::sin(v);
+            area += side * side * std::sqrt(1 + zx * zx + zy * zy);
+        }
+    CHECK(layer_volume(body) == doctest::Approx(2 * area).epsilon(1e-3));
+    double volume = 0;
+    for (const Seed& s : seeds_of(scene)) volume += s.volume;
+    CHECK(volume == doctest::Approx(layer_volume(body)).epsilon(1e-12));
+}
+
+TEST_CASE("its particles lie in rows along the ground, the lowest half a spacing over it") {
+    const Scene scene = layer_scene();
+    const std::vector<Seed> seeds = seeds_of(scene);
+    CHECK(seeds.size() > 5000);
+    CHECK(std::int64_t(seeds.size()) == BodySeeds(scene, 0).count(0, BodySeeds(scene, 0).rows()));
+    for (const Seed& s : seeds) {
+        const auto at =
+            ground_surface<3>(scene.bodies[0].ground->table.data(), 5.0, {{s.x[0], s.x[1], s.x[2]}}).distance;
+        const double row = at / 0.25 - 0.5;
+        REQUIRE(std::fabs(row - std::round(row)) < 0.02);
+        REQUIRE(at > 0.12);
+        REQUIRE(at < 1.88);
+        REQUIRE(is_inside(scene.bodies[0], 3, s.x));
+        REQUIRE(s.mass == doctest::Approx(1500 * s.volume));
+    }
+}
