@@ -26,7 +26,11 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
                             Vec<Coordinate<Real>, Dim>& u) {
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(position[a], u[a]) - f.offset);
-    const Surface<Dim> at = surface(s, f.corners, image_near(f, s, x));
+    x = image_near(f, s, x);
+#if !defined(__CUDA_ARCH__)  // most soil is above the ground: that takes one look at its height
+    if (s.shape == StructureShape::ground && distance_bound(s, f.corners, x) > 0) return false;
+#endif
+    const Surface<Dim> at = surface(s, f.corners, x);
     const double depth = -at.distance / f.cell;
     if (!(depth > deepest_place && depth < put_inside)) return false;
     for (int a = 0; a < Dim; ++a) {
