@@ -8,6 +8,7 @@ constexpr int tag = 4;           // beside those of comm/host_engine.hpp
 
 void combine(const Agreement& a, Agreement& b) {
     b.signal = std::max(a.signal, b.signal);
+    b.square_speed = std::max(a.square_speed, b.square_speed);
     b.moved = std::max(a.moved, b.moved);
     b.seconds = std::max(a.seconds, b.seconds);
     b.seconds_sum += a.seconds_sum;

@@ -32,6 +32,7 @@ inline constexpr std::uint32_t ask_checkpoint = 2;  ///< the wall clock: checkpo
 
 struct Agreement {
     double signal = 0;                 ///< max: c + |v| [m/s]
+    double square_speed = 0;           ///< max: |v|^2, with the grid's pressure [m2/s2]
     double moved = 0;                  ///< max: displacement of the last step [cells]
     double seconds = 0;                ///< max: compute time of the last step, without waiting [s]
     double seconds_sum = 0;            ///< sum; reported only

@@ -25,8 +25,9 @@ namespace moraine {
 /// What the particles of the last step tell the step control and the budget.
 template <int Dim>
 struct StepReport {
-    double signal = 0;  ///< largest c + |v| [m/s]
-    double moved = 0;   ///< largest displacement along an axis [cells]
+    double signal = 0;        ///< largest c + |v| [m/s]
+    double square_speed = 0;  ///< largest |v|^2, with the grid's pressure [m2/s2]
+    double moved = 0;         ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
     bool in_guard_layer = false;           ///< when they were binned, by the tables of then (comm/guard_layer.hpp)
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
@@ -133,6 +134,12 @@ class Engine {
     virtual void expect_outgoing(const MigrationBound& /*bound*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
+    // Between solve_nodes and the gather of a round that holds (NodeTask::hold): the grid's pressure
+    // (grid_pressure.hpp). The halo travels once per substep.
+    virtual void find_cells(const Substep& /*first*/) {}
+    virtual void sum_boundary_cells(const Substep& /*substep*/) {}
+    virtual void sum_interior_cells(const Substep& /*substep*/) {}
+    virtual void solve_substep(const Substep& /*substep*/, const StepScales<Dim>& /*step*/) {}
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void send_outgoing(const StepScales<Dim>& step) = 0;
 

@@ -15,7 +15,9 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       method_(method),
       halo_messages_(comm, 1),
       migration_messages_(comm, 2),
-      patch_(method.needs, method.stencil.width) {}
+      patch_(method.needs, method.stencil.width) {
+    whole_cell(method.context.inverse_cell, whole_cell_.data());
+}
 
 template <class Real, int Dim>
 BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
@@ -30,7 +32,7 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& b
     patch_.install(std::move(tables), binned);
     pairs_.forget();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
-                                              method_.fluid() != nullptr);
+                                              method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
 }
 
@@ -89,7 +91,8 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
             patch_.grid(),
             blocks.data(),
             static_cast<std::int64_t>(blocks.size()),
-            mean_};
+            mean_,
+            method_.grid_bulk()};
 }
 
 template <class Real, int Dim>
@@ -126,6 +129,7 @@ std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
         TransferCall<Real, Dim> call = transfer_call(blocks);
         call.particles.mass = call.particles.volume;
         call.mean = NodeMean::none;
+        call.grid_bulk = nullptr;
         method_.kernels.p2g(call, method_.cell);
     };
     sum_volumes(patch_.boundary());
@@ -142,18 +146,29 @@ std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
 }
 
 template <class Real, int Dim>
+NodeRound<Real, Dim> HostEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
+    return {task, static_cast<Real>(dt), method_.gravity, method_.damping, static_cast<Real>(step.mass_cutoff)};
+}
+
+template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
-    if (!step.structures) return solve_nodes<false>(round, step, {});
+    if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
+    solve(node_round(round.nodes, step.dt, step), step);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step) {
+    if (!step.structures) return solve<false>(round, step, {});
     ContactField<Dim> contact = step.structures->field();
     report_.felt.resize(step.structures->size());
     contact.sums = report_.felt.data();
-    solve_nodes<true>(round, step, contact);
+    solve<true>(round, step, contact);
 }
 
 template <class Real, int Dim>
 template <bool Contact>
-void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step,
-                                        const ContactField<Dim>& contact) {
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact) {
     const std::span<const std::int32_t> needed = patch_.node_blocks();
     impulse_.resize(needed.size() * Dim);
     const SolveNodes<Real, Dim, Contact> kernel{method_.context.walls,
@@ -162,35 +177,37 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
                                                 needed.data(),
                                                 method_.stencil.width,
                                                 method_.stencil.origin,
-                                                {round.nodes, static_cast<Real>(step.dt), method_.gravity,
-                                                 method_.damping, static_cast<Real>(step.mass_cutoff)},
+                                                round,
                                                 step.quantum,
                                                 impulse_.data(),
                                                 contact,
-                                                {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()}};
+                                                {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
+                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))}};
     Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
-    const bool shifts = mean_ == NodeMean::volume;
+    const bool shifts = mean_ == NodeMean::volume && method_.shifts();
     if (shifts && step.structures) shifting.contact = step.structures->field();
-    const GatherCall<Real, Dim> gather{method_.stress(),
-                                       method_.ends,
-                                       round.gather,
-                                       method_.tpic,
-                                       method_.flip,
-                                       static_cast<Real>(step.dt),
-                                       patch_.moves(),
-                                       patch_.outgoing_count(),
-                                       patch_.shuffled(),
-                                       patch_.outcome(),
-                                       method_.averaged(),
-                                       round.nodes == NodeTask::solve ? method_.stiffness() : nullptr,
-                                       method_.limits,
-                                       method_.fluid(),
-                                       shifts ? &shifting : nullptr};
+    const GatherCall<Real, Dim> gather{
+        method_.stress(),
+        method_.ends,
+        round.gather,
+        method_.tpic,
+        method_.flip,
+        static_cast<Real>(step.dt),
+        patch_.moves(),
+        patch_.outgoing_count(),
+        patch_.shuffled(),
+        patch_.outcome(),
+        method_.averaged(),
+        round.nodes == NodeTask::solve || round.nodes == NodeTask::hold ? method_.stiffness() : nullptr,
+        method_.limits,
+        method_.fluid(),
+        shifts ? &shifting : nullptr,
+        cell_context().views};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
@@ -202,6 +219,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
     for (std::int32_t b : patch_.blocks()) {
         const BlockOutcome& out = patch_.outcome(b);
         report_.signal = std::max(report_.signal, out.signal);
+        report_.square_speed = std::max(report_.square_speed, out.square_speed);
         report_.moved = std::max(report_.moved, out.moved);
         report_.faults |= out.faults;
         if (out.faults) note_fault(b, out, moved);

@@ -40,6 +40,10 @@ class HostEngine final : public Engine<Real, Dim> {
     void receive_halo() override;
     void sum_mean(NodeMean mean) override { mean_ = mean; }
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
+    void find_cells(const Substep& first) override;
+    void sum_boundary_cells(const Substep& substep) override { sum_cells(patch_.boundary(), substep); }
+    void sum_interior_cells(const Substep& substep) override { sum_cells(patch_.interior(), substep); }
+    void solve_substep(const Substep& substep, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>& step) override;
 
@@ -48,8 +52,12 @@ class HostEngine final : public Engine<Real, Dim> {
     Traffic traffic() const override;
 
   private:
+    NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
+    void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step);
     template <bool Contact>
-    void solve_nodes(const Round& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
+    void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
+    CellContext<Real, Dim> cell_context();
+    void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
     void record_step(const Quantum& quantum, bool moved);
@@ -68,6 +76,10 @@ class HostEngine final : public Engine<Real, Dim> {
     std::vector<FaultRecord<Dim>> fault_records_;
     Host::Array<ExactSum> impulse_;
     NodeMean mean_ = NodeMean::none;
+    Host::Array<HeldNode<Real, Dim>> held_;  ///< of the grid's pressure, as the next two
+    Host::Array<CellPressure<Real>> cells_;
+    Host::Array<CellNode<Real, Dim>> factors_;
+    std::array<CellNode<Real, Dim>, CellContext<Real, Dim>::nodes> whole_cell_;
     bool moving_ = false;  ///< migration under way: not binned
 
     ContactPairs<Dim> pairs_;

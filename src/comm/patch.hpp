@@ -37,6 +37,7 @@ class Patch {
     int own() const { return static_cast<int>(tables_.own.size()); }
     std::int64_t count() const { return own() == 0 ? 0 : first_[static_cast<std::size_t>(own())]; }
     std::int64_t tiles_in_use() const { return occupied_; }
+    std::size_t stored_nodes() const { return nodes_.size() / node_reals; }
 
     BlockTable<Dim> table() const;
     ListView<Dim> list() const { return {first_.data(), cell_first_.data(), slot_.data()}; }

@@ -5,6 +5,7 @@
 // with free surfaces, is stable below them and not above (S1, docs/stability.md). What stands still allows up to 2.7
 // times as much, which is of no use. A scene that does not say its `cfl` takes 0.8 of its method's limit.
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/scene_spec.hpp"
@@ -55,6 +56,24 @@ constexpr double standard_courant(const Scene& scene) {
 /// with the lumped mass, so their step is 1 / sqrt(k) of its step (measured: docs/stability.md).
 inline double courant_number(const Scene& scene) {
     return scene.transfer == Transfer::fmpm ? scene.cfl / std::sqrt(double(scene.order)) : scene.cfl;
+}
+
+/// Largest share of a cell that the flow's own signal, shear wave and motion, crosses in a step with substeps.
+inline constexpr double flow_courant = 0.5;
+
+/// A step and its substeps (grid_pressure.hpp).
+struct StepChoice {
+    double dt;  ///< [s]
+    int substeps;
+};
+
+/// signal: c + |v|; speed: |v|, the largest of all particles [m/s]. shear: c_s / c, the largest of all materials.
+inline StepChoice choose_step(const Scene& scene, double signal, double speed, double shear) {
+    const double wave = courant_number(scene) * scene.cell / signal;
+    if (scene.substeps == 1) return {wave, 1};
+    const double flow = flow_courant * scene.cell / (shear * (signal - speed) + speed);
+    const double most = std::min(std::max(flow, wave), scene.substeps * wave);
+    return {most, static_cast<int>(std::ceil(most / wave * (1 - 1e-12)))};
 }
 
 }  // namespace moraine

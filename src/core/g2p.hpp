@@ -14,6 +14,7 @@
 // `Stress` is called with batches of particles and their dL: on the host one call per material in
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
+#include "core/cell_kernels.hpp"
 #include "core/grid_views.hpp"
 #include "core/light_stencil.hpp"
 #include "core/particle_shifting.hpp"
@@ -63,6 +64,8 @@ struct GridToParticles {
     ReactionLimits<Real> limits;
     const FluidTerms<Real>* fluid;        ///< by body; null: pressures are not smoothed, particles not shifted
     const Shifting<Real, Dim>* shifting;  ///< null: not in this step
+    const Real* grid_bulk;                ///< by body: K where the pressure is the grid's, else 0; null: nowhere [Pa]
+    CellViews<Real, Dim> cells;           ///< of the grid's pressure
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -78,7 +81,9 @@ struct GridToParticles {
             if (shifting) {
                 int base[Dim];
                 for (int a = 0; a < Dim; ++a) base[a] = first_node<Shape>(table.position[block][a]);
-                find_excess<Shape>(*shifting, context.walls, base, scratch.nodes, scratch.excess);
+                find_excess<Shape>(
+                    *shifting, context.walls, base, [&](int n) { return volume_at(block, n, scratch); },
+                    scratch.excess);
             }
             for (int c = 0; c < Block<Dim>::cells; ++c) gather_cell(block, c, scratch, filled, out);
             flush(scratch, filled, out);
@@ -98,20 +103,20 @@ struct GridToParticles {
         Real inverse[power<Dim>(width)];  ///< of their masses [1/kg]
     };
 
+    MORAINE_HD std::size_t stored_node(int block, int n) const {
+        return stored_tile_node<width>(table, grid, block, n);
+    }
+
     MORAINE_HD void load_node(int block, int n, Scratch& scratch) const {
-        int corner = 0;
-        int at = 0;
-        int rest = n;
-        for (int a = 0; a < Dim; ++a) {
-            const int x = rest % side;
-            rest /= side;
-            corner |= (x >> 2) << a;
-            at |= (x & 3) << (2 * a);
-        }
-        const std::int32_t node_block = table.node_block[block * Block<Dim>::corners + corner];
-        const Real* from = grid.nodes + (std::size_t(grid.node_of[node_block]) * Block<Dim>::cells + at) * node_reals;
+        const Real* from = grid.nodes + stored_node(block, n) * node_reals;
         scratch.nodes[2 * n] = Q::load(from);
         scratch.nodes[2 * n + 1] = Q::load(from + quad);
+    }
+
+    /// v_i / h^d.
+    MORAINE_HD Real volume_at(int block, int n, const Scratch& scratch) const {
+        if (cells.held) return cells.held[stored_node(block, n)].filling;
+        return scratch.nodes[2 * n][quad - 1] * scratch.nodes[2 * n + 1][quad - 1] * shifting->inverse_volume;
     }
 
     /// Ghost nodes behind walls follow the two nodes before them.
@@ -156,8 +161,9 @@ struct GridToParticles {
             if (stiffness) limit_acceleration(s, n, nodes, light, g);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
-                if (fluid && !shifting) smooth(s, n, light.base, g);
+                if (fluid && (!shifting || grid_bulk)) smooth(s, n, light.base, g);
                 scratch.gradient[filled] = increment_of(g);
+                if (grid_bulk) take_cell(block, c, s, scratch.gradient[filled], out);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
                 if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
                 scratch.slot[filled++] = s;
@@ -307,6 +313,23 @@ struct GridToParticles {
         });
     }
 
+    /// The volumetric part of the step is that of the cell.
+    MORAINE_HD void take_cell(int block, int c, std::uint32_t s, Mat<Real, Dim>& dL, BlockOutcome& out) const {
+        Real square = Real(0);
+        for (int a = 0; a < Dim; ++a) square += p.velocity[s][a] * p.velocity[s][a];
+        if (double(square) > out.square_speed) out.square_speed = double(square);
+        const Real bulk = grid_bulk[p.body[s]];
+        if (!(bulk > Real(0))) return;
+        const std::size_t at = std::size_t(grid.tile_of[block]) * Block<Dim>::cells + std::size_t(c);
+        const Real increment = cells.cell[at].increment, step = bulk * increment;
+        const Real before = p.stress[s].trace() * Real(1.0 / 3.0);
+        out.work += double(p.volume[s]) * double(before + Real(0.5) * step) * double(increment);
+        for (int a = 0; a < 3; ++a) p.stress[s][a] += step;
+        Real cubic;
+        dL = isochoric_increment(dL, cubic);
+        p.ln_J[s] += increment - cubic;
+    }
+
     MORAINE_HD void smooth(std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
         const FluidTerms<Real>& of = fluid[p.body[s]];
         if (!(of.smoothing > Real(0))) return;
@@ -321,7 +344,8 @@ struct GridToParticles {
         if (!(shifts > Real(0))) return;
         const Real* excess = scratch.excess + tile_offset<Dim, width>(c);
         const Vec<Real, Dim> gradient = gradient_of_excess<Shape>(n, excess);
-        Vec<Real, Dim> shift = shift_by(shifts, dt, Real(1) / context.inverse_cell, gradient);
+        const Real h = Real(1) / context.inverse_cell, most = Real(0.5) * h * h / shifts;
+        Vec<Real, Dim> shift = shift_by(shifts, grid_bulk && most < dt ? most : dt, h, gradient);
         if (table.border[block]) {
             Vec<Real, Dim> move;
             for (int a = 0; a < Dim; ++a) move[a] = dt * velocity[a] * context.inverse_cell;

@@ -69,4 +69,18 @@ struct TileView {
     Real* nodes;                  ///< [node block][node][node_reals]
 };
 
+/// Index of node n of an own block's tile among the stored nodes.
+template <int Width, class Real, int Dim>
+MORAINE_HD std::size_t stored_tile_node(const BlockTable<Dim>& table, const TileView<Real>& grid, int block, int n) {
+    constexpr int side = tile_side(Width);
+    int corner = 0, at = 0;
+    for (int a = 0; a < Dim; ++a, n /= side) {
+        const int x = n % side;
+        corner |= (x >> 2) << a;
+        at |= (x & 3) << (2 * a);
+    }
+    const std::int32_t node_block = table.node_block[block * Block<Dim>::corners + corner];
+    return std::size_t(grid.node_of[node_block]) * Block<Dim>::cells + std::size_t(at);
+}
+
 }  // namespace moraine

@@ -4,6 +4,7 @@
 // A scene chooses one row by name at its start. Each (dimension, precision, shape) is one source file
 // (kernel_list.cpp.in), so the list is compiled in parallel and its cost is visible.
 
+#include "core/cell_kernels.hpp"
 #include "core/g2p.hpp"
 #include "core/law_batch.hpp"
 #include "core/p2g.hpp"
@@ -19,9 +20,10 @@ struct TransferCall {
     BlockTable<Dim> table;
     ListView<Dim> list;
     TileView<Real> grid;
-    const std::int32_t* chosen;      ///< own blocks
-    std::int64_t count;              ///< of them
-    NodeMean mean = NodeMean::none;  ///< what nodes sum besides
+    const std::int32_t* chosen;       ///< own blocks
+    std::int64_t count;               ///< of them
+    NodeMean mean = NodeMean::none;   ///< what nodes sum besides
+    const Real* grid_bulk = nullptr;  ///< by body: K where the pressure is the grid's, else 0; null: nowhere [Pa]
 };
 
 /// What the gather needs besides.
@@ -42,6 +44,7 @@ struct GatherCall {
     ReactionLimits<Real> limits = {};
     const FluidTerms<Real>* fluid = nullptr;  ///< by body; null: pressures are not smoothed, particles not shifted
     const Shifting<Real, Dim>* shifting = nullptr;  ///< null: not in this step
+    CellViews<Real, Dim> cells = {};                ///< of the grid's pressure
 };
 
 /// What the gaps to structures need besides: they are found by pairs of a block and a structure.

@@ -35,6 +35,7 @@ inline std::vector<Round> series_rounds(int order) {
 
 /// USL: Sulsky et al. 1994 with the stress last (the method paper's). USF, MUSL: Bardenhagen 2002.
 inline std::vector<Round> rounds_of(const Scene& scene) {
+    if (uses_grid_pressure(scene)) return {{NodeTask::hold, gather_velocity | gather_motion | gather_gradient}};
     if (scene.transfer == Transfer::fmpm) return series_rounds(scene.order);
     switch (scene.stress_update) {
         case StressUpdate::usf:
@@ -69,6 +70,27 @@ inline double poisson_ratio(const MaterialSpec& material) {
     return 0.5;
 }
 
+/// K [Pa], of an isotropic law.
+inline double bulk_modulus(const MaterialSpec& material) {
+    const double poisson = poisson_ratio(material);
+    return find_law(material.law)->wave_modulus(material.parameters.data()) * (1 + poisson) / (3 * (1 - poisson));
+}
+
+/// sqrt((K + 4G/3) / rho) [m/s].
+inline double wave_speed(const MaterialSpec& material) {
+    return std::sqrt(find_law(material.law)->wave_modulus(material.parameters.data()) / material.density);
+}
+
+/// c_s / c, the largest of all materials.
+inline double shear_wave_share(const Scene& scene) {
+    double most = 0;
+    for (const MaterialSpec& m : scene.materials) {
+        const double poisson = poisson_ratio(m);
+        most = std::max(most, std::sqrt((1 - 2 * poisson) / (2 - 2 * poisson)));
+    }
+    return most;
+}
+
 inline bool has_fluid_terms(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(),
                        [](const MaterialSpec& m) { return has_fluid_terms(m); });
@@ -82,13 +104,12 @@ inline bool has_shifts(const Scene& scene) {
 /// In scenes with shifts the steps between them smooth for those that shift.
 template <class Real>
 FluidTerms<Real> fluid_terms_of(const Scene& scene, const MaterialSpec& material) {
-    const double poisson = poisson_ratio(material), between = has_shifts(scene) ? shift_interval - 1 : shift_interval;
-    const double wave = find_law(material.law)->wave_modulus(material.parameters.data());  // K + 4G/3
-    const double bulk = wave * (1 + poisson) / (3 * (1 - poisson));
-    const double speed = std::sqrt(wave / material.density);
-    return {static_cast<Real>(material.pressure_smoothing * speed / scene.cell * shift_interval / between),
-            static_cast<Real>(1 / bulk),
-            static_cast<Real>(shift_interval * material.particle_shifting * speed * scene.cell)};
+    const bool every = uses_grid_pressure(scene);  // step, both
+    const double between = every ? 1 : has_shifts(scene) ? shift_interval - 1 : shift_interval;
+    const double interval = every ? 1 : shift_interval, speed = wave_speed(material);
+    return {static_cast<Real>(material.pressure_smoothing * speed / scene.cell * interval / between),
+            static_cast<Real>(1 / bulk_modulus(material)),
+            static_cast<Real>(interval * material.particle_shifting * speed * scene.cell)};
 }
 
 /// rho g h along an axis, of the first material that smooths its pressure [Pa]; along periodic axes 0.
@@ -102,9 +123,12 @@ template <class Real, int Dim>
 Stiffness<Real> stiffness_of(const MaterialSpec& material, double cell) {
     const LawInfo& law = *find_law(material.law);
     const double poisson = poisson_ratio(material);
+    const double wave = law.wave_modulus(material.parameters.data());
     const double twice_shear = (1 - 2 * poisson) / (1 - poisson);  // over lambda + 2 G
-    return {static_cast<Real>(law.wave_modulus(material.parameters.data())),
-            static_cast<Real>(1 - twice_shear + twice_shear / Dim),
+    if (material.volumetric == Volumetric::grid)                   // the cells bear K: 4G/3 is left
+        return {static_cast<Real>(wave * twice_shear * 2 / 3), static_cast<Real>(1.5 / Dim - 0.5),
+                static_cast<Real>(material.density * std::pow(cell, Dim))};
+    return {static_cast<Real>(wave), static_cast<Real>(1 - twice_shear + twice_shear / Dim),
             static_cast<Real>(material.density * std::pow(cell, Dim))};
 }
 
@@ -136,9 +160,13 @@ struct Method {
     const FluidTerms<Real>* fluid() const { return fluid_.empty() ? nullptr : fluid_.data(); }
     /// What nodes sum besides in the step with this number.
     NodeMean mean_of(std::int64_t step) const {
+        if (grid_bulk()) return NodeMean::volume;
         if (fluid_.empty()) return NodeMean::none;
         return shifts_ && shifts_in(step) ? NodeMean::volume : NodeMean::stress;
     }
+    /// By body: K where the pressure is the grid's, else 0 [Pa]; null: nowhere (grid_pressure.hpp).
+    const Real* grid_bulk() const { return grid_bulk_.empty() ? nullptr : grid_bulk_.data(); }
+    bool shifts() const { return shifts_; }  ///< some body's particles
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
     NodeCapacity<Real, Dim> capacity;
@@ -151,7 +179,8 @@ struct Method {
     std::vector<Vec<Real, Dim>> half_size_;   ///< by body [cells]
     std::vector<Stiffness<Real>> stiffness_;  ///< by body; empty: not wanted
     std::vector<FluidTerms<Real>> fluid_;     ///< by body; empty: none
-    bool shifts_ = false;                     ///< some body\'s particles are shifted
+    std::vector<Real> grid_bulk_;             ///< by body; empty: none
+    bool shifts_ = false;                     ///< some body's particles are shifted
 };
 
 inline ColumnNeeds needs_of(const Scene& scene) {
@@ -211,6 +240,11 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     if (has_fluid_terms(scene))
         for (const BodySpec& b : scene.bodies)
             fluid_.push_back(fluid_terms_of<Real>(scene, scene.materials[static_cast<std::size_t>(b.material)]));
+    if (uses_grid_pressure(scene))
+        for (const BodySpec& b : scene.bodies) {
+            const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
+            grid_bulk_.push_back(m.volumetric == Volumetric::grid ? static_cast<Real>(bulk_modulus(m)) : Real(0));
+        }
     const auto wants_mean = [&](const BodySpec& b) {
         return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
     };

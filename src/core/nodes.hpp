@@ -21,7 +21,7 @@
 #include "core/contact.hpp"
 #include "core/exact_sum.hpp"
 #include "core/grid_views.hpp"
-#include "core/quad.hpp"
+#include "core/tile_sums.hpp"
 #include "core/walls.hpp"
 
 namespace moraine {
@@ -34,29 +34,46 @@ enum class NodeTask {
     begin,     ///< v_1 = v' of a series, and the sum so far
     extend,    ///< v_l+1 from v_l and the momentum of S v_l, and the sum so far
     conclude,  ///< the sum, with its last term
+    hold,      ///< v of the momentum, and what stays through the substeps of the grid's pressure (grid_pressure.hpp)
+    substep,   ///< v' by what was held and the cells' forces; dv goes on
 };
 
 /// Whether forces act.
 MORAINE_HD constexpr bool solves(NodeTask task) {
-    return task == NodeTask::solve || task == NodeTask::begin;
+    return task == NodeTask::solve || task == NodeTask::begin || task == NodeTask::substep;
 }
 /// Whether the particles keep what walls and structures give the nodes.
 MORAINE_HD constexpr bool counts(NodeTask task) {
-    return task != NodeTask::velocity && task != NodeTask::again;
+    return task != NodeTask::velocity && task != NodeTask::again && task != NodeTask::hold;
 }
 /// Whether the node's values of the round before are needed.
 MORAINE_HD constexpr bool remembers(NodeTask task) {
-    return !solves(task);
+    return !solves(task) || task == NodeTask::substep;
 }
 
 /// What all nodes of a round share.
 template <class Real, int Dim>
 struct NodeRound {
     NodeTask task;
-    Real dt;                 ///< [s]
-    Vec<Real, Dim> gravity;  ///< [m/s2]
-    Real damping;            ///< [-]
-    Real mass_cutoff;        ///< [kg]
+    Real dt;                     ///< in which forces act [s]
+    Vec<Real, Dim> gravity;      ///< [m/s2]
+    Real damping;                ///< [-]
+    Real mass_cutoff;            ///< [kg]
+    bool first_substep = false;  ///< of tasks that are one
+    bool with_means = false;     ///< the first quad has the sums of a mean (cell_kernels.hpp)
+};
+
+/// What stays at a node through the substeps of a step.
+template <class Real, int Dim>
+struct HeldNode {
+    Vec<Real, Dim> acceleration;  ///< f_i / m_i of deviators and body forces [m/s2]
+    Real filling;                 ///< v_i / h^d [-]
+};
+
+template <class Real, int Dim>
+struct HeldNodes {
+    HeldNode<Real, Dim>* node = nullptr;  ///< [node block][node]
+    Real inverse_volume = Real(0);        ///< 1 / h^d [1/m3]
 };
 
 /// Velocities of a node [m/s]: before the round, by forces and gravity alone, and with damping and walls.
@@ -81,6 +98,7 @@ MORAINE_HD NodeValues<Real, Dim> values_after(NodeTask task, const NodeMotion<Re
     NodeValues<Real, Dim> now{motion.end, motion.end};
     for (int a = 0; a < Dim; ++a) {
         if (task == NodeTask::solve) now.second[a] = motion.end[a] - motion.start[a];
+        if (task == NodeTask::substep) now.second[a] = former.second[a] + (motion.end[a] - motion.start[a]);
         if (!counts(task)) now.second[a] = former.first[a];
         if (task == NodeTask::extend) now.first[a] = motion.end[a] - former.second[a];
     }
@@ -136,10 +154,7 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
 /// One instance for scenes with structures, one for the others.
 template <class Real, int Dim, bool Contact = false>
 struct SolveNodes {
-    struct Scratch {
-        Quad<Real> sums[2 * Block<Dim>::cells];
-        std::int32_t counted_by[Block<Dim>::cells];  ///< first occupied source of the node, own or ghost; -1 none
-    };
+    using Scratch = TileSums<Real, Dim>;
 
     Walls<Real, Dim> walls;
     BlockTable<Dim> table;
@@ -152,39 +167,24 @@ struct SolveNodes {
     ExactSum* impulse;  ///< node blocks x Dim: impulse of walls and damping of this step [kg m/s]
     ContactField<Dim> contact = {};
     GapTiles gaps = {};
+    HeldNodes<Real, Dim> held = {};
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
         const int c = chosen[item];
-        for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
+        if (round.task != NodeTask::substep || round.first_substep)
+            for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
         if (grid.node_of[c] < 0) return;
         const bool border = table.node_border[c] != 0;
         const bool near = structure_near(c);
-        team.each(Block<Dim>::cells, [&](int n) {
-            scratch.sums[2 * n] = scratch.sums[2 * n + 1] = Quad<Real>::zero();
-            scratch.counted_by[n] = -1;
-        });
-        team.sync();
-        for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
-            const int source = table.source[c * Block<Dim>::corners + delta];
-            const int tile = source < 0 ? -1 : grid.tile_of[source];
-            if (tile < 0) continue;
-            team.each(Block<Dim>::cells, [&](int n) { add_tile_node(n, delta, source, tile, scratch); });
-            team.sync();
-        }
-        team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, near, scratch); });
+        scratch.find(team, table, grid, width, c);
+        if (round.task == NodeTask::hold)
+            team.each(Block<Dim>::cells, [&](int n) { hold(c, n, scratch); });
+        else
+            team.each(Block<Dim>::cells, [&](int n) { finish(c, item, n, border, near, scratch); });
     }
 
   private:
-    MORAINE_HD void add_tile_node(int n, int delta, int source, int tile, Scratch& scratch) const {
-        const int at = tile_node<Dim>(n, delta, width);
-        if (at < 0) return;
-        const Real* from = grid.tiles + (std::size_t(tile) * power<Dim>(tile_side(width)) + at) * node_reals;
-        scratch.sums[2 * n] = scratch.sums[2 * n] + Quad<Real>::load(from);
-        scratch.sums[2 * n + 1] = scratch.sums[2 * n + 1] + Quad<Real>::load(from + quad);
-        if (scratch.counted_by[n] < 0) scratch.counted_by[n] = source;
-    }
-
     static MORAINE_HD int cell_coordinate_of(int n, int axis) { return (n >> (2 * axis)) & 3; }
 
     /// Other node blocks look at no structure.
@@ -198,8 +198,39 @@ struct SolveNodes {
         return near;
     }
 
+    MORAINE_HD std::size_t stored(int c, int n) const { return std::size_t(grid.node_of[c]) * Block<Dim>::cells + n; }
+
+    /// Substeps begin.
+    MORAINE_HD void hold(int c, int n, Scratch& scratch) const {
+        Real* out = grid.nodes + stored(c, n) * node_reals;
+        HeldNode<Real, Dim>& kept = held.node[stored(c, n)];
+        const Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
+        const bool heavy = sums[0] > round.mass_cutoff;
+        const Real inverse = heavy ? Real(1) / sums[0] : Real(0);
+        for (int q = 0; q < node_reals; ++q) out[q] = Real(0);
+        for (int a = 0; a < Dim; ++a) {
+            out[a] = sums[1 + a] * inverse;
+            kept.acceleration[a] = force[a] * inverse;
+        }
+        out[quad - 1] = sums[0];
+        kept.filling = force[quad - 1] * held.inverse_volume;
+    }
+
+    /// The sums of a substep, as those of a step: (m, q) and f.
+    MORAINE_HD void take_held(int c, int n, Scratch& scratch, const Real* out) const {
+        const HeldNode<Real, Dim>& kept = held.node[stored(c, n)];
+        Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
+        const Real mean = round.with_means && sums[1] > Real(0) ? sums[0] / sums[1] : out[2 * quad - 1],
+                   m = out[quad - 1];
+        Vec<Real, Dim> momentum, total;
+        for (int a = 0; a < Dim; ++a) momentum[a] = m * out[a], total[a] = force[a] + m * kept.acceleration[a];
+        sums = Quad<Real>::scaled_after(m, Real(1), momentum);
+        force = Quad<Real>::scaled(Real(1), total) + Quad<Real>::of(Real(0), Real(0), Real(0), mean * m);
+    }
+
     MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
-        Real* out = grid.nodes + (std::size_t(grid.node_of[c]) * Block<Dim>::cells + n) * node_reals;
+        Real* out = grid.nodes + stored(c, n) * node_reals;
+        if (round.task == NodeTask::substep) take_held(c, n, scratch, out);
         const Quad<Real>& sums = scratch.sums[2 * n];
         const bool counted = counts(round.task) && scratch.counted_by[n] < table.own;
         int node[Dim];

@@ -34,9 +34,10 @@ struct ParticlesToGrid {
     BlockTable<Dim> table;
     ListView<Dim> list;
     TileView<Real> grid;
-    const std::int32_t* chosen;      ///< own blocks to sum
-    Real cell;                       ///< h [m]
-    NodeMean mean = NodeMean::none;  ///< s_i
+    const std::int32_t* chosen;       ///< own blocks to sum
+    Real cell;                        ///< h [m]
+    NodeMean mean = NodeMean::none;   ///< s_i
+    const Real* grid_bulk = nullptr;  ///< by body: not zero where the pressure is the grid's (grid_pressure.hpp)
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -108,15 +109,17 @@ struct ParticlesToGrid {
                 fold_weights<Shape::width>(context.walls.ghosts(a, base[a], width), n.w[a], n.dw[a]);
         const Real m = p.mass[s];
         Load load;
-        const Sym<Real, Dim> sigma = p.stress[s];
+        Sym<Real, Dim> sigma = p.stress[s];
+        const Real pressure = sigma.trace() * Real(1.0 / 3.0);
+        const bool of_grid = grid_bulk && grid_bulk[p.body[s]] > Real(0);
+        for (int a = 0; of_grid && a < 3; ++a) sigma[a] -= pressure;
         load.carried = Q::scaled_after(m, m, p.velocity[s]);
         load.has_body_force = p.body_force != nullptr || mean != NodeMean::none;
         load.body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
         if (mean != NodeMean::none) {
             const Real s_of_p = mean == NodeMean::volume
-                                    ? p.volume[s]
-                                    : m * (sigma.trace() * Real(1.0 / 3.0) +
-                                           gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f));
+                                    ? (grid_bulk && !of_grid ? Real(0) : p.volume[s])
+                                    : m * (pressure + gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f));
             load.body_force = load.body_force + Q::of(Real(0), Real(0), Real(0), s_of_p);
         }
         for (int b = 0; b < Dim; ++b) {

@@ -82,23 +82,21 @@ MORAINE_HD bool structure_within(const ContactField<Dim>& field, const int* lowe
     return near;
 }
 
-/// e_i of the nodes of a tile that begins at node base[]; ghosts behind walls follow as velocities do. nodes: two quads
-/// each, with m_i and v_i / m_i in their last lanes.
-template <class Shape, class Real, int Dim>
+/// e_i of the nodes of a tile that begins at node base[]; ghosts behind walls follow as velocities do. volume(n): v_i
+/// of a node of the tile, over h^d.
+template <class Shape, class Real, int Dim, class Volume>
 MORAINE_HD void find_excess(const Shifting<Real, Dim>& shifting, const Walls<Real, Dim>& walls, const int* base,
-                            const Quad<Real>* nodes, Real* excess) {
+                            const Volume& volume, Real* excess) {
     constexpr int side = tile_side(Shape::width);
     const double reach = 0.5 * Shape::width;
     const bool near = structure_within(shifting.contact, base, side, reach);
     for (int n = 0, rest = 0; n < power<Dim>(side); rest = ++n) {
         int node[Dim];
         for (int a = 0; a < Dim; ++a, rest /= side) node[a] = base[a] + rest % side;
-        const Quad<Real>* values = nodes + 2 * n;
         if (near && reaches_structure(shifting.contact, node, reach))
             excess[n] = at_structure<Real>;
         else
-            excess[n] = node_excess(values[0][quad - 1] * values[1][quad - 1] * shifting.inverse_volume,
-                                    shifting.capacity.of(node));
+            excess[n] = node_excess(volume(n), shifting.capacity.of(node));
     }
     each_ghost(walls, base, side, [&](int ghost, int step) {
         const Real* first = excess + ghost + step;

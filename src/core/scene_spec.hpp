@@ -47,7 +47,7 @@ enum class Seeding { lattice, jittered };
 enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon, ground };
 enum class StructureMotion { fixed, velocity, sinusoid, table, free };
 enum class InterfaceLaw { smooth, rough, coulomb, undrained, voellmy };
-enum class Volumetric { particle, cell };
+enum class Volumetric { particle, cell, grid };
 enum class Trigger { never, every, threshold, planned };
 
 struct WallSpec {
@@ -60,7 +60,7 @@ struct MaterialSpec {
     std::string law;                               ///< a name of core/material/laws.hpp
     double density = 0;                            ///< at ln J = 0 [kg/m3]
     std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
-    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure; cell: its mean (core/volumetric.hpp)
+    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure (core/volumetric.hpp, grid_pressure.hpp)
     double pressure_smoothing = 0;                 ///< k of core/pressure_smoothing.hpp [-]
     double particle_shifting = 0;                  ///< gamma of core/particle_shifting.hpp [-]
 };
@@ -178,8 +178,9 @@ struct Scene {
     double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
     Shape shape = Shape::quadratic;
     Transfer transfer = Transfer::apic;
-    double flip = 1;  ///< share of FLIP against PIC
-    int order = 2;    ///< terms of FMPM's series
+    double flip = 1;   ///< share of FLIP against PIC
+    int order = 2;     ///< terms of FMPM's series
+    int substeps = 1;  ///< most of a step (core/grid_pressure.hpp)
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
     double damping = 0;              ///< local non-viscous damping [-], 0 to 1; 0: dynamic
@@ -195,5 +196,12 @@ struct Scene {
     std::uint64_t seed = 1;
     double watchdog = 0;  ///< [s of wall time] without a finished step that end a run; 0: none
 };
+
+/// Whether the pressure of some material is the grid's (core/grid_pressure.hpp).
+inline bool uses_grid_pressure(const Scene& scene) {
+    bool uses = false;
+    for (const MaterialSpec& m : scene.materials) uses = uses || m.volumetric == Volumetric::grid;
+    return uses;
+}
 
 }  // namespace moraine

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/material/laws.hpp"
+#include "core/method.hpp"
 #include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
 
@@ -97,6 +98,46 @@ void check_fluid_terms(const Scene& scene, const Places& places) {
     }
 }
 
+/// What the pressure on the grid's cells is for, and what its substeps need.
+void check_grid_pressure(const Scene& scene, const Places& places) {
+    for (const MaterialSpec& m : scene.materials) {
+        if (m.volumetric != Volumetric::grid) continue;
+        const std::string key = "material." + m.name + ".volumetric";
+        const std::string what = key + " = \"grid\"";
+        if (!find_law(m.law)->is_fluid)
+            refuse(places.of(key), fmt::format("{} with law \"{}\"", what, m.law),
+                   "it is for fluids: bingham, herschel-bulkley, newtonian", "Use \"cell\" or \"particle\"?");
+        if (scene.shape != Shape::quadratic)
+            refuse(places.of(key), what + " with this numerics.shape", "it is for quadratic splines",
+                   "Use shape = \"quadratic\"?");
+        if (scene.stress_update != StressUpdate::usl || scene.transfer == Transfer::fmpm)
+            refuse(places.of(key), what + " with this stress_update or transfer",
+                   "pressures and velocities go on together, once", "Use stress_update = \"usl\" and no fmpm?");
+    }
+    const auto of_grid = [](const MaterialSpec& m) { return m.volumetric == Volumetric::grid; };
+    const bool all = std::all_of(scene.materials.begin(), scene.materials.end(), of_grid);
+    for (const MaterialSpec& m : scene.materials)
+        if (uses_grid_pressure(scene) && !of_grid(m) && has_fluid_terms(m))
+            refuse(places.of("material." + m.name),
+                   "material." + m.name + " smooths or shifts without volumetric = \"grid\"",
+                   "beside one whose pressure is the grid's", "Use it for both?");
+    if (scene.substeps == 1) return;
+    const std::string substeps = fmt::format("numerics.substeps = {}", scene.substeps);
+    if (!all)
+        refuse(places.of("numerics.substeps"), substeps, "a material has its pressure on particles",
+               "Use volumetric = \"grid\" for all?");
+    if (scene.dt > 0)
+        refuse(places.of("numerics.substeps"), substeps + " with time.dt", "the step follows from speeds",
+               "Use time.cfl?");
+    if (!scene.structures.empty())
+        refuse(places.of("numerics.substeps"), substeps + " with structures", "contact has no substeps yet",
+               "Remove it?");
+    for (const MaterialSpec& m : scene.materials)
+        if (poisson_ratio(m) < 0.45)
+            refuse(places.of("material." + m.name + ".poisson"), substeps + " with this Poisson's ratio",
+                   "below 0.45 shear is nearly as fast as pressure", "Remove it?");
+}
+
 void check_names(const std::string& key, const std::vector<std::string>& names, const std::vector<std::string>& valid,
                  const Places& places) {
     for (auto name = names.begin(); name != names.end(); ++name) {
@@ -137,6 +178,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_axes(scene, places);
     check_transfer(scene, places);
     check_fluid_terms(scene, places);
+    check_grid_pressure(scene, places);
     check_fields(scene, places);
     check_starts(scene, places);
     check_bodies(scene, places);

@@ -33,9 +33,10 @@ const std::vector<KeyRow<MaterialSpec>> materials{
       .name = "volumetric",
       .type = choice,
       .standard = "\"particle\"",
-      .choices = {"particle", "cell"},
+      .choices = {"particle", "cell", "grid"},
       .meaning =
-          "Volumetric rate and pressure: each particle's, or the mean of a cell, against locking near nu = 0.5."},
+          "Volumetric rate and pressure: each particle's; the mean of a cell, against locking near nu = 0.5; or, "
+          "for fluids, on the cells of the grid, with exact integrals in full ones."},
      [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
     {{.table = "material",
       .name = "pressure_smoothing",

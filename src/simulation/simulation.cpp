@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/diagnostics.hpp"
 
@@ -41,6 +42,7 @@ void Simulation<Real, Dim>::step() {
         if (first) structures_.begin_step(clock_.time, clock_.dt, forces_, quantum());
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
+        if (round.nodes == NodeTask::hold) make_substeps();
         phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
     }
     phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
@@ -48,6 +50,21 @@ void Simulation<Real, Dim>::step() {
     clock_.time += clock_.dt;
     structures_.end_step(clock_.time, clock_.dt);
     ++clock_.step;
+}
+
+/// Pressures of cells and velocities of nodes, while the particles wait (core/grid_pressure.hpp).
+template <class Real, int Dim>
+void Simulation<Real, Dim>::make_substeps() {
+    Substep substep{0, substeps_, clock_.dt / substeps_};
+    phases_.time(Phase::nodes, [&] { engine_->find_cells(substep); });
+    for (; substep.number < substep.count; ++substep.number) {
+        phases_.time(Phase::nodes, [&] { engine_->sum_boundary_cells(substep); });
+        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        phases_.time(Phase::nodes, [&] { engine_->sum_interior_cells(substep); });
+        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        phases_.time(Phase::nodes, [&] { engine_->solve_substep(substep, scales()); });
+    }
+    counts_.substeps += substep.count;
 }
 
 template <class Real, int Dim>
@@ -83,6 +100,7 @@ void Simulation<Real, Dim>::record_step() {
     phases_.add(Phase::g2p, report.seconds[2]);
     own_ = Agreement{};
     own_.signal = report.signal;
+    own_.square_speed = report.square_speed;
     own_.moved = report.moved;
     own_.faults = report.faults;
     own_.in_guard_layer = report.in_guard_layer;
@@ -122,12 +140,21 @@ void Simulation<Real, Dim>::agree_on_dt() {
     if (scene_.dt > 0)
         clock_.dt = scene_.dt;
     else if (clock_.signal > 0)
-        clock_.dt = courant_number(scene_) * scene_.cell / clock_.signal;
+        choose_step();
     else if (clock_.dt == 0)  // nothing is there, nor was; once all have left, time goes on as before
         clock_.dt = scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.gravity_impulse[a] += scene_.gravity[a] * clock_.dt;
     engine_->expect_outgoing(agreed_.migration_bound);
+}
+
+/// By the wave's and the flow's own time (core/courant.hpp).
+template <class Real, int Dim>
+void Simulation<Real, Dim>::choose_step() {
+    const StepChoice choice =
+        moraine::choose_step(scene_, clock_.signal, std::sqrt(agreed_.square_speed), shear_wave_share(scene_));
+    clock_.dt = choice.dt;
+    substeps_ = choice.substeps;
 }
 
 /// Free structures are moved alike on all ranks: by a sum that is the same whoever owns the nodes.

@@ -55,11 +55,13 @@ class Simulation {
     void balance();
 
     /// Brings the share into the binned state. Collective.
+    void make_substeps();
     void bin();
     /// Bins, adds up, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
     /// Recomputes the signal speed after particles were changed from outside. Collective.
     void refresh_signal();
+    void refresh_speed();
     /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
     void ask(std::uint32_t what) { asked_ |= what; }
     /// Whether this rank is writing an output meanwhile; travels with the next agreement (Agreement::writing).
@@ -109,6 +111,7 @@ class Simulation {
     void start_agreement();
     void record_step();
     void agree_on_dt();
+    void choose_step();
     void check_step();
     void report_faults() const;
     void agree_on_forces();
@@ -144,6 +147,7 @@ class Simulation {
     AgreementReduction reduction_;
 
     RunClock<Dim> clock_;
+    int substeps_ = 1;  ///< of this step
     RunCounts counts_;
     Budget<Dim> budget_;
     StructureSet<Dim> structures_;

@@ -220,6 +220,22 @@ void Simulation<Real, Dim>::refresh_signal() {
             signal = std::max(signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]));
     });
     own_.signal = clock_.signal = comm_.max(signal);
+    refresh_speed();
+}
+
+/// The largest |v|^2, as a step would tell it; only where steps depend on it.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::refresh_speed() {
+    if (scene_.substeps == 1) return;
+    double most = 0;
+    each_piece({"velocity"}, [&](const SharePiece<Real, Dim>& piece) {
+        for (const std::uint32_t slot : piece.slots()) {
+            Real square = Real(0);
+            for (int a = 0; a < Dim; ++a) square += piece.p.velocity[slot][a] * piece.p.velocity[slot][a];
+            most = std::max(most, double(square));
+        }
+    });
+    own_.square_speed = comm_.max(most);
 }
 
 template <class Real, int Dim>
@@ -250,6 +266,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     begin_epoch(binned);
     if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
+    refresh_speed();
     loads_.resume(clock_.step);
 }
 
