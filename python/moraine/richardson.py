@@ -60,7 +60,8 @@ def safety_factor(order: float) -> float:
 class Estimate:
     """What the finest three levels say of a value.
 
-    verdict: "converges", "equal" (the same to rounding), "oscillates", "diverges", or "too few" (levels). order, value (that
+    verdict: "converges", "equal" (the same to rounding), "oscillates", "stalls" (the finest two are the same, the
+    third is not), "diverges", or "too few" (levels). order, value (that
     of Richardson), safety and error (GCI, in the unit of the value, with `resolution` added) are None without convergence.
     """
 
@@ -97,6 +98,8 @@ def estimate(cells: Sequence[float], values: Sequence[float], resolution: float 
         return Estimate("diverges", values[-1])
     if max(abs(coarse), abs(fine)) <= ROUNDING * max(abs(value) for value in values):
         return Estimate("equal", values[-1], value=values[-1], error=resolution)
+    if fine == 0:
+        return Estimate("stalls", values[-1])
     if coarse * fine < 0:
         return Estimate("oscillates", values[-1])
     order = observed_order(cells, values)
