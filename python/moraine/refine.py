@@ -33,7 +33,7 @@ def _has_reached(study: Study, variant: Variant, plan: Plan) -> bool:
     return plan.error is not None and all(error is not None and error <= plan.error for error in errors)
 
 
-def _foresee(study: Study, variant: Variant, plan: Plan, wanted: float) -> Optional[Level]:
+def _predict_next(study: Study, variant: Variant, plan: Plan, wanted: float) -> Optional[Level]:
     """The level that comes next, whose forecast the variant then has; None where it cannot be."""
     try:
         level = fit(study.keys, wanted)
@@ -51,7 +51,7 @@ def _foresee(study: Study, variant: Variant, plan: Plan, wanted: float) -> Optio
 
 
 def _may_go_on(study: Study, variant: Variant, plan: Plan, name: str) -> bool:
-    """Whether the level that was foreseen is to be computed; sets why not."""
+    """Whether the level that was predicted is to be computed; sets why not."""
     seconds = (variant.next_level or {}).get("seconds")
     if variant.levels and _has_reached(study, variant, plan):
         variant.stopped, variant.reached = "the wanted error is reached", True
@@ -80,7 +80,7 @@ def refine(study: Study, plan: Plan, after: Callable[[Study, Variant], None], to
     first = True
     for wanted in sizes:
         for variant in [v for v in study.variants if not v.stopped]:
-            level = _foresee(study, variant, plan, wanted)
+            level = _predict_next(study, variant, plan, wanted)
             name = name_of(variant, level.cell) if level else ""
             if first and not study.known["runs"]:
                 _refuse_quantities(study, plan, wanted)

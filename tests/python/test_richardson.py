@@ -1,9 +1,15 @@
 """Order, Richardson value and error bar: of sequences that were made for it, and of sums and steps with exact results."""
 import math
+import pathlib
 import random
+import sys
 import unittest
 
-from moraine.richardson import estimate, observed_order
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "benchmarks"))
+
+import records  # noqa: E402
+from moraine.richardson import estimate, observed_order  # noqa: E402
 
 LADDERS = [(4.0, 3.0, 2.0), (12.0, 8.0, 6.0), (4.0, 2.0, 1.0)]  # of which the last three of 2:3:4, 3:4:6 and halving are
 
@@ -81,6 +87,16 @@ class Richardson(unittest.TestCase):
                     count += 1
                     held += self.contained(found, exact)
         self.assertGreater(count, 400)
+        self.assertGreaterEqual(held / count, 0.95)
+
+    def test_bars_hold_95_percent_of_what_the_program_computed_of_exact_problems(self):
+        held = count = 0
+        for line in records.read(ROOT / "benchmarks/converge/results.jsonl"):
+            found = estimate(line["cells"], line["values"])
+            if found.verdict == "converges":
+                count += 1
+                held += self.contained(found, line["exact"])
+        self.assertGreater(count, 2000)
         self.assertGreaterEqual(held / count, 0.95)
 
     def test_what_does_not_converge_has_no_bar(self):
