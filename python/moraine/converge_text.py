@@ -27,6 +27,14 @@ def duration(seconds: Optional[float]) -> str:
     return f"{seconds:.3g} s" if seconds < 100 else f"{seconds / 60:.1f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
+def two_digits(value: float) -> str:
+    """
+    >>> two_digits(583.2), two_digits(0.0314), two_digits(9.96), two_digits(0.0), two_digits(3.2e-7)
+    ('580', '0.031', '10.0', '0', '3.2e-07')
+    """
+    return _digits(float(f"{value:.2g}"), value) if 1e-4 <= abs(value) < 1e9 else f"{value:.2g}"
+
+
 def _digits(value: float, error: float) -> str:
     """A value with two digits of its error."""
     return f"{value:.{max(0, min(12, 1 - _exponent(error)))}f}" if error > 0 and _exponent(error) > -12 else f"{value:.8g}"
@@ -43,11 +51,11 @@ def estimate_line(quantity: Quantity, found: Estimate) -> str:
     """
     if found.error is None:
         return f"{quantity.text} = {found.finest:.6g}: {NO_BAR[found.verdict]}"
-    share = "" if found.relative is None else f" ({100 * found.relative:.2g} %)"
+    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %)"
     if found.verdict == "equal":
-        return f"{quantity.text} = {_digits(found.finest, found.error)} +- {found.error:.2g}{share}: the same on three levels, but for rounding"
+        return f"{quantity.text} = {_digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
     assert found.order is not None and found.value is not None and found.safety is not None
-    return (f"{quantity.text} = {_digits(found.finest, found.error)} +- {found.error:.2g}{share}: order {found.order:.2f}, "
+    return (f"{quantity.text} = {_digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: order {found.order:.2f}, "
             f"Richardson value {_digits(found.value, found.error)}, safety factor {found.safety:.2f}")
 
 
@@ -94,7 +102,7 @@ def table(study: Study) -> str:
     shown = [["cell [m]", "particles", "time", "", "value", "order", "Richardson", "GCI", "factor"]]
     named = any(v.name for v in study.variants)
     for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error in rows_of(study):
-        marks = [f"{order:.2f}", f"{richardson:.6g}", f"{error:.2g}", f"{safety:.2f}"] if verdict == "converges" else [verdict, "", "", ""]
+        marks = [f"{order:.2f}", f"{richardson:.6g}", two_digits(error), f"{safety:.2f}"] if verdict == "converges" else [verdict, "", "", ""]
         shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", f"{value:.6g}", *marks])
     wide = [max(len(row[k]) for row in shown) for k in range(len(shown[0]))]
     return "\n".join("  ".join(word.ljust(wide[k]) if k == 3 else word.rjust(wide[k]) for k, word in enumerate(row)).rstrip() for row in shown)
