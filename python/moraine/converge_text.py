@@ -2,9 +2,10 @@
 import csv
 import pathlib
 import re
-from typing import Any, Dict, List, Optional
+from typing import Any, List
 
 from .error_plot import Curve, error_plot
+from .number_text import digits, duration, two_digits
 from .quantity import Quantity
 from .richardson import Estimate
 from .study import Study, Variant
@@ -17,33 +18,6 @@ NO_BAR = {
 }
 
 
-def duration(seconds: Optional[float]) -> str:
-    """
-    >>> duration(12.34), duration(300.0), duration(9000.0), duration(None)
-    ('12.3 s', '5.0 min', '2.5 h', 'an unknown time')
-    """
-    if seconds is None:
-        return "an unknown time"
-    return f"{seconds:.3g} s" if seconds < 100 else f"{seconds / 60:.1f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
-
-
-def two_digits(value: float) -> str:
-    """
-    >>> two_digits(583.2), two_digits(0.0314), two_digits(9.96), two_digits(0.0), two_digits(3.2e-7)
-    ('580', '0.031', '10.0', '0', '3.2e-07')
-    """
-    return _digits(float(f"{value:.2g}"), value) if 1e-4 <= abs(value) < 1e9 else f"{value:.2g}"
-
-
-def _digits(value: float, error: float) -> str:
-    """A value with two digits of its error."""
-    return f"{value:.{max(0, min(12, 1 - _exponent(error)))}f}" if error > 0 and _exponent(error) > -12 else f"{value:.8g}"
-
-
-def _exponent(value: float) -> int:
-    return int(f"{abs(value):e}".partition("e")[2])
-
-
 def estimate_line(quantity: Quantity, found: Estimate) -> str:
     """
     >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97))
@@ -53,10 +27,23 @@ def estimate_line(quantity: Quantity, found: Estimate) -> str:
         return f"{quantity.text} = {found.finest:.6g}: {NO_BAR[found.verdict]}"
     share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %)"
     if found.verdict == "equal":
-        return f"{quantity.text} = {_digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
+        return f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
     assert found.order is not None and found.value is not None and found.safety is not None
-    return (f"{quantity.text} = {_digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: order {found.order:.2f}, "
-            f"Richardson value {_digits(found.value, found.error)}, safety factor {found.safety:.2f}")
+    return (f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: order {found.order:.2f}, "
+            f"Richardson value {digits(found.value, found.error)}, safety factor {found.safety:.2f}")
+
+
+def _on_the_bar(variant: Variant, quantity: Quantity) -> List[str]:
+    """Whether the level before foretold this one."""
+    count = len(variant.levels)
+    if count == 3 and variant.estimate(quantity).verdict == "converges":
+        return ["    (by three levels alone, which can be chance: a fourth confirms it or not)"]
+    if variant.is_confirmed(quantity) is None:
+        return []
+    before = variant.estimate(quantity, count - 1)
+    assert before.error is not None
+    bar = f"{digits(before.finest, before.error)} +- {two_digits(before.error)}"
+    return [f"    (the bar of the level before, {bar}, {'holds it' if variant.is_confirmed(quantity) else 'DOES NOT HOLD it: those levels were too coarse'})"]
 
 
 def _next_line(variant: Variant) -> List[str]:
@@ -77,6 +64,7 @@ def after_level(study: Study, variant: Variant) -> str:
     lines += [f"  {remark}" for remark in level.remarks]
     for quantity in study.quantities:
         lines.append(f"  {estimate_line(quantity, variant.estimate(quantity))}")
+        lines += _on_the_bar(variant, quantity)
         if variant.estimate(quantity).verdict == "oscillates" and quantity.resolution(level.cell) > 0:
             lines.append(f"    ({quantity.name} is counted in whole cells: --quantity front is not)")
     return "\n".join(lines)

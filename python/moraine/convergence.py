@@ -51,7 +51,7 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
              progress: Callable[[str], None] = lambda line: None, program: Optional[Path] = None) -> Study:
     """Runs a scene on finer and finer cells and returns what its values are known to.
 
-    quantity: names with commas between (`Quantity`); error: the wanted error as a share (0.01 or "1%"), else `levels` are computed;
+    quantity: names with commas between (`Quantity`); error: the wanted error as a share (0.01 or "1%"), which four levels or more must show, else `levels` are computed;
     budget: wall time [s] or "30min" that no level is begun beyond; ratio: cells over one length, level by level; coarsest: cell [m] of
     the first level (default: the third has the scene's cell); sets: changed keys; set_each: keys with the values to compare; told: called
     with the text after each level; output (default: runs/converge-NAME) is gone on with where it is there. Others as in `run`.

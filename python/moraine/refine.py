@@ -29,8 +29,8 @@ def variants_of(set_each: Mapping[str, Sequence[Any]]) -> List[Variant]:
 
 
 def _has_reached(study: Study, variant: Variant, plan: Plan) -> bool:
-    errors = [variant.estimate(q).relative for q in study.quantities]
-    return plan.error is not None and all(error is not None and error <= plan.error for error in errors)
+    found = [(variant.estimate(q).relative, variant.is_confirmed(q)) for q in study.quantities]
+    return plan.error is not None and all(error is not None and error <= plan.error and confirmed for error, confirmed in found)
 
 
 def _predict_next(study: Study, variant: Variant, plan: Plan, wanted: float) -> Optional[Level]:

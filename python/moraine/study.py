@@ -48,6 +48,17 @@ class Variant:
         levels = self.levels[:upto]
         return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell))
 
+    def is_confirmed(self, quantity: Quantity) -> Optional[bool]:
+        """Whether the error bar of the level before holds the finest value; None where there is no such bar. Three levels can
+        show an order by chance, which a fourth does not repeat.
+        """
+        if len(self.levels) < 4:
+            return None
+        before, now = self.estimate(quantity, len(self.levels) - 1), self.estimate(quantity)
+        if before.error is None:
+            return None
+        return now.verdict == "equal" or abs(now.finest - before.finest) <= before.error
+
 
 class Study:
     """Levels of each variant in `directory`, which converge.json there remembers from call to call."""
@@ -89,7 +100,8 @@ class Study:
         return self.known["runs"][directory]
 
     def estimates(self) -> List[Dict[str, Any]]:
-        return [{"variant": v.name, "quantity": q.text, **dataclasses.asdict(v.estimate(q)), "relative": v.estimate(q).relative}
+        return [{"variant": v.name, "quantity": q.text, **dataclasses.asdict(v.estimate(q)), "relative": v.estimate(q).relative,
+                 "confirmed": v.is_confirmed(q)}
                 for v in self.variants for q in self.quantities if v.levels]
 
     def save(self) -> None:

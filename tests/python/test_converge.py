@@ -1,4 +1,5 @@
 """moraine converge as a user has it: an exact problem, going on after an interruption, budgets, several methods, refusals."""
+import dataclasses
 import json
 import math
 import os
@@ -10,7 +11,9 @@ import xml.etree.ElementTree as tree
 
 import moraine
 from moraine.levels import fit
+from moraine.quantity import parse_quantities
 from moraine.results import Run
+from moraine.study import LevelRun, Variant
 from runs_for_tests import INPUTS, JELLY, PROBLEM, PackageTest, folder, program
 
 # An elastic bar, one end fixed, a quarter of its first mode: u = V / w sin(b x) sin(w t). Ten cells of 1 m and a half period.
@@ -106,11 +109,22 @@ class Converge(PackageTest):
     def test_it_stops_when_the_error_is_reached_or_the_budget_would_not_do(self):
         study, said = converge(BAR, "reached", "centre_x_m", error="1%")
         self.assertIn("the wanted error is reached", said)
-        self.assertEqual((study.variants[0].reached, len(study.variants[0].levels)), (True, 3))
+        self.assertEqual((study.variants[0].reached, len(study.variants[0].levels)), (True, 4))  # the fourth confirms
+        self.assertIn("(by three levels alone, which can be chance: a fourth confirms it or not)", said)
+        self.assertRegex(said, r"the bar of the level before, 6\.0\d+ \+- \S+, holds it")
         study, said = converge(BAR, "budget", "kinetic_J@1.1", error=1e-6, budget=0.02)
         self.assertIn("the next level would go over the budget", said)
         self.assertEqual(len(study.variants[0].levels), 1)
         self.assertIsNotNone(study.variants[0].next_level["seconds"])
+
+    def test_a_bar_that_the_next_level_leaves_is_said_and_no_error_is_reached_by_it(self):
+        quantity, = parse_quantities("front")
+        levels = [LevelRun(h, "", {}, [], 1, 1, 1.0, "", {"front": value})
+                  for h, value in zip((0.5, 1 / 3, 0.25, 1 / 6), (55.4298, 55.9327, 56.1026, 56.9022))]  # of slurry_runout
+        variant = Variant("", {}, levels)
+        self.assertIs(variant.is_confirmed(quantity), False)
+        self.assertIsNone(Variant("", {}, levels[:3]).is_confirmed(quantity))
+        self.assertTrue(Variant("", {}, levels[:3] + [dataclasses.replace(levels[3], values={"front": 56.2})]).is_confirmed(quantity))
 
     def test_a_level_that_fails_leaves_the_others(self):
         closed = {**JELLY, "wall": JELLY["wall"][:1]}  # the block leaves where no wall is
