@@ -1,10 +1,14 @@
 """Norms that cases share: order, Richardson value and grid convergence index; profiles of depth; noise about a moving average.
 
-Order p = log((f3 - f2) / (f2 - f1)) / log r of the three finest levels with one ratio r; GCI = 1.25 |f1 - f2| / (r^p - 1) (Roache 1994).
+Order p = log((f3 - f2) / (f2 - f1)) / log r of the three finest levels with one ratio r; GCI = 1.25 |f1 - f2| / (r^p - 1) (Roache 1994). The
+formulas are those of `moraine converge`, python/moraine/richardson.py, whose safety factor is larger.
 """
 import math
 
 import numpy
+from moraine.richardson import distance, observed_order
+
+SAFETY = 1.25  # Roache's
 
 
 def three_finest(lines, figure):
@@ -22,13 +26,13 @@ class Richardson:
     """What three levels say. p and value are None where they are not monotone."""
 
     def __init__(self, three):
-        (n3, f3), (n2, f2), (n1, f1) = three
-        self.levels, self.finest, self.p, self.value = (n3, n2, n1), f1, None, None
-        ratio, change = n1 / n2, (f3 - f2) / (f2 - f1) if f2 != f1 else 0
-        if change > 1:
-            self.p = math.log(change) / math.log(ratio)
-            self.value = f1 + (f1 - f2) / (ratio**self.p - 1)
-            self.gci = 1.25 * abs(f1 - f2) / (ratio**self.p - 1)
+        self.levels, values = tuple(n for n, _ in three), [value for _, value in three]
+        cells = [1 / n for n in self.levels]
+        self.finest, self.value = values[-1], None
+        self.p = observed_order(cells, values)
+        if self.p is not None:
+            away = distance(cells, values, self.p)
+            self.value, self.gci = self.finest + away, SAFETY * abs(away)
 
     @property
     def reference(self):

@@ -3,7 +3,6 @@ import dataclasses
 import pathlib
 from typing import Dict, Iterator, List, Optional, Sequence, Union
 
-import h5py
 import numpy
 
 from .errors import Error
@@ -55,6 +54,10 @@ class ParticleSeries:
         self.path, self.dimensions = pathlib.Path(path), dimensions
         if not self.path.is_file():
             raise Error(f"{self.path} cannot be read (no such file). Did the run have --no-particles?")
+        try:
+            import h5py
+        except ImportError as missing:
+            raise Error(f"particles cannot be read ({missing}). pip install h5py?") from None
         try:
             # No lock: the writer of a run that goes on never changes what an opened file points to.
             self._file = h5py.File(self.path, "r", locking=False)

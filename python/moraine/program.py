@@ -54,13 +54,14 @@ def _problem(lines: Sequence[str], code: int) -> Error:
     return Error(message or f"the program failed (exit code {code}, no message). Is it one for this machine?", code)
 
 
-def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = None) -> Check:
-    """Asks the program whether a scene (a file or a dict) is right, and how big it is. `sets` changes keys of it.
+def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = None, ranks: int = 1) -> Check:
+    """Asks the program whether a scene (a file or a dict) is right, and how big it is. `sets` changes keys of it; the memory
+    is that of each of `ranks` ranks.
 
     Raises Error with the program's message, which names line and remedy, where it is wrong. Writes nothing.
     """
     with as_file(scene) as file:
-        done = subprocess.run([find_program(program), "check", str(file), *set_words(sets)], capture_output=True, text=True,
+        done = subprocess.run([find_program(program), "check", str(file), "--ranks", str(ranks), *set_words(sets)], capture_output=True, text=True,
                               stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise _problem(done.stderr.splitlines(), done.returncode)

@@ -20,6 +20,7 @@ constexpr const char* usage =
     "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"
     "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"
     "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded block loads\n"
+    "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is (converge --help)\n"
     "moraine picture RUN_DIR [options]    PNG of particles at chosen times, and an animation (picture --help)\n"
     "moraine report RUN_DIR... [--output F]  one page about runs, side by side (report --help)\n"
     "moraine --version | --help\n\n";
@@ -128,7 +129,8 @@ Options parse_options(int argc, const char* const* argv) {
         o.command = "version";
         return o;
     }
-    const std::vector<std::string> commands{"run", "check", "replay", "picture", "report", "--version", "--help"};
+    const std::vector<std::string> commands{"run",     "check",  "replay",    "converge",
+                                            "picture", "report", "--version", "--help"};
     if (words[0] == "replay") {
         o.command = "replay";
         o.replay = parse_replay({words.begin() + 1, words.end()});

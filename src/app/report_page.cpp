@@ -13,7 +13,9 @@
 namespace moraine {
 
 bool is_script(const char* command) {
-    return std::strcmp(command, "report") == 0 || std::strcmp(command, "picture") == 0;
+    for (const char* script : {"report", "picture", "converge"})
+        if (std::strcmp(command, script) == 0) return true;
+    return false;
 }
 
 int become_script(int argc, char** argv) {

@@ -1,0 +1,131 @@
+"""What a refinement study says after each level and at its end, and its files converge.csv and error-QUANTITY.svg."""
+import csv
+import pathlib
+import re
+from typing import Any, List
+
+from .error_plot import Curve, error_plot
+from .number_text import digits, duration, two_digits
+from .quantity import Quantity
+from .richardson import Estimate
+from .study import Study, Variant
+
+NO_BAR = {
+    "too few": "an order is seen on three levels",
+    "oscillates": "DOES NOT CONVERGE on these levels (the value goes up and down), so there is no error bar",
+    "stalls": "SHOWS NO ORDER on these levels (the finest two have the same, the one before has not), so there is no error bar",
+    "diverges": "DOES NOT CONVERGE on these levels (the changes do not shrink), so there is no error bar",
+}
+
+
+def estimate_line(quantity: Quantity, found: Estimate) -> str:
+    """
+    >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97))
+    'front_m = 56.40 +- 0.97 (1.7 %): order 1.20, Richardson value 55.90, safety factor 1.94'
+    """
+    if found.error is None:
+        return f"{quantity.text} = {found.finest:.6g}: {NO_BAR[found.verdict]}"
+    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %)"
+    if found.verdict == "equal":
+        return f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
+    assert found.order is not None and found.value is not None and found.safety is not None
+    return (f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: order {found.order:.2f}, "
+            f"Richardson value {digits(found.value, found.error)}, safety factor {found.safety:.2f}")
+
+
+def _on_the_bar(variant: Variant, quantity: Quantity) -> List[str]:
+    """Whether the level before foretold this one."""
+    count = len(variant.levels)
+    if count == 3 and variant.estimate(quantity).verdict == "converges":
+        return ["    (by three levels alone, which can be chance: a fourth confirms it or not)"]
+    if variant.is_confirmed(quantity) is None:
+        return []
+    before = variant.estimate(quantity, count - 1)
+    assert before.error is not None
+    bar = f"{digits(before.finest, before.error)} +- {two_digits(before.error)}"
+    return [f"    (the bar of the level before, {bar}, {'holds it' if variant.is_confirmed(quantity) else 'DOES NOT HOLD it: those levels were too coarse'})"]
+
+
+def _next_line(variant: Variant) -> List[str]:
+    following = variant.next_level
+    if not following:
+        return []
+    return [f"  the next level: cell {following['cell']:.6g} m, {following['particles']} particles, about {following['steps']} steps and "
+            f"{duration(following['seconds'])}, {following['memory']}"]
+
+
+def after_level(study: Study, variant: Variant) -> str:
+    """The text after a level, or after the last."""
+    head = f"{variant.name}: " if variant.name else ""
+    if variant.stopped:
+        return "\n".join([f"{head}{variant.stopped}", *_next_line(variant)])
+    level = variant.levels[-1]
+    lines = [f"{head}level {len(variant.levels)}: cell {level.cell:.6g} m, {level.particles} particles, {level.steps} steps, {duration(level.wall_s)}"]
+    lines += [f"  {remark}" for remark in level.remarks]
+    for quantity in study.quantities:
+        lines.append(f"  {estimate_line(quantity, variant.estimate(quantity))}")
+        lines += _on_the_bar(variant, quantity)
+        if variant.estimate(quantity).verdict == "oscillates" and quantity.resolution(level.cell) > 0:
+            lines.append(f"    ({quantity.name} is counted in whole cells: --quantity front is not)")
+    return "\n".join(lines)
+
+
+HEAD = ["variant", "level", "cell_m", "particles", "steps", "wall_s", "quantity", "value", "verdict", "order", "richardson", "safety", "gci"]
+
+
+def rows_of(study: Study) -> List[List[Any]]:
+    """A row of HEAD for each level and quantity; what is not known is empty."""
+    rows = []
+    for variant in study.variants:
+        for k, level in enumerate(variant.levels):
+            for quantity in study.quantities:
+                e = variant.estimate(quantity, k + 1)
+                more = ["" if x is None else x for x in (e.order, e.value, e.safety, e.error)]
+                rows.append([variant.name, k + 1, level.cell, level.particles, level.steps, level.wall_s, quantity.text, e.finest, e.verdict, *more])
+    return rows
+
+
+def table(study: Study) -> str:
+    """All levels as a table of text."""
+    shown = [["cell [m]", "particles", "time", "", "value", "order", "Richardson", "GCI", "factor"]]
+    named = any(v.name for v in study.variants)
+    for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error in rows_of(study):
+        marks = [f"{order:.2f}", f"{richardson:.6g}", two_digits(error), f"{safety:.2f}"] if verdict == "converges" else [verdict, "", "", ""]
+        shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", f"{value:.6g}", *marks])
+    wide = [max(len(row[k]) for row in shown) for k in range(len(shown[0]))]
+    return "\n".join("  ".join(word.ljust(wide[k]) if k == 3 else word.rjust(wide[k]) for k, word in enumerate(row)).rstrip() for row in shown)
+
+
+def _curves(study: Study, quantity: Quantity) -> List[Curve]:
+    """Run time and error of each level that has a Richardson value, against that of the finest three."""
+    found = []
+    for variant in study.variants:
+        last = variant.estimate(quantity) if variant.levels else None
+        if last is None or last.verdict != "converges" or not last.value:
+            continue
+        exact = last.value
+        errors = [(level.wall_s, abs(level.values[quantity.text] / exact - 1)) for level in variant.levels]
+        bars = []
+        for k in range(2, len(variant.levels)):
+            bar = variant.estimate(quantity, k + 1).relative
+            if bar:
+                bars.append((variant.levels[k].wall_s, bar))
+        found.append(Curve(variant.name or quantity.text, errors, bars))
+    return found
+
+
+def write_files(study: Study) -> List[pathlib.Path]:
+    """converge.csv, and error-QUANTITY.svg of each quantity that converges; the files."""
+    files = [study.path / "converge.csv"]
+    with open(files[0], "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEAD)
+        writer.writerows(rows_of(study))
+    for quantity in study.quantities:
+        path = study.path / f"error-{re.sub(r'[^A-Za-z0-9_.-]+', '_', quantity.text)}.svg"
+        curves = _curves(study, quantity)
+        path.unlink(missing_ok=True)
+        if curves:
+            path.write_text(error_plot(f"{quantity.text}: error against run time", curves), encoding="utf-8")
+            files.append(path)
+    return files

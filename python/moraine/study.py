@@ -1,0 +1,123 @@
+"""A refinement study: a scene on finer and finer cells, and what its values are then known to."""
+import dataclasses
+import hashlib
+import json
+import pathlib
+import shutil
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+from .errors import Error
+from .quantity import Quantity
+from .richardson import Estimate, estimate
+from .scene import Scene, read_scene, with_sets
+
+FILE = "converge.json"
+
+
+@dataclasses.dataclass
+class LevelRun:
+    """A finished level: its cell [m], the keys that it changed, what of the scene did not fit, what it took and its values."""
+
+    cell: float
+    directory: str
+    sets: Dict[str, Any]
+    remarks: List[str]
+    particles: int
+    steps: int
+    wall_s: float
+    commit: str
+    values: Dict[str, float]
+
+
+@dataclasses.dataclass
+class Variant:
+    """One way of computing the scene: its name ("" where there is only one), the keys that it changes, its levels so far, why it
+    stopped, and what is predicted of the level that would come next.
+    """
+
+    name: str
+    sets: Dict[str, Any]
+    levels: List[LevelRun] = dataclasses.field(default_factory=list)
+    stopped: str = ""
+    reached: bool = False
+    failed: int = 0  # exit code of a level
+    next_level: Optional[Dict[str, Any]] = None
+
+    def estimate(self, quantity: Quantity, upto: Optional[int] = None) -> Estimate:
+        """What the finest three levels, or those of the first `upto`, say of a quantity."""
+        levels = self.levels[:upto]
+        return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell))
+
+    def is_confirmed(self, quantity: Quantity) -> Optional[bool]:
+        """Whether the error bar of the level before holds the finest value; None where there is no such bar. Three levels can
+        show an order by chance, which a fourth does not repeat.
+        """
+        if len(self.levels) < 4:
+            return None
+        before, now = self.estimate(quantity, len(self.levels) - 1), self.estimate(quantity)
+        if before.error is None:
+            return None
+        return now.verdict == "equal" or abs(now.finest - before.finest) <= before.error
+
+
+class Study:
+    """Levels of each variant in `directory`, which converge.json there remembers from call to call."""
+
+    def __init__(self, scene: Scene, directory: pathlib.Path, sets: Mapping[str, Any], quantities: Sequence[Quantity],
+                 variants: Sequence[Variant], overwrite: bool = False) -> None:
+        self.scene, self.path, self.sets, self.quantities, self.variants = scene, directory, dict(sets), list(quantities), list(variants)
+        given = scene if isinstance(scene, Mapping) else read_scene(scene)
+        self.keys = with_sets(given, sets)
+        text = json.dumps(self.keys, sort_keys=True, default=lambda value: value.tolist())
+        self.identity = hashlib.sha256(text.encode()).hexdigest()[:16]
+        self.known: Dict[str, Any] = {"runs": {}}
+        if directory.exists():
+            self._open(overwrite)
+
+    def _open(self, overwrite: bool) -> None:
+        """Goes on with what is there."""
+        there = any(self.path.iterdir())
+        try:
+            self.known = json.loads((self.path / FILE).read_text())
+        except (OSError, ValueError):
+            if there:
+                raise Error(f"{self.path} is taken (it is no refinement study: there is no {FILE}). Another --output?") from None
+        if overwrite:
+            for name in self.known["runs"]:
+                shutil.rmtree(self.path / name, ignore_errors=True)
+            self.known = {"runs": {}}
+        elif there and self.known.get("identity") != self.identity:
+            raise Error(f"{self.path} has another study (of another scene, or other --set). Another --output, or --overwrite?")
+
+    @property
+    def spent_s(self) -> float:
+        """Wall time of all runs so far, stopped ones too."""
+        return sum(self.known["runs"].values())
+
+    def spend(self, directory: str, seconds: float) -> float:
+        """Adds to what a level took, and returns that."""
+        self.known["runs"][directory] = self.known["runs"].get(directory, 0.0) + seconds
+        return self.known["runs"][directory]
+
+    def estimates(self) -> List[Dict[str, Any]]:
+        return [{"variant": v.name, "quantity": q.text, **dataclasses.asdict(v.estimate(q)), "relative": v.estimate(q).relative,
+                 "confirmed": v.is_confirmed(q)}
+                for v in self.variants for q in self.quantities if v.levels]
+
+    def save(self) -> None:
+        """Writes converge.json; a reader never sees half of it."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        self.known.update({
+            "identity": self.identity, "scene": str(self.scene) if not isinstance(self.scene, Mapping) else self.keys.get("title", "scene"),
+            "sets": self.sets, "quantities": [q.text for q in self.quantities], "spent_s": self.spent_s,
+            "variants": [dataclasses.asdict(v) for v in self.variants], "estimates": self.estimates()})
+        part = self.path / (FILE + ".partial")
+        part.write_text(json.dumps(self.known, indent=1, default=lambda value: value.tolist()) + "\n")
+        part.replace(self.path / FILE)
+
+    def is_finished(self, directory: str, end: float) -> bool:
+        """Whether a level's run came to its end."""
+        try:
+            return json.loads((self.path / directory / "summary.json").read_text())["simulated_time_s"] >= end * (1 - 1e-12)
+        except (OSError, ValueError, KeyError):
+            return False
