@@ -206,9 +206,10 @@ TEST_CASE("A node that is held makes no particle stiffer") {
 
 // 278, 644, 772: boxes of GIMP near nodes, steep along one axis. 309, 682: a limit of 2.5 is above what a particle
 // alone bears.
-// 22, 382, 886, 904: groups beside walls and structures, whose held nodes were counted as if they answered.
+// 1130: a particle so near a wall that its node lost the force on it. 22, 382, 886, 904: groups beside walls and
+// structures, whose held nodes were counted as if they answered.
 TEST_CASE("Thin random scenes whose limited pressures swung up or sheared particles stand") {
-    for (std::uint64_t number : {22u, 278u, 309u, 382u, 644u, 682u, 772u, 886u, 904u}) {
+    for (std::uint64_t number : {22u, 278u, 309u, 382u, 644u, 682u, 772u, 886u, 904u, 1130u}) {
         const Scene scene = thin_scene(number);
         CAPTURE(number);
         check_stands(scene);
