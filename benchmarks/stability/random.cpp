@@ -23,9 +23,9 @@ std::string description_of(const Scene& scene) {
                        scene.boundary_spline ? "" : ", plain ghosts", scene.structures.empty() ? "" : ", structure");
 }
 
-Verdict judge(const Scene& scene, int length) {
-    return scene.dimensions == 2 ? verification::judge<double, 2>(scene, length)
-                                 : verification::judge<double, 3>(scene, length);
+Verdict judge(const Scene& scene, int length, Kinetic kinetic) {
+    return scene.dimensions == 2 ? verification::judge<double, 2>(scene, length, kinetic)
+                                 : verification::judge<double, 3>(scene, length, kinetic);
 }
 
 std::string why(const Verdict& v) {
@@ -48,7 +48,7 @@ void run_random(const Wanted& wanted, const Report& report) {
     for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
         Scene scene = random_scene(static_cast<std::uint64_t>(n));
         scene.cfl = standard_courant(scene) * random_share(static_cast<std::uint64_t>(n));
-        const Verdict v = judge(scene, steps);
+        const Verdict v = judge(scene, steps, Kinetic::of_velocities);
         report(finding_of(fmt::format("scene {}: {}", n, description_of(scene)), v));
     }
 }
@@ -61,7 +61,7 @@ void run_thin(const Wanted& wanted, const Report& report) {
             fmt::format("scene {}: {}, {}", n, name_of(thin_kind(number)), description_of(scene));
         if (!wanted.names(description)) continue;
         scene.limits_light_nodes = !wanted.free;
-        report(finding_of(description, judge(scene, thin_steps)));
+        report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
     }
 }
 

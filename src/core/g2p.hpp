@@ -287,9 +287,10 @@ struct GridToParticles {
         if (!light.ready) weigh_nodes(nodes, light);
         Real full = p.mass[s] / p.volume[s];  // rho h^d
         for (int a = 0; a < Dim; ++a) full /= context.inverse_cell;
-        Vec<Real, Dim> reaction = reactions(in, light.around, full, [&](int, int i, int j, int l) {
-            return light.inverse[i + width * (j + width * l)];
-        });
+        Vec<Real, Dim> reaction = reactions(
+            in, light.around, full,
+            [&](int, int i, int j, int l) { return light.inverse[i + width * (j + width * l)]; },
+            [&](int at, int b) { return moves_along<Real, Dim>(nodes[2 * at], b); });
         for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
         const LightShare<Real, Dim> share = light_share(limits, reaction, in.folded, k.dilation);
         if (share.whole) return;

@@ -4,7 +4,9 @@
 // A node is accelerated by f_i / m_i, so a stress answers its own change by what one step multiplies it with:
 //   R_b = (c dt)^2 sum_i (dw_ip/dx_b)^2 r_ip per axis b,    r_ip = min(1 / w_ip, M_p / m_i)
 //   M_p = min(sum of the masses of the particle's nodes, rho_p h^d)
-// r_ip is 1 in a full body and 1 / w_ip of a particle alone. A step is stable while its R stays below 2 to 4. R has no
+// r_ip is 1 in a full body and 1 / w_ip of a particle alone. Nodes that a wall or a structure holds along b, v_ib' = 0,
+// are left out of R_b: they answer no stress, and a share that counts them is less than what the particles of a group
+// keep, which swings up. A step is stable while its R stays below 2 to 4. R has no
 // bound where a spline is folded at a wall (there a node's weight goes to 0 and its slope does not), and the axes of a
 // particle alone together exceed it in its pressure. So with the velocity v_i of the nodes before forces and v_i'
 // after:

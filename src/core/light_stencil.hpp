@@ -47,11 +47,22 @@ MORAINE_HD bool is_inside(const unsigned (&ghosts)[Dim], int i, int j, int k) {
     return inside;
 }
 
+/// Whether nothing holds a node along axis b: what it moves there after walls and structures, v', is more than a
+/// rounding of its speed.
+template <class Real, int Dim, class Value>
+MORAINE_HD bool moves_along(const Value& now, int b) {
+    constexpr Real rounding = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
+    Real square = Real(0);
+    for (int a = 0; a < Dim; ++a) square += now[a] * now[a];
+    return now[b] * now[b] > rounding * rounding * square;
+}
+
 /// Reactions by axis over (c dt)^2. around: mass of all nodes but ghosts [kg]; full: rho_p h^d; inverse(tile
-/// offset, i, j, k): of a node's mass, 0 of a ghost and where there is none [1/kg].
-template <bool Unrolled = false, class Real, int Dim, int Width, class Inverse>
+/// offset, i, j, k): of a node's mass, 0 of a ghost and where there is none [1/kg]; moves(tile offset, axis): whether
+/// nothing holds the node along the axis.
+template <bool Unrolled = false, class Real, int Dim, int Width, class Inverse, class Moves>
 MORAINE_HD Vec<Real, Dim> reactions(const LightStencil<Real, Dim, Width>& n, Real around, Real full,
-                                    const Inverse& inverse) {
+                                    const Inverse& inverse, const Moves& moves) {
     Real steep[Dim][Width];
     for (int a = 0; a < Dim; ++a)
         for (int i = 0; i < Width; ++i) steep[a][i] = steepness(n.w[a][i], n.dw[a][i]);
@@ -62,7 +73,8 @@ MORAINE_HD Vec<Real, Dim> reactions(const LightStencil<Real, Dim, Width>& n, Rea
         Real w = Real(1);
         for (int a = 0; a < Dim; ++a) w *= n.w[a][at[a]];
         const Real share = reacting_weight(w, most * inverse(node, i, j, k));
-        for (int b = 0; b < Dim; ++b) sum[b] += steep[b][at[b]] * share;
+        for (int b = 0; b < Dim; ++b)
+            if (moves(node, b)) sum[b] += steep[b][at[b]] * share;
     });
     return sum;
 }

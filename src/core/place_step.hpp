@@ -77,9 +77,34 @@ MORAINE_HD End end_passed(const DomainEnds<Real, Dim>& ends, const Vec<std::int3
     return passed;
 }
 
-/// Takes a particle that would cross a folded wall half of its way there, from its place before the step. The velocity
-/// across such a wall falls to zero on it, so no motion crosses it: a step does where a node next to the wall hardly
-/// holds mass and is fast. Returns whether there was such a wall. u, carry: after the step.
+/// Nearest that a motion brings a particle to a folded wall [cells]. The weight of the first node inside is its height:
+/// of less than that a node's mass is rounding, or below the cutoff, and the force on it is lost.
+template <class Real>
+inline constexpr Real least_height = Real(1) / Real(sizeof(Real) == 8 ? 1 << 20 : 1 << 12);
+
+/// How far a place in block + carry is beyond a face [cells].
+template <class Real, int Dim>
+MORAINE_HD Real beyond(const DomainEnds<Real, Dim>& ends, int a, int s, std::int32_t block, Coordinate<Real> u) {
+    const Real from =
+        Real(4 * block + cell_of<Real>(u) - ends.cell[a][s]) + (fraction_of<Real>(u) - ends.fraction[a][s]);
+    return s == 0 ? -from : from;
+}
+
+/// Whether a place is nearer to a folded wall than a motion may bring it.
+template <class Real, int Dim>
+MORAINE_HD bool is_too_near(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block, const int* carry,
+                            const Vec<Coordinate<Real>, Dim>& u) {
+    bool near = false;
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s)
+            near = near || (ends.still[a][s] && beyond(ends, a, s, block[a] + carry[a], u[a]) > -least_height<Real>);
+    return near;
+}
+
+/// Takes a particle that would cross a folded wall half of its way there, from its place before the step, and none
+/// nearer than the least height. The velocity across such a wall falls to zero on it, so no motion crosses it: a step
+/// does where a node next to the wall hardly holds mass and is fast. Returns whether there was such a wall. u, carry:
+/// after the step.
 template <class Real, int Dim>
 MORAINE_HD_RARE bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<std::int32_t, Dim>& block,
                                    Vec<Coordinate<Real>, Dim> old, Vec<Coordinate<Real>, Dim>& u, int (&carry)[Dim]) {
@@ -87,15 +112,13 @@ MORAINE_HD_RARE bool stop_at_walls(const DomainEnds<Real, Dim>& ends, const Vec<
     for (int a = 0; a < Dim; ++a)
         for (int s = 0; s < 2; ++s) {
             if (!ends.still[a][s]) continue;
-            const auto beyond = [&](int carried, Coordinate<Real> at) {  // [cells]
-                const Real from = Real(4 * (block[a] + carried) + cell_of<Real>(at) - ends.cell[a][s]) +
-                                  (fraction_of<Real>(at) - ends.fraction[a][s]);
-                return s == 0 ? -from : from;
-            };
-            if (!(beyond(carry[a], u[a]) > Real(0))) continue;
-            const Real left = -beyond(0, old[a]);
+            const Real past = beyond(ends, a, s, block[a] + carry[a], u[a]);
+            const Real left = -beyond(ends, a, s, block[a], old[a]);
+            if (!(past > -least_height<Real>) || -past >= left) continue;
+            Real way = left > least_height<Real> ? left - least_height<Real> : Real(0);
+            if (past > Real(0) && Real(0.5) * left < way) way = Real(0.5) * left;
             u[a] = old[a];
-            carry[a] = advance<Real>(u[a], (s == 0 ? Real(-0.5) : Real(0.5)) * left);
+            carry[a] = advance<Real>(u[a], s == 0 ? -way : way);
             carry[a] += bin_below(ends.cell[a][1], ends.fraction[a][1], block[a] + carry[a], u[a]);
             stopped = true;
         }
@@ -129,8 +152,8 @@ MORAINE_HD PlaceStep<Real> advance_place(const DomainEnds<Real, Dim>& ends, cons
         cell = 4 * cell + cell_of<Real>(u[a]);
     }
     End end = border ? end_passed(ends, block, carry, u) : End::none;
-    if (end == End::closed) {
-        bool stays = true;
+    if (end == End::closed || (Stops && border && is_too_near(ends, block, carry, u))) {
+        bool stays = end == End::closed;
         if constexpr (Stops) {
             Vec<Coordinate<Real>, Dim> at = u;
             int carried[Dim];

@@ -6,7 +6,8 @@
 // of gravity, the works in the middle of the step; USF's stress is one step older. What is in excess of the start is
 // created; of that the mean over the last quarter of the steps less the mean over the quarter before the middle,
 // per step between them, over the largest energy that moved. What leaves takes kinetic
-// energy away and gives none.
+// energy away and gives none. S23 counts the energy that C holds as kinetic (affine_energy.hpp); S22's figures are
+// without it.
 
 #include <algorithm>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "core/error.hpp"
 #include "records/time_series.hpp"
+#include "verification/affine_energy.hpp"
 #include "verification/random_scene.hpp"
 
 namespace moraine::verification {
@@ -32,14 +34,16 @@ class EnergyWatch {
   public:
     explicit EnergyWatch(StressUpdate update) : late_(update == StressUpdate::usf) {}
 
+    /// affine: what C holds [J].
     template <int Dim>
-    void look(const TimeSeriesRow<Dim>& row, const Triple& gravity) {
+    void look(const TimeSeriesRow<Dim>& row, const Triple& gravity, double affine) {
         double pull = 0;  // gravity's work in this step [J]
         for (std::size_t a = 0; a < Dim; ++a) pull += gravity[a] * row.totals.momentum[a] * row.dt;
-        kinetic_.push_back(row.totals.kinetic - fallen_ - 0.5 * pull);
+        const double kinetic = row.totals.kinetic + affine;
+        kinetic_.push_back(kinetic - fallen_ - 0.5 * pull);
         fallen_ += pull;
         work_.push_back(row.totals.strain + row.dissipated);
-        moved_ = std::max(moved_, row.totals.kinetic + row.totals.strain + std::fabs(row.dissipated));
+        moved_ = std::max(moved_, kinetic + row.totals.strain + std::fabs(row.dissipated));
     }
     double created() const {
         std::vector<double> energy;
@@ -59,8 +63,11 @@ class EnergyWatch {
     double moved_ = 0, fallen_ = 0;
 };
 
+/// What counts as kinetic energy.
+enum class Kinetic { of_velocities, with_affine };
+
 template <class Real, int Dim>
-Verdict judge(const Scene& scene, int steps) {
+Verdict judge(const Scene& scene, int steps, Kinetic kinetic = Kinetic::of_velocities) {
     const Comm comm(MPI_COMM_WORLD);
     Verdict verdict;
     try {
@@ -75,7 +82,7 @@ Verdict judge(const Scene& scene, int steps) {
             sim.balance();
             sim.conclude();
             const TimeSeriesRow<Dim> row = observe(sim, comm);
-            watch.look(row, scene.gravity);
+            watch.look(row, scene.gravity, kinetic == Kinetic::with_affine ? affine_energy(sim) : 0);
             verdict.lost = std::max(verdict.lost, std::abs(start.particles - row.particles - row.lost_particles));
             signal = std::max(signal, sim.clock().signal);
             for (double error : row.momentum_error)

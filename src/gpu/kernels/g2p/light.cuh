@@ -24,20 +24,35 @@ struct LightTile {
     }
     __device__ __forceinline__ Real mass(int n) const { return first[n].e[quad - 1]; }
     __device__ __forceinline__ Real inverse(int n) const { return second[n].e[quad - 1]; }
+    /// Whether nothing holds the node along axis b.
+    __device__ __forceinline__ bool moves(int n, int b) const { return moves_along<Real, Dim>(first[n].e, b); }
 };
 
-/// The masses alone.
+/// The masses alone, and which axes a node moves along.
 template <class Real, int Dim, int Width>
 struct MassTile {
     static constexpr int size = power<Dim>(tile_side(Width));
     Real masses[size], inverses[size];
+    std::uint8_t moving[size];  ///< bits, by axis
 
     __device__ __forceinline__ void set(int n, const Row<Real>* node) {
-        masses[n] = node->e[quad - 1];
+        const Row<Real> now = load_row(node);
+        masses[n] = now.e[quad - 1];
         inverses[n] = masses[n] > Real(0) ? Real(1) / masses[n] : Real(0);
+        unsigned bits = 0;
+#pragma unroll
+        for (int b = 0; b < Dim; ++b) bits |= unsigned(moves_along<Real, Dim>(now.e, b)) << b;
+        moving[n] = static_cast<std::uint8_t>(bits);
     }
-    __device__ __forceinline__ Real mass(int n) const { return masses[n]; }
-    __device__ __forceinline__ Real inverse(int n) const { return inverses[n]; }
+    __device__ __forceinline__ Real mass(int n) const {
+        return masses[n];
+    }
+    __device__ __forceinline__ Real inverse(int n) const {
+        return inverses[n];
+    }
+    __device__ __forceinline__ bool moves(int n, int b) const {
+        return (moving[n] >> b & 1) != 0;
+    }
 };
 
 /// Fills the tile of a block; all threads of the team, which see it afterwards.
@@ -171,7 +186,8 @@ __device__ __forceinline__ LightShare<Real, Dim> share_of(const View<Real, Dim>&
     weigh_particle<Shape, Affine>(v, g, cell, p.u, p.slot, n);
     Vec<Real, Dim> reaction = reactions<Unrolled>(
         n, masses.around[cell.number], full_at<Real, Dim>(v, p.mass, p.volume),
-        [&](int at, int i, int j, int l) { return cell.is_inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0); });
+        [&](int at, int i, int j, int l) { return cell.is_inside(i, j, l) ? tile.inverse(cell.first + at) : Real(0); },
+        [&](int at, int b) { return tile.moves(cell.first + at, b); });
     const Real per_length = g.dt * v.context.inverse_cell;
 #pragma unroll
     for (int b = 0; b < Dim; ++b) reaction[b] *= per_length * per_length * k.wave * p.volume / p.mass;
