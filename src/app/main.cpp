@@ -58,10 +58,11 @@ void check_device_scene(const Scene& scene) {
                 fmt::format("{}: structure.{}.contact.law = \"voellmy\" (devices do not have it). Use --device cpu?",
                             scene.path, s.name));
     }
-    if (uses_grid_pressure(scene))
-        throw InputError(
-            "volumetric = \"grid\" is not on devices yet. Use pressure_smoothing and particle_shifting with volumetric "
-            "= \"particle\", or --device cpu?");
+    for (const MaterialSpec& m : scene.materials)
+        if (m.volumetric == Volumetric::grid)
+            throw InputError(
+                fmt::format("{}: material.{}.volumetric = \"grid\" (devices do not have it). Use --device cpu?",
+                            scene.path, m.name));
     if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
     const auto& all = scene.materials;
     if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;

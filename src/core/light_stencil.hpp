@@ -73,8 +73,12 @@ MORAINE_HD Vec<Real, Dim> reactions(const LightStencil<Real, Dim, Width>& n, Rea
         Real w = Real(1);
         for (int a = 0; a < Dim; ++a) w *= n.w[a][at[a]];
         const Real share = reacting_weight(w, most * inverse(node, i, j, k));
-        for (int b = 0; b < Dim; ++b)
-            if (moves(node, b)) sum[b] += steep[b][at[b]] * share;
+        for (int b = 0; b < Dim; ++b)  // the same twice: each spares registers on devices
+            if constexpr (Unrolled) {
+                if (moves(node, b)) sum[b] += steep[b][at[b]] * share;
+            } else {
+                sum[b] += steep[b][at[b]] * (moves(node, b) ? share : Real(0));
+            }
     });
     return sum;
 }

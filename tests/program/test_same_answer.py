@@ -150,15 +150,25 @@ class SameAnswer(moraine.ProgramTest):
     def test_checkpoints_between_two_shifts(self):
         scene = self.write(LEAKY_SCENE.replace('"neo-hookean"', '"newtonian"\nviscosity = 10.0').replace(
             "poisson = 0.3", "poisson = 0.45\npressure_smoothing = 0.22\nparticle_shifting = 0.1"))
-        keys = sets(numerics__transfer="aflip")
-        straight = self.run_scene(scene, "straight", *keys)
-        parts = self.run_scene(scene, "parts", *keys, *sets(output__checkpoint_interval=0.07), ranks=2)
+        self.same_from_every_checkpoint(scene, "shifts", sets(numerics__transfer="aflip"))
+
+    def test_checkpoints_with_substeps(self):
+        scene = self.write(LEAKY_SCENE.replace('"neo-hookean"', '"newtonian"\nviscosity = 10.0\nvolumetric = "grid"').replace(
+            "poisson = 0.3", "poisson = 0.49\npressure_smoothing = 0.22\nparticle_shifting = 0.1"))
+        steps = [self.same_from_every_checkpoint(scene, f"most-{most}", sets(numerics__substeps=most)) for most in (1, 10)]
+        self.assertLess(2 * steps[1], steps[0])
+
+    def same_from_every_checkpoint(self, scene, name, keys):
+        """Steps of the run."""
+        straight = self.run_scene(scene, f"{name}-straight", *keys)
+        parts = self.run_scene(scene, f"{name}-parts", *keys, *sets(output__checkpoint_interval=0.07), ranks=2)
         steps = []
         for checkpoint in checkpoints(parts):
             steps.append(int(re.search(r"(\d+)", checkpoint.stem).group()))
-            restarted = self.run_scene(scene, f"from-{steps[-1]}", *keys, "--restart", checkpoint, ranks=3)
+            restarted = self.run_scene(scene, f"{name}-from-{steps[-1]}", *keys, "--restart", checkpoint, ranks=3)
             self.assertEqual(summary(restarted)["state_hash"], summary(straight)["state_hash"])
         self.assertGreater(len({step % 5 for step in steps}), 1, steps)
+        return summary(straight)["steps"]
 
     def test_over_filling_is_in_the_records(self):
         keys = sets(domain__cell=0.5, time__end=1.0, output__interval=0.1)

@@ -178,6 +178,19 @@ TEST_CASE("an affine transfer with linear shapes is refused") {
     CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
 }
 
+TEST_CASE("the grid's pressure is for fluids, and its substeps for nearly incompressible ones without structures") {
+    const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
+    const std::string grid = "material.clay.volumetric=grid", stiff = "material.clay.poisson=0.49";
+    CHECK(said_about(mud, {grid}).empty());
+    CHECK(said_about(mud, {grid, stiff, "numerics.substeps=10"}).empty());
+    says(said_about(good_scene, {grid}), "it is for fluids");
+    says(said_about(mud, {grid, "numerics.shape=cubic"}), "it is for quadratic splines");
+    says(said_about(mud, {grid, "numerics.stress_update=musl"}), "with this stress_update or transfer");
+    says(said_about(mud, {stiff, "numerics.substeps=4"}), "a material has its pressure on particles");
+    says(said_about(mud, {grid, "material.clay.poisson=0.3", "numerics.substeps=4"}), "below 0.45");
+    says(said_about(mud, {grid, stiff, "numerics.substeps=11"}), "numerics.substeps");
+}
+
 TEST_CASE("smoothing and shifting are for fluids, without means of cells") {
     const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
     const std::string smooth = "material.clay.pressure_smoothing=0.22", shift = "material.clay.particle_shifting=0.1";

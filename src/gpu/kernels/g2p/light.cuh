@@ -12,20 +12,30 @@ namespace moraine::gpu {
 template <class Real, int Dim, int Width>
 struct LightTile {
     static constexpr int size = power<Dim>(tile_side(Width));
-    Row<Real> first[size];   ///< v', and m in the last lane
+    Row<Real> first[size];   ///< v', zero along axes that the node is held along, and m in the last lane
     Row<Real> second[size];  ///< dv, and 1 / m
 
     __device__ __forceinline__ void set(int n, const Row<Real>* node) {
-        Row<Real> now = load_row(node), change = load_row(node + 1);
+        const Row<Real> node_now = load_row(node);
+        Row<Real> now = node_now, change = load_row(node + 1);
         const Real m = now.e[quad - 1];
+#pragma unroll
+        for (int b = 0; b < Dim; ++b)
+            if (!moves_along<Real, Dim>(node_now.e, b)) now.e[b] = Real(0);
         change.e[quad - 1] = m > Real(0) ? Real(1) / m : Real(0);
         store_row(first + n, now);
         store_row(second + n, change);
     }
-    __device__ __forceinline__ Real mass(int n) const { return first[n].e[quad - 1]; }
-    __device__ __forceinline__ Real inverse(int n) const { return second[n].e[quad - 1]; }
+    __device__ __forceinline__ Real mass(int n) const {
+        return first[n].e[quad - 1];
+    }
+    __device__ __forceinline__ Real inverse(int n) const {
+        return second[n].e[quad - 1];
+    }
     /// Whether nothing holds the node along axis b.
-    __device__ __forceinline__ bool moves(int n, int b) const { return moves_along<Real, Dim>(first[n].e, b); }
+    __device__ __forceinline__ bool moves(int n, int b) const {
+        return first[n].e[b] != Real(0);
+    }
 };
 
 /// The masses alone, and which axes a node moves along.
