@@ -172,6 +172,8 @@ struct Method {
     NodeCapacity<Real, Dim> capacity;
 
   private:
+    void list_terms(const Scene& scene);
+
     std::vector<std::unique_ptr<LawBatch<Real, Dim>>> laws_;
     std::vector<const LawBatch<Real, Dim>*> law_pointers_;
     std::vector<std::uint16_t> material_of_;  ///< by body
@@ -232,24 +234,26 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     }
     context.half_size = half_size_.data();
     limits = reaction_limits<Real>(scene);
-    if (limits_accelerations(scene))
-        for (const BodySpec& b : scene.bodies)
-            stiffness_.push_back(
-                stiffness_of<Real, Dim>(scene.materials[static_cast<std::size_t>(b.material)], scene.cell));
     shifts_ = has_shifts(scene);
-    if (has_fluid_terms(scene))
-        for (const BodySpec& b : scene.bodies)
-            fluid_.push_back(fluid_terms_of<Real>(scene, scene.materials[static_cast<std::size_t>(b.material)]));
-    if (uses_grid_pressure(scene))
-        for (const BodySpec& b : scene.bodies) {
-            const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
-            grid_bulk_.push_back(m.volumetric == Volumetric::grid ? static_cast<Real>(bulk_modulus(m)) : Real(0));
-        }
-    const auto wants_mean = [&](const BodySpec& b) {
-        return scene.materials[static_cast<std::size_t>(b.material)].volumetric == Volumetric::cell;
+    list_terms(scene);
+}
+
+/// What bodies have of their materials, where any body has it.
+template <class Space, class Real, int Dim>
+void Method<Space, Real, Dim>::list_terms(const Scene& scene) {
+    const auto has = [&](Volumetric wanted) {
+        return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) {
+            return scene.materials[static_cast<std::size_t>(b.material)].volumetric == wanted;
+        });
     };
-    if (std::any_of(scene.bodies.begin(), scene.bodies.end(), wants_mean))
-        for (const BodySpec& b : scene.bodies) averaged_.push_back(wants_mean(b));
+    for (const BodySpec& b : scene.bodies) {
+        const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
+        if (limits_accelerations(scene)) stiffness_.push_back(stiffness_of<Real, Dim>(m, scene.cell));
+        if (has_fluid_terms(scene)) fluid_.push_back(fluid_terms_of<Real>(scene, m));
+        const bool of_grid = m.volumetric == Volumetric::grid;
+        if (has(Volumetric::grid)) grid_bulk_.push_back(of_grid ? static_cast<Real>(bulk_modulus(m)) : Real(0));
+        if (has(Volumetric::cell)) averaged_.push_back(m.volumetric == Volumetric::cell);
+    }
 }
 
 }  // namespace moraine
