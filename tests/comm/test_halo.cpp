@@ -61,11 +61,7 @@ struct Share {
                                            patch.node_blocks().data(),
                                            world.stencil.width,
                                            world.stencil.origin,
-                                           NodeTask::solve,
-                                           Real(0.1),
-                                           {},
-                                           Real(0.2),
-                                           Real(0.01),
+                                           {NodeTask::solve, Real(0.1), {}, Real(0.2), Real(0.01)},
                                            Quantum::for_largest(1),
                                            impulse.data()};
         Host::launch_teams(static_cast<std::int64_t>(patch.node_blocks().size()), kernel);

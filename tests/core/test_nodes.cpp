@@ -32,19 +32,16 @@ std::array<double, Dim> run_nodes(Sample<Real, Dim>& sample, const Settings& set
     std::vector<ExactSum> impulse(chosen.size() * Dim);
     Vec<Real, Dim> gravity;
     for (int a = 0; a < Dim; ++a) gravity[a] = Real(3 - 5 * a);
-    const SolveNodes<Real, Dim> kernel{sample.method.context.walls,
-                                       sample.patch.table(),
-                                       sample.patch.grid(),
-                                       chosen.data(),
-                                       sample.method.stencil.width,
-                                       sample.method.stencil.origin,
-                                       set.task,
-                                       static_cast<Real>(set.dt),
-                                       gravity,
-                                       static_cast<Real>(set.damping),
-                                       static_cast<Real>(set.cutoff),
-                                       quantum,
-                                       impulse.data()};
+    const SolveNodes<Real, Dim> kernel{
+        sample.method.context.walls,
+        sample.patch.table(),
+        sample.patch.grid(),
+        chosen.data(),
+        sample.method.stencil.width,
+        sample.method.stencil.origin,
+        {set.task, static_cast<Real>(set.dt), gravity, static_cast<Real>(set.damping), static_cast<Real>(set.cutoff)},
+        quantum,
+        impulse.data()};
     Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
     std::array<double, Dim> all{};
     for (std::size_t a = 0; a < Dim; ++a) {
