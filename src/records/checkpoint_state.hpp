@@ -87,6 +87,7 @@ CheckpointHeader clock_header(const RunClock<Dim>& c) {
     h["round"] = c.round;
     h["clock"] = std::vector<double>{c.time,          c.dt,           c.signal,     c.mass_cutoff,
                                      c.quantum_scale, c.start_strain, c.start_mass, c.start_energy};
+    if (c.square_speed > 0) std::get<std::vector<double>>(h["clock"]).push_back(c.square_speed);
     h["pull"] = std::vector<double>(c.gravity_impulse.begin(), c.gravity_impulse.end());
     h["start_momentum"] = std::vector<double>(c.start_momentum.begin(), c.start_momentum.end());
     return h;
@@ -103,6 +104,7 @@ std::string clock_problem(const RunClock<Dim>& c, bool has_particles) {
     if (!finite(c.dt) || c.dt < 0) return fmt::format("a step of {} s", c.dt);
     if (!finite(c.signal) || c.signal < 0 || (has_particles && c.signal == 0))
         return fmt::format("a signal speed of {} m/s", c.signal);
+    if (!finite(c.square_speed) || c.square_speed < 0) return fmt::format("a speed of {} m2/s2", c.square_speed);
     if (has_particles && !(c.mass_cutoff >= 0 && c.mass_cutoff <= 1e-12 * c.start_mass))
         return fmt::format("nodes that count from {} kg on", c.mass_cutoff);
     if (std::frexp(c.quantum_scale, &exponent) != 0.5) return fmt::format("sums in units of 1/{}", c.quantum_scale);
@@ -121,9 +123,10 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     const auto& clock = file.get<std::vector<double>>("clock");
     const auto& pull = file.get<std::vector<double>>("pull");
     const auto& momentum = file.get<std::vector<double>>("start_momentum");
-    if (clock.size() != 8 || pull.size() != Dim || momentum.size() != Dim)
+    if ((clock.size() != 8 && clock.size() != 9) || pull.size() != Dim || momentum.size() != Dim)
         file.refuse("it is of another number of dimensions");
     c.time = clock[0], c.dt = clock[1], c.signal = clock[2], c.mass_cutoff = clock[3], c.quantum_scale = clock[4];
+    if (clock.size() == 9) c.square_speed = clock[8];
     c.start_strain = clock[5], c.start_mass = clock[6], c.start_energy = clock[7];
     std::copy(pull.begin(), pull.end(), c.gravity_impulse.begin());
     std::copy(momentum.begin(), momentum.end(), c.start_momentum.begin());

@@ -134,6 +134,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         report_faults();
     }
     clock_.signal = agreed_.signal;
+    clock_.square_speed = agreed_.square_speed;
     epoch_.step(agreed_.in_guard_layer != 0, agreed_.moved);
     counts_.add(agreed_, comm_.size());
     loads_.add(agreed_, own_);
@@ -152,7 +153,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::choose_step() {
     const StepChoice choice =
-        moraine::choose_step(scene_, clock_.signal, std::sqrt(agreed_.square_speed), shear_wave_share(scene_));
+        moraine::choose_step(scene_, clock_.signal, std::sqrt(clock_.square_speed), shear_wave_share(scene_));
     clock_.dt = choice.dt;
     substeps_ = choice.substeps;
 }
@@ -218,6 +219,7 @@ void Simulation<Real, Dim>::conclude() {
     const Agreement all = reduction_.finish();
     if (all.faults) report_faults();
     clock_.signal = all.signal;
+    clock_.square_speed = all.square_speed;
 }
 
 template class Simulation<float, 2>;

@@ -235,7 +235,7 @@ void Simulation<Real, Dim>::refresh_speed() {
             most = std::max(most, double(square));
         }
     });
-    own_.square_speed = comm_.max(most);
+    own_.square_speed = clock_.square_speed = comm_.max(most);
 }
 
 template <class Real, int Dim>
@@ -266,7 +266,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     begin_epoch(binned);
     if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
-    refresh_speed();
+    own_.square_speed = clock_.square_speed;
     loads_.resume(clock_.step);
 }
 
