@@ -22,7 +22,6 @@ struct RunCounts {
     double imbalance_time_sum = 0;  ///< of measured compute time
     double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
-    std::int64_t substeps = 0;      ///< of the grid's pressure in these
     double particle_steps = 0;
 
     /// What the ranks agreed on in a step. Not collective.

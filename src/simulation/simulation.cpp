@@ -64,7 +64,6 @@ void Simulation<Real, Dim>::make_substeps() {
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_substep(substep, scales()); });
     }
-    counts_.substeps += substep.count;
 }
 
 template <class Real, int Dim>
@@ -152,8 +151,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
 /// By the wave's and the flow's own time (core/courant.hpp).
 template <class Real, int Dim>
 void Simulation<Real, Dim>::choose_step() {
-    const StepChoice choice =
-        moraine::choose_step(scene_, clock_.signal, std::sqrt(clock_.square_speed), shear_wave_share(scene_));
+    const StepChoice choice = moraine::choose_step(scene_, clock_.signal, std::sqrt(clock_.square_speed), shear_);
     clock_.dt = choice.dt;
     substeps_ = choice.substeps;
 }

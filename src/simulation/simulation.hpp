@@ -147,7 +147,8 @@ class Simulation {
     AgreementReduction reduction_;
 
     RunClock<Dim> clock_;
-    int substeps_ = 1;  ///< of this step
+    int substeps_ = 1;                               ///< of this step
+    const double shear_ = shear_wave_share(scene_);  ///< c_s / c, the largest [-]
     RunCounts counts_;
     Budget<Dim> budget_;
     StructureSet<Dim> structures_;
