@@ -35,6 +35,23 @@ if(MORAINE_ZOLTAN)
     target_link_libraries(Zoltan::Zoltan INTERFACE MPI::MPI_C)
 endif()
 
+# Formats of terrain models and maps. Only its headers are needed here: the library is loaded by a scene that has such
+# files, under the name that says its version.
+find_path(GDAL_INCLUDE_DIR gdal.h PATH_SUFFIXES gdal)
+find_library(GDAL_LIBRARY gdal)
+if(GDAL_INCLUDE_DIR AND GDAL_LIBRARY)
+    set(MORAINE_HAS_GDAL ON)
+endif()
+option(MORAINE_GDAL "GeoTIFF, GeoPackage and other formats of terrain" ${MORAINE_HAS_GDAL})
+if(MORAINE_GDAL)
+    if(NOT MORAINE_HAS_GDAL)
+        message(FATAL_ERROR "GDAL not found (no gdal.h or no libgdal). Install libgdal-dev?")
+    endif()
+    get_filename_component(gdal_file ${GDAL_LIBRARY} REALPATH)
+    get_filename_component(gdal_file ${gdal_file} NAME)
+    string(REGEX REPLACE "(\\.so\\.[0-9]+).*" "\\1" MORAINE_GDAL_LIBRARY ${gdal_file})
+endif()
+
 # Device code: wherever nvcc is found, once there is a src/gpu; -DMORAINE_CUDA=ON makes a missing nvcc an error.
 include(CheckLanguage)
 if(EXISTS ${CMAKE_SOURCE_DIR}/src/gpu/CMakeLists.txt)

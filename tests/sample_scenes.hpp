@@ -129,6 +129,16 @@ inline Scene spray(int dimensions) {
     return s;
 }
 
+/// Of its elastic material alone, at a step that with every transfer is too large for its light nodes.
+inline Scene elastic_spray(int dimensions, Transfer transfer) {
+    Scene s = spray(dimensions);
+    s.transfer = transfer;
+    s.materials.pop_back();
+    for (BodySpec& b : s.bodies) b.material = 0;
+    if (dimensions == 2 && is_affine(transfer)) s.cfl = 0.65;  // at 0.5 no reaction reaches its limit
+    return s;
+}
+
 /// With keys of its fluids, whose particles are crowded here and there.
 inline Scene with_fluid_terms(Scene s, double smoothing = 0.22, double shifting = 0.1) {
     for (MaterialSpec& m : s.materials)

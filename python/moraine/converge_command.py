@@ -5,6 +5,7 @@ import signal
 import sys
 from typing import Any, Dict, List, Optional, Sequence
 
+from .command_line import Parser, exit_code
 from .convergence import converge
 from .converge_text import table
 from .errors import Error
@@ -14,15 +15,8 @@ STOPPED = 5
 EXAMPLE = "moraine converge inputs/slurry_runout.toml --quantity front --error 2%"
 
 
-class Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> Any:
-        print(f"moraine: {self.prog} ({message}). Try {EXAMPLE}?", file=sys.stderr)
-        sys.exit(2)
-
-
 def parser(prog: str = "moraine converge") -> argparse.ArgumentParser:
-    words = Parser(prog=prog, description="Runs a scene from coarse to fine cells: order, Richardson value and grid convergence index of a value.",
-                   epilog=f"Example: {EXAMPLE}", allow_abbrev=False)
+    words = Parser(EXAMPLE, prog=prog, description="Runs a scene from coarse to fine cells: order, Richardson value and grid convergence index of a value.")
     words.add_argument("scene", metavar="SCENE.toml")
     words.add_argument("--quantity", default="front", metavar="NAME,...",
                        help="front, max_depth, a column of history.csv, or structure.NAME.force_x; @max, @min, @mean or @TIME instead of at the end (default: front)")
@@ -86,16 +80,10 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     given = parser().parse_args(words)
     signal.signal(signal.SIGTERM, _stop)
     try:
-        return _run(given)
+        return exit_code(lambda: _run(given), given.scene)
     except KeyboardInterrupt:
         print("moraine: converge was stopped (by a signal; a level under way has a checkpoint). Go on by the same command?", file=sys.stderr)
         return STOPPED
-    except Error as wrong:
-        print(f"moraine: {wrong}", file=sys.stderr)
-        return wrong.code
-    except OSError as wrong:
-        print(f"moraine: cannot write or read {wrong.filename} ({wrong.strerror or wrong}). Is the disk full or read-only?", file=sys.stderr)
-        return 4
 
 
 if __name__ == "__main__":

@@ -61,6 +61,11 @@ def _field_sets(study: Study) -> Dict[str, Any]:
     return {"output.fields": fields + more} if more else {}
 
 
+def _end_sets(study: Study) -> Dict[str, Any]:
+    """All levels go on for as long, also where the scene stops at rest, which each level would reach at another time."""
+    return {"time.stop": "end"} if study.keys["time"].get("stop", "end") != "end" else {}
+
+
 def compute(study: Study, plan: Plan, sets: Mapping[str, Any], name: str, told: Callable[[str], None]) -> Run:
     """The run of a level: one that is there is taken, one that was interrupted goes on from its last checkpoint."""
     directory = study.path / name
@@ -81,7 +86,7 @@ def compute(study: Study, plan: Plan, sets: Mapping[str, Any], name: str, told: 
     study.known["runs"].setdefault(name, 0.0)
     study.save()
     try:
-        done = run(study.scene, directory, {**sets, **_checkpoint_sets(study), **_field_sets(study)}, plan.ranks, plan.threads,
+        done = run(study.scene, directory, {**sets, **_checkpoint_sets(study), **_field_sets(study), **_end_sets(study)}, plan.ranks, plan.threads,
                    lambda progress: told(f"{name}: {100 * progress.share:.0f} %  {progress.line}"), not there, options, plan.program)
     finally:
         study.spend(name, time.monotonic() - start)

@@ -2,7 +2,6 @@
 
     moraine picture RUN_DIR [--field speed|pressure|depth|rank] [--times 0,2,8] [--output DIR]    (or python -m moraine.picture)
 """
-import argparse
 import csv
 import pathlib
 import sys
@@ -41,15 +40,17 @@ def _line(run: Run, line: Optional[Sequence[float]]) -> Optional[Tuple[List[floa
     return start, end
 
 
-def draw(directory: Path, field: str = "speed", times: Optional[Sequence[float]] = None, scene: Optional[Path] = None,
+def draw(directory: Path, field: Optional[str] = "speed", times: Optional[Sequence[float]] = None, scene: Optional[Path] = None,
          output: Optional[Path] = None, animate: bool = True, told: Callable[[str], None] = lambda line: None,
-         line: Optional[Sequence[float]] = None, sheet: bool = False) -> List[pathlib.Path]:
+         line: Optional[Sequence[float]] = None, sheet: bool = False, terrain: Optional[Path] = None) -> List[pathlib.Path]:
     """Draws a run into `output` (default: `directory`/pictures) and returns the files: FIELD-0.png, ..., FIELD.gif and FIELD.mp4.
 
-    field: speed, pressure, depth or rank; times [s] (default: five from start to end), of each the nearest output is drawn, and
+    field: speed, pressure, depth or rank; a map of the run, as max_depth, which becomes map-max_depth.png; "maps", all of these;
+    None: speed, and all maps there are. times [s] (default: five from start to end), of each the nearest output is drawn, and
     the animation has the outputs between the first and the last, at most 60; scene: the scene file, for walls and structures of a
     run that has no scene.json; line: of the profile, x0, x1 or in 3-D x0, y0, x1, y1 [m], which is written as FIELD-profile.csv
-    too; sheet: one picture FIELD-sheet.png of all times; told: called with a line after each file.
+    too; sheet: one picture FIELD-sheet.png of all times; terrain: the model of the ground under maps, where that of the scene is
+    not found; told: called with a line after each file.
 
     Raises Error where there is no matplotlib, the run has not the field, or a time is not of the run.
     """
@@ -57,28 +58,52 @@ def draw(directory: Path, field: str = "speed", times: Optional[Sequence[float]]
         from .frames import Frames
     except ImportError as missing:
         raise Error(f"pictures cannot be drawn ({missing}). pip install matplotlib?") from None
-    from .fields import field_of
-    run, needs = Run(directory), field_of(field).needs
-    if len(run.particles) == 0:
-        raise Error(f"{directory} has no output yet (its particles.vtkhdf is empty). Wait for the first?")
-    run.particles.read(0, needs)  # a missing field is said before anything is drawn
+    from .fields import FIELDS
+    run, folder = Run(directory), pathlib.Path(output) if output else pathlib.Path(directory) / "pictures"
     around: Optional[Mapping[str, Any]] = read_scene(scene) if scene else surroundings_of(run)
+    title = _title(run, around)
+    files = _maps(run, field, folder, terrain, title, told)
+    if files and not (field in FIELDS if field else (run.path / "particles.vtkhdf").exists()):
+        return files
+    field, count = field or "speed", len(run.particles)
+    if count == 0:
+        raise Error(f"{directory} has no output yet (its particles.vtkhdf is empty). Wait for the first?")
+    _check(run, field)
     chosen, along = _chosen(run, times), _line(run, line)
     every = list(range(chosen[0], chosen[-1] + 1))
     moving = sorted({every[int(k)] for k in numpy.linspace(0, len(every) - 1, min(len(every), MOST_FRAMES))})
     animate = animate and not sheet and len(moving) > 1
     told(f"{directory}: {'one picture' if sheet or len(chosen) == 1 else f'{len(chosen)} pictures'}" + (f", {len(moving)} frames" if animate else ""))
-    title = (run.summary.get("title") or run.summary.get("scene", "")) if (run.path / "summary.json").exists() else ""
     frames = Frames(run, sorted({*chosen, *(moving if animate else [])}), field, Surroundings(run, around), title, along)
-    folder = pathlib.Path(output) if output else run.path / "pictures"
     folder.mkdir(parents=True, exist_ok=True)
-    files = _stills(frames, chosen, folder, field, sheet, told)
+    files += _stills(frames, chosen, folder, field, sheet, told)
     if along:
         files.append(_profiles(frames, chosen, folder / f"{field}-profile.csv"))
     if animate:
         from .animation import animate as write
         files += write(frames, moving, folder / field, told)
     return files
+
+
+def _title(run: Run, around: Optional[Mapping[str, Any]]) -> str:
+    known: Mapping[str, Any] = run.summary if (run.path / "summary.json").exists() else around or {}
+    return str(known.get("title") or known.get("scene", ""))
+
+
+def _check(run: Run, field: str) -> None:
+    """A missing field is said before anything is drawn."""
+    from .fields import field_of
+    run.particles.read(0, field_of(field).needs)
+
+
+def _maps(run: Run, field: Optional[str], folder: pathlib.Path, terrain: Optional[Path], title: str, told: Callable[[str], None]) -> List[pathlib.Path]:
+    """Files of the maps that a field stands for: those of a run if it is None or "maps", one by its name, else none."""
+    from .maps import KINDS, draw_maps, map_files
+    there = list(map_files(run.path))
+    if field == "maps" and not there:
+        raise Error(f"{run.path} has no maps (there is none in its folder maps). Has its scene [hazard], and the run an output?")
+    names = there if field in (None, "maps") else [field] if field in KINDS or field in there else []
+    return draw_maps(run.path, names, folder, pathlib.Path(terrain) if terrain else None, title, told) if names else []
 
 
 def _stills(frames: Any, chosen: List[int], folder: pathlib.Path, field: str, sheet: bool, told: Callable[[str], None]) -> List[pathlib.Path]:
@@ -106,41 +131,10 @@ def _profiles(frames: Any, chosen: List[int], path: pathlib.Path) -> pathlib.Pat
     return path
 
 
-def _numbers(text: str) -> List[float]:
-    return [float(word) for word in text.split(",")]
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> Any:
-        print(f"moraine: {self.prog} ({message}). Try moraine picture runs/slurry_runout --times 0,1?", file=sys.stderr)
-        sys.exit(2)
-
-
-def parser(prog: str = "moraine picture") -> argparse.ArgumentParser:
-    words = Parser(prog=prog, description="Pictures of a run: PNG at chosen times, GIF, and MP4 where ffmpeg is.")
-    words.add_argument("run", metavar="RUN_DIR", help="what moraine run wrote; it may be under way")
-    words.add_argument("--field", "--quantity", default="speed", metavar="NAME", help="speed, pressure, depth or rank (default: speed)")
-    words.add_argument("--times", "--time", type=_numbers, metavar="T,T,...", help="[s] (default: five, from start to end)")
-    words.add_argument("--line", type=_numbers, metavar="X,X", help="profile of the depth between two x, in 3-D along X,Y,X,Y [m] (default: along x)")
-    words.add_argument("--sheet", action="store_true", help="all times in one picture")
-    words.add_argument("--scene", metavar="FILE", help="walls and structures, for a run that has no scene.json")
-    words.add_argument("--output", metavar="DIR", help="default: RUN_DIR/pictures")
-    words.add_argument("--no-animation", action="store_true", help="no GIF and MP4")
-    return words
-
-
 def main(words: Optional[Sequence[str]] = None) -> int:
-    given = parser().parse_args(words)
-    try:
-        draw(given.run, given.field, given.times, given.scene, given.output, not given.no_animation,
-             lambda line: print(line, file=sys.stderr, flush=True), given.line, given.sheet)
-    except Error as wrong:
-        print(f"moraine: {wrong}", file=sys.stderr)
-        return wrong.code
-    except OSError as wrong:
-        print(f"moraine: cannot write or read {wrong.filename or given.run} ({wrong.strerror or wrong}). Is the disk full or read-only?", file=sys.stderr)
-        return 4
-    return 0
+    """The command, of which this module is the work."""
+    from . import picture_command
+    return picture_command.main(words)
 
 
 if __name__ == "__main__":

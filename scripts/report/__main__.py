@@ -12,6 +12,8 @@ import pathlib
 import subprocess
 import sys
 
+import flow
+
 DEBIAN = "/usr/bin/python3"  # where Debian's packages are, whatever python3 comes first in PATH
 PACKAGES = {"numpy": "python3-numpy", "matplotlib": "python3-matplotlib", "h5py": "python3-h5py"}
 
@@ -38,7 +40,7 @@ class Parser(argparse.ArgumentParser):
 
 def parse():
     parser = Parser(prog="moraine report", description="One page about runs, side by side.")
-    parser.add_argument("runs", nargs="+", metavar="RUN_DIR", help="directories of finished runs")
+    parser.add_argument("runs", nargs="+", metavar="RUN_DIR", help="directories of runs; one that is under way or was killed is shown as far as it is")
     parser.add_argument("--output", default="report.html", metavar="FILE", help="page to write (default: report.html)")
     parser.add_argument("--times", metavar="T,T,...", help="times of the pictures of owners [s] (default: three)")
     options = parser.parse_args()
@@ -59,11 +61,15 @@ def run_rows(runs):
                ("imbalance", "most particles of a rank over the mean of all ranks, mean of the steps"), ("worst", "largest imbalance"),
                ("of time", "largest computing time of a rank over the mean"), ("repartitions", "how often blocks changed owner"),
                ("moved [%]", "particles that repartitions moved, of all"), ("halo [MB/step]", "sent by all ranks together")]
-    alone = all(run.summary["ranks"] == 1 for run in runs)
+    alone = all(run.summary["ranks"] == 1 for run in runs if run.finished)
     keep = [k for k in range(len(columns)) if not alone or k in (0, 2, 3, 4, 5, 6, 7)]
     rows = []
     for run in runs:
         s = run.summary
+        if not run.finished:
+            row = [f"{run.name}, not ended", *["-"] * 3, flow.number(s["particles"], digits=9), flow.number(s["steps"], digits=9), *["-"] * 8]
+            rows.append([row[k] for k in keep])
+            continue
         row = (run.name, s["partitioner"], s["ranks"], s["threads"], s["particles"], s["steps"],
                f"{s['wall_s']:.4g}", f"{s['particle_steps_per_s'] / 1e6:.4g}", f"{s['imbalance_mean']:.3f}",
                f"{s['imbalance_max']:.3f}", f"{s['imbalance_time_mean']:.3f}", s["repartitions"],
@@ -76,11 +82,13 @@ def run_rows(runs):
 def machine_rows(runs):
     return (("run", "scene", "machine", "device", "precision", "version", "commit", "state_hash",
              "directory"),
-            [(run.name, run.summary["scene"], run.summary.get("machine", "not recorded"), run.summary["device"],
-              run.summary["precision"], run.summary["version"], run.summary["commit"], run.summary["state_hash"], run.path) for run in runs])
+            [(run.name, run.summary["scene"], *(run.summary.get(name, "not recorded") for name in ("machine", "device", "precision", "version", "commit", "state_hash")),
+              run.path) for run in runs])
 
 
 def words_on_answers(runs):
+    if not all(run.finished for run in runs):
+        return ""
     hashes = {run.summary["state_hash"] for run in runs}
     if len(runs) > 1 and len(hashes) == 1:
         return "<p>All runs ended in the same state, to the bit: they differ in time only.</p>"
@@ -98,8 +106,8 @@ def install_words(missing):
 def left_out(plots, runs):
     """What is not there of load balance, and what would put it there."""
     names = {plot.name for plot in plots}
-    shared = [run for run in runs if run.summary["ranks"] > 1]
-    words = []
+    shared = [run for run in runs if run.finished and run.summary["ranks"] > 1]
+    words = [f"How {html.escape(run.name)} shared its work: it has no summary.json yet." for run in runs if not run.finished]
     if shared and not names & {"strong_scaling", "weak_scaling"}:
         words.append("Scaling: give runs of one scene on two or more numbers of ranks.")
     if any(run.loads is None for run in shared):
@@ -133,6 +141,9 @@ def balance_plots(runs, times):
     """Plots of how the work was shared; of runs on one rank there are none but scaling and predictions."""
     import plots as p
     from owners import owners
+    runs = [run for run in runs if run.finished]
+    if not runs:
+        return []
     shared = [run for run in runs if run.summary["ranks"] > 1]
     shown = [run for run in shared if len(run.balance["step"]) > 0]
     found = [p.strong(runs), p.weak(runs), p.lost_time(runs) if shared else None]
@@ -145,7 +156,7 @@ def alone_words(runs):
     """Where the time went, of runs that shared nothing."""
     words = []
     for run in runs:
-        if run.summary["ranks"] == 1:
+        if run.finished and run.summary["ranks"] == 1:
             wall = run.summary["wall_s"]
             words.append(f"{run.name}: {wall:.4g} s on one rank, of which {100 * run.times['computing'] / wall:.0f} % computing and "
                          f"{100 * run.times['output'] / wall:.0f} % output.")
@@ -153,7 +164,6 @@ def alone_words(runs):
 
 
 def make(options, missing):
-    import flow
     import page
     from runs import Run, unique_names
     runs = [Run(directory) for directory in options.runs]
@@ -185,7 +195,7 @@ def main():
     options = parse()
     missing = missing_packages()
     here = pathlib.Path(__file__).resolve().parent
-    sys.path += [str(place) for place in (here.parent / "python", here.parents[1] / "python") if place.is_dir()]
+    sys.path[1:1] = [str(place) for place in (here.parent / "python", here.parents[1] / "python") if place.is_dir()]
     from wrong import Wrong
     try:
         make(options, missing)

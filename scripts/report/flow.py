@@ -119,7 +119,7 @@ def facts(run):
     fast = [v for v in speed if math.isfinite(v)]
     filling = s.get("over_filling")
     rows = [("simulated time", number(s.get("simulated_time_s", last[0] if last else None), " s")),
-            ("particles", f"{s['particles']:,}".replace(",", "\N{THIN SPACE}")),
+            ("particles", f"{s['particles']:,.0f}".replace(",", "\N{THIN SPACE}") if isinstance(s["particles"], (int, float)) else "not known"),
             ("front", f"{number(front[0], ' m')} at the start, {number(front[-1], ' m')} at the end" if front else "not known"),
             ("largest speed", number(max(fast, default=None), " m/s")),
             ("lost particles", number(s.get("lost_particles")))]
@@ -137,6 +137,9 @@ PROBLEMS = {
 
 def warnings(run):
     """What the run warned of, as HTML."""
+    if not run.finished:
+        return (f'<div class="warning"><h3>This run has not ended</h3><p>It has no summary.json: it is under way, or was killed. All below is as far as '
+                f"its last output, at t = {number(run.summary['simulated_time_s'])} s; what it warned of is not known.</p></div>")
     found = run.summary.get("warnings")
     items = []
     for warning in found if isinstance(found, list) else []:
@@ -170,7 +173,7 @@ def pictures(run):
 
 def distinct(runs):
     """One run of each state in which runs ended: the others did the same, to the bit."""
-    return list({run.summary["state_hash"]: run for run in reversed(runs)}.values())[::-1]
+    return list({run.summary.get("state_hash", str(run.path)): run for run in reversed(runs)}.values())[::-1]
 
 
 def sections(runs):

@@ -74,9 +74,20 @@ class Run:
         self.path = pathlib.Path(directory)
         if not self.path.is_dir():
             raise Wrong(f"{directory} is not a run (no such directory). Is the path right?")
-        for name in ("summary.json", "balance.csv"):
+        self.finished = (self.path / "summary.json").exists()
+        for name in ("balance.csv",) if self.finished else ("history.csv",):
             if not (self.path / name).exists():
-                raise Wrong(f"{directory} is not a finished run (it has no {name}). Is the path right?")
+                raise Wrong(f"{directory} is not a run (it has no {name}). Is the path right?")
+        self.loads = self.replay = None
+        if self.finished:
+            self.read_work()
+        self.name = self.key = self.path.name
+        self.read_flow()
+        if not self.finished:
+            self.summary = self.known_so_far()
+
+    def read_work(self):
+        """What a run says of itself when it has ended, and how its work was shared."""
         try:
             self.summary = json.loads((self.path / "summary.json").read_text())
             check_summary(self.path / "summary.json", self.summary)
@@ -85,13 +96,23 @@ class Run:
             self.ranks, self.partitioner = self.summary["ranks"], self.summary["partitioner"]
             self.times = self.summary["times_s"]
         except (ValueError, IndexError, KeyError, csv.Error) as error:
-            raise Wrong(f"{directory} cannot be read ({type(error).__name__}: {error}). Run it again?") from None
+            raise Wrong(f"{self.path} cannot be read ({type(error).__name__}: {error}). Run it again?") from None
         loads = self.path / "block_loads.bin"
         self.loads = Loads(loads) if loads.exists() and numpy else None
         replay = self.path / "replay.csv"
         self.replay = table(replay) if replay.exists() else None
-        self.name = self.key = self.path.name
-        self.read_flow()
+
+    def known_so_far(self):
+        """Stands for the summary of a run that is under way, or was killed: what its records say."""
+        try:
+            scene = json.loads((self.path / "scene.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            scene = {}
+        scene = scene if isinstance(scene, dict) else {}
+        words = {name: str(scene.get(name, "")) for name in ("scene", "title", "version")}
+        last = {name: (list(self.history.get(name, [])) or [None])[-1] for name in ("particles", "step", "time_s", "lost_particles", "over_filling")}
+        return {**words, "particles": last["particles"], "steps": last["step"], "simulated_time_s": last["time_s"],
+                "lost_particles": last["lost_particles"]}
 
     def read_flow(self):
         """history.csv, and structures.csv by structure. What is no number in them stays so: the page leaves it out."""

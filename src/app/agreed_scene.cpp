@@ -78,14 +78,21 @@ std::vector<std::string> all_sets(const Options& options) {
 
 std::vector<Common> tables_of(const Scene& scene) {
     std::vector<Common> tables;
+    const auto add = [&](const std::string& file) {
+        if (!file.empty())
+            tables.push_back({"the bytes of " + file, hash_of_file(path_of_file(scene, file)),
+                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
+    };
     for (const StructureSpec& s : scene.structures)
         if (s.ground)
-            tables.push_back({"the bytes of " + s.file, hash_of_file(path_of_file(scene, s.file)),
-                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
-    for (const BodySpec& body : scene.bodies)
-        if (body.shape == BodyShape::table || body.shape == BodyShape::layer)
-            tables.push_back({"the bytes of " + body.file, hash_of_file(path_of_file(scene, body.file)),
-                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
+            for (const std::string& file : {s.file, s.friction_file, s.xi_file, s.su_file}) add(file);
+    for (const BodySpec& body : scene.bodies) {
+        if (body.shape == BodyShape::table || body.shape == BodyShape::layer) add(body.file), add(body.thickness_file);
+        if (body.shape == BodyShape::layer)
+            tables.push_back({"the corners of release." + body.name, hash_of(fmt::format("{}", body.points)),
+                              "Have all hosts one version of PROJ and its data?"});
+    }
+    add(scene.hazard.gauges_file);
     return tables;
 }
 

@@ -53,6 +53,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       device_message_(device.message),
       sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {
     if (scene.hazard.cell > 0) maps_ = std::make_unique<HazardMaps>(scene, comm);
+    if (scene.rest.stops) rest_ = std::make_unique<RestWatch<Dim>>(scene, comm);
 }
 
 template <class Real, int Dim>
@@ -87,6 +88,7 @@ void Driver<Real, Dim>::begin() {
         history_row = records.history_row;
         if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
         if (maps_ && !maps_->restore(records.maps)) file.refuse("no run has its maps");
+        if (rest_ && !records.rest.empty() && !rest_->restore(records.rest)) file.refuse("no run rests so");
     } else {
         sim_.seed();
     }
@@ -124,6 +126,8 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
     balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
     if (!sim_.structures().empty())
         structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
+    if (!scene_.hazard.gauges.empty())
+        gauges_ = std::make_unique<CsvLog>(comm_, directory_ + "/gauges.csv", maps_->gauge_columns(), resume);
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume ? std::optional(sim_.clock().step) : std::nullopt);
@@ -135,17 +139,18 @@ void Driver<Real, Dim>::run() {
     begin();
     watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases());
     try {
-        while (sim_.clock().time < scene_.end) advance();
+        if (rest_) rest_->look(sim_);
+        while (sim_.clock().time < scene_.end && !(rest_ && rest_->is_at_rest())) advance();
         sim_.conclude();
         sample_maps();
         if (last_output_step_ != sim_.clock().step) output();
     } catch (const PhysicsError&) {
         progress_->clear();
         output();
-        finish();
+        finish("fault");
         throw;
     }
-    finish();
+    finish(rest_ && rest_->is_at_rest() ? "rest" : "end");
 }
 
 template <class Real, int Dim>
@@ -179,13 +184,14 @@ void Driver<Real, Dim>::after_step() {
         record_structures();
     }
     if (maps_ && maps_->is_due(clock.time)) sample_maps();
+    if (rest_) rest_->look(sim_);
     if (clock.step % scene_.balance.interval == 0) record_balance();
     const bool due =
         checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;
     const std::uint32_t asked = sim_.agreement().stop;
     if (due || asked) checkpoint();
     if (asked & ask_stop) {
-        finish();
+        finish("signal");
         throw Stopped(fmt::format("Stopped by a signal at step {} (t = {:.6g} s). Go on with --restart {}/{}?",
                                   clock.step, clock.time, directory_, checkpoint_name(clock.step)));
     }
@@ -226,7 +232,8 @@ void Driver<Real, Dim>::checkpoint() {
         sim_.conclude();
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
-             {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{}});
+             {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
+              rest_ ? rest_->stored() : std::vector<std::int64_t>{}});
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -245,6 +252,12 @@ void Driver<Real, Dim>::sample_maps() {
         if (!maps_) return;
         sim_.bin();
         sim_.phases().time(Phase::output, [&] { maps_->sample(sim_); });
+        const RunClock<Dim>& clock = sim_.clock();
+        if (!gauges_ || clock.step == last_gauges_step_) return;
+        std::vector<double> row{static_cast<double>(clock.step), clock.time};
+        row.insert(row.end(), maps_->gauge_values().begin(), maps_->gauge_values().end());
+        gauges_->row(row);
+        last_gauges_step_ = clock.step;
     }
 }
 
@@ -255,14 +268,17 @@ void Driver<Real, Dim>::record_balance() {
 }
 
 template <class Real, int Dim>
-void Driver<Real, Dim>::finish() {
+void Driver<Real, Dim>::finish(const std::string& ended_by) {
     const RunClock<Dim>& clock = sim_.clock();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     if (maps_) maps_->write(directory_);
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_));
-    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}Results are in {}\n", times.text(), directory_);
+    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_, ended_by));
+    if (!comm_.is_root() || options_.quiet) return;
+    if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
+    fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}\n", times.text(), ended_by, clock.time,
+               directory_);
 }
 
 namespace {

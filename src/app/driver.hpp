@@ -2,7 +2,7 @@
 // A run from start to end: steps, and between them output, checkpoints, records and signals.
 //
 // Output happens after the first step at or past its time, a run ends at the first step with
-// t >= time.end: nothing here changes dt or the answer.
+// t >= time.end, or at rest (simulation/rest_watch.hpp): nothing here changes dt or the answer.
 
 #include <memory>
 
@@ -19,6 +19,7 @@
 #include "records/load_record.hpp"
 #include "records/run_health.hpp"
 #include "records/time_series.hpp"
+#include "simulation/rest_watch.hpp"
 #include "simulation/simulation.hpp"
 
 namespace moraine {
@@ -44,7 +45,7 @@ class Driver {
     void record_structures();
     void sample_maps();
     void checkpoint();
-    void finish();
+    void finish(const std::string& ended_by);
     double wall() const;
     bool stop_asked() const;
 
@@ -54,10 +55,11 @@ class Driver {
     std::string directory_, device_message_;
     RunLock lock_;  ///< of the directory; rank 0's
     Simulation<Real, Dim> sim_;
-    std::unique_ptr<CsvLog> history_, balance_, structures_;  ///< the last: where there are structures
-    std::unique_ptr<LoadRecord<Real, Dim>> loads_;            ///< none unless the scene asks for it
-    std::unique_ptr<HazardMaps> maps_;                        ///< none unless the scene asks for them
-    std::unique_ptr<ParticleSeries> series_;                  ///< none: --no-particles
+    std::unique_ptr<CsvLog> history_, balance_, structures_, gauges_;  ///< the last two: where there are any
+    std::unique_ptr<LoadRecord<Real, Dim>> loads_;                     ///< none unless the scene asks for it
+    std::unique_ptr<HazardMaps> maps_;                                 ///< none unless the scene asks for them
+    std::unique_ptr<RestWatch<Dim>> rest_;                             ///< none unless the scene is to end at rest
+    std::unique_ptr<ParticleSeries> series_;                           ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;
     std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made
@@ -67,7 +69,7 @@ class Driver {
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
     std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
-    std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1;
+    std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1, last_gauges_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv
     std::array<double, Phases::count> reported_seconds_{};
     std::int64_t reported_halo_ = 0;

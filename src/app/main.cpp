@@ -1,5 +1,5 @@
-// moraine: the command line. `run` a scene, `check` it, `converge` it, `replay`, `picture` or `report` runs; exit codes
-// say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, `converge` it, `replay`, `picture` or `report` runs; `schema`
+// is for editors; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "app/agreed_scene.hpp"
@@ -24,6 +25,7 @@
 #include "predict/prediction.hpp"
 #include "records/version.hpp"
 #include "replay/replay.hpp"
+#include "scene/scene_schema.hpp"
 
 namespace moraine {
 
@@ -59,10 +61,11 @@ void check_device_scene(const Scene& scene) {
                             scene.path, s.name));
     }
     for (const MaterialSpec& m : scene.materials)
-        if (m.volumetric == Volumetric::grid)
-            throw InputError(
-                fmt::format("{}: material.{}.volumetric = \"grid\" (devices do not have it). Use --device cpu?",
-                            scene.path, m.name));
+        if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid)
+            throw InputError(fmt::format(
+                "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
+                "--device cpu?",
+                scene.path, m.name));
     if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
     const auto& all = scene.materials;
     if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;
@@ -91,6 +94,8 @@ void execute(const Options& options, const Comm& comm) {
         if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
         return;
     }
+    for (const std::string& notice : scene.notices)
+        if (comm.is_root() && !options.quiet) fmt::print(stderr, "{}\n", notice);
     choose_threads(comm);
     const DeviceChoice device = choose_device(options.device, comm, options.transport);
     if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
@@ -104,7 +109,9 @@ int run_program(int argc, char** argv) {
         if (options.command == "version") {
             if (comm.is_root()) fmt::print("moraine {} ({})\n", version_text, commit_text);
         } else if (options.command == "help") {
-            if (comm.is_root()) fmt::print("{}", help_text());
+            if (comm.is_root()) fmt::print("{}", help_text(options.topic));
+        } else if (options.command == "schema") {
+            if (comm.is_root()) fmt::print("{}\n", scene_schema().text());
         } else if (options.command == "replay") {
             if (comm.is_root()) replay(options.replay);
         } else {
@@ -140,6 +147,10 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     if (argc > 1 && moraine::is_script(argv[1])) return moraine::become_script(argc, argv);
+    if (argc > 2 && std::strcmp(argv[1], "help") == 0 && moraine::is_script(argv[2])) {
+        char* words[] = {argv[0], argv[2], const_cast<char*>("--help"), nullptr};
+        return moraine::become_script(3, words);
+    }
     std::signal(SIGXFSZ, SIG_IGN);       // a limit on file sizes is told by the write that meets it (io/disk_file.cpp)
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
     int provided = 0;

@@ -16,14 +16,29 @@ namespace {
 
 namespace po = boost::program_options;
 
-constexpr const char* usage =
-    "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"
-    "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"
-    "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded block loads\n"
-    "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is (converge --help)\n"
-    "moraine picture RUN_DIR [options]    PNG of particles at chosen times, and an animation (picture --help)\n"
-    "moraine report RUN_DIR... [--output F]  one page about runs, side by side (report --help)\n"
-    "moraine --version | --help\n\n";
+struct Command {
+    const char* name;
+    const char* usage;
+};
+
+constexpr Command commands[] = {
+    {"run", "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"},
+    {"check", "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"},
+    {"replay",
+     "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded loads\n"},
+    {"converge", "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is\n"},
+    {"picture",
+     "moraine picture RUN_DIR [options]    PNG of particles at chosen times and of maps, and an animation\n"},
+    {"report", "moraine report RUN_DIR... [--output F]  one page about runs, side by side\n"},
+    {"schema", "moraine schema                       JSON Schema of scenes, for editors (docs/guide/own-scene.md)\n"},
+    {"help", "moraine help COMMAND                 its options, as moraine COMMAND --help\n"},
+};
+
+std::vector<std::string> command_names() {
+    std::vector<std::string> names;
+    for (const Command& command : commands) names.emplace_back(command.name);
+    return names;
+}
 
 const std::vector<std::string> devices{"auto", "cpu", "cuda"};
 
@@ -63,7 +78,7 @@ po::options_description check_options(Options& o) {
     po::options_description options("check");
     options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
         "device", po::value(&o.device)->value_name("NAME"),
-        "as in run: with a device, the host's memory is that async it")(
+        "as in run: with a device, the host's memory is that beside it")(
         "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
         "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
     return options;
@@ -116,21 +131,33 @@ void check_choice(const std::string& option, const std::string& value, const std
                         suggest(value, choices));
 }
 
+void check_topic(const std::string& topic) {
+    const std::vector<std::string> names = command_names();
+    if (!topic.empty() && std::find(names.begin(), names.end(), topic) == names.end())
+        refuse_argument("moraine help " + topic, "not a command", suggest(topic, names));
+}
+
 }  // namespace
 
 Options parse_options(int argc, const char* const* argv) {
     const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
     Options o;
-    if (words.empty() || std::find(words.begin(), words.end(), "--help") != words.end()) {
+    if (words.empty() || words[0] == "help" || std::find(words.begin(), words.end(), "--help") != words.end()) {
         o.command = "help";
+        for (const std::string& word : words)
+            if (word != "help" && word != "--help" && o.topic.empty()) o.topic = word;
+        check_topic(o.topic);
         return o;
     }
     if (words[0] == "--version") {
         o.command = "version";
         return o;
     }
-    const std::vector<std::string> commands{"run",     "check",  "replay",    "converge",
-                                            "picture", "report", "--version", "--help"};
+    if (words[0] == "schema") {
+        if (words.size() > 1) refuse_argument(words[1], "moraine schema takes no words", "Remove it?");
+        o.command = "schema";
+        return o;
+    }
     if (words[0] == "replay") {
         o.command = "replay";
         o.replay = parse_replay({words.begin() + 1, words.end()});
@@ -138,8 +165,9 @@ Options parse_options(int argc, const char* const* argv) {
     }
     if (words[0] != "run" && words[0] != "check") {
         const bool scene = words[0].ends_with(".toml");
-        refuse_argument(words[0], "not a command",
-                        scene ? fmt::format("Did you mean moraine run {}?", words[0]) : suggest(words[0], commands));
+        refuse_argument(
+            words[0], "not a command",
+            scene ? fmt::format("Did you mean moraine run {}?", words[0]) : suggest(words[0], command_names()));
     }
     o.command = words[0];
     parse_arguments({words.begin() + 1, words.end()}, o.command == "run" ? run_options(o) : check_options(o), o);
@@ -150,10 +178,15 @@ Options parse_options(int argc, const char* const* argv) {
     return o;
 }
 
-std::string help_text() {
+std::string help_text(const std::string& topic) {
     Options unused;
     std::ostringstream out;
-    out << usage << run_options(unused) << '\n' << check_options(unused) << '\n' << replay_help();
+    for (const Command& command : commands)
+        if (topic.empty() || topic == command.name) out << command.usage;
+    out << (topic.empty() ? "moraine --version | --help\n\n" : "\n");
+    if (topic.empty() || topic == "run") out << run_options(unused) << '\n';
+    if (topic.empty() || topic == "check") out << check_options(unused) << '\n';
+    if (topic.empty() || topic == "replay") out << replay_help();
     return out.str();
 }
 

@@ -9,7 +9,8 @@
 namespace moraine {
 
 struct Options {
-    std::string command;  ///< run, check, replay, version, help
+    std::string command;  ///< run, check, replay, schema, version, help
+    std::string topic;    ///< of help: a command; empty: all
     std::string scene;    ///< path
     std::string output;   ///< directory; empty: runs/<scene name>
     bool overwrite = false;
@@ -27,7 +28,7 @@ struct Options {
 /// Throws InputError. Not collective: every rank has the same arguments.
 Options parse_options(int argc, const char* const* argv);
 
-/// What --help prints.
-std::string help_text();
+/// What --help prints of a command; empty: of all.
+std::string help_text(const std::string& topic);
 
 }  // namespace moraine

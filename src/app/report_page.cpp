@@ -22,7 +22,8 @@ int become_script(int argc, char** argv) {
     constexpr int machine_failed = 4;
     std::error_code failed;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-    const std::string script = (program.parent_path() / argv[1]).string();
+    const bool report = std::strcmp(argv[1], "report") == 0;  // the others are commands of the Python package
+    const std::string script = (program.parent_path() / (report ? "report" : "package")).string();
     if (failed || !std::filesystem::exists(script + "/__main__.py")) {
         fmt::print(stderr, "moraine: the script of moraine {} is not beside the program (no {}). Build it again?\n",
                    argv[1], script);
@@ -31,7 +32,7 @@ int become_script(int argc, char** argv) {
     const char* chosen = std::getenv("MORAINE_PYTHON");
     std::string python = chosen && *chosen ? chosen : "python3";
     std::vector<std::string> words{python, "-B", script};
-    for (int k = 2; k < argc; ++k) words.emplace_back(argv[k]);
+    for (int k = report ? 2 : 1; k < argc; ++k) words.emplace_back(argv[k]);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);

@@ -1,7 +1,7 @@
 #pragma once
 // `moraine report`, `moraine picture` and `moraine converge`: hand over to the scripts beside the program
-// (scripts/report, scripts/picture, scripts/converge, Python), which read what runs wrote, or start them. Plots are a
-// plotting library's work; what a run is and did stays in its files.
+// (scripts/report; the others, by scripts/package, the Python package), which read what runs wrote, or start them.
+// Plots are a plotting library's work; what a run is and did stays in its files.
 
 namespace moraine {
 

@@ -6,11 +6,7 @@ namespace moraine {
 
 template <class Real, int Dim>
 CellContext<Real, Dim> HostEngine<Real, Dim>::cell_context() {
-    return {method_.context,
-            patch_.table(),
-            patch_.grid(),
-            {cells_.data(), factors_.data(), method_.grid_bulk() ? held_.data() : nullptr},
-            whole_cell_.data()};
+    return {method_.context, patch_.table(), patch_.grid(), cells_.data(), held_.data(), whole_cell_.data()};
 }
 
 template <class Real, int Dim>
@@ -20,29 +16,38 @@ void HostEngine<Real, Dim>::find_cells(const Substep& first) {
     factors_.resize(tiles * Block<Dim>::cells * CellContext<Real, Dim>::nodes);
     const std::span<const std::int32_t> blocks = patch_.blocks();
     Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
-                       FindCells<Real, Dim>{cell_context(), patch_.particles.view(), patch_.list(), method_.capacity,
-                                            method_.grid_bulk(), blocks.data(), first.dt, first.damping()});
+                       FindCells<Real, Dim, HostCellParticles<Real, Dim>, KeptFactors<Real, Dim>>{
+                           {cell_context(), patch_.list(), method_.capacity, blocks.data(), first.dt, first.damping()},
+                           {patch_.particles.view(), method_.grid_bulk()},
+                           {factors_.data()}});
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum_cells(std::span<const std::int32_t> blocks, const Substep& substep) {
-    Host::launch_teams(
-        static_cast<std::int64_t>(blocks.size()),
-        SumCells<Real, Dim>{cell_context(), patch_.list(), blocks.data(), substep.is_first() && method_.fluid(),
-                            static_cast<Real>(substep.damping())});
+    Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
+                       SumCells<Real, Dim>{cell_context(),
+                                           {factors_.data()},
+                                           patch_.list(),
+                                           blocks.data(),
+                                           substep.is_first() && method_.fluid(),
+                                           static_cast<Real>(substep.damping())});
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScales<Dim>& step) {
     NodeRound<Real, Dim> round = node_round(NodeTask::substep, substep.dt, step);
     round.first_substep = substep.is_first();
+    round.step = static_cast<Real>(step.dt);
     round.with_means = substep.is_first() && method_.fluid();
     solve(round, step);
     const std::span<const std::int32_t> blocks = patch_.blocks();
-    Host::launch_teams(
-        static_cast<std::int64_t>(blocks.size()),
-        UpdateCells<Real, Dim>{cell_context(), patch_.list(), blocks.data(), static_cast<Real>(substep.dt),
-                               static_cast<Real>(0.5 * (substep.number + 0.5) * substep.dt)});
+    Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
+                       UpdateCells<Real, Dim>{cell_context(),
+                                              {factors_.data()},
+                                              patch_.list(),
+                                              blocks.data(),
+                                              static_cast<Real>(substep.dt),
+                                              static_cast<Real>(0.5 * (substep.number + 0.5) * substep.dt)});
 }
 
 template class HostEngine<float, 2>;

@@ -111,7 +111,7 @@ void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std:
     const auto count = static_cast<std::int64_t>(pairs.size());
     if (finding_)
         Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
-                                                  static_cast<int>(count)});
+                                                  static_cast<int>(count), call.particles.id, &buried_});
     method_.kernels.p2g(call, method_.cell);
     if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count});
 }
@@ -207,7 +207,7 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
         method_.limits,
         method_.fluid(),
         shifts ? &shifting : nullptr,
-        cell_context().views};
+        {cells_.data(), factors_.data(), method_.grid_bulk() ? held_.data() : nullptr}};
     method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
     if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
@@ -225,6 +225,12 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         if (out.faults) note_fault(b, out, moved);
         report_.clamped += out.clamped;
         report_.budget.work.add(quantum.of(out.work));
+    }
+    if (buried_.id != Buried<Dim>{}.id) {
+        report_.faults |= fault_buried;
+        fault_records_.push_back({buried_.id, fault_buried, {}});
+        std::copy_n(buried_.x.e, Dim, fault_records_.back().x.begin());
+        buried_ = {};
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
 }

@@ -9,6 +9,7 @@
 #include "comm/halo.hpp"
 #include "comm/lattice_fill.hpp"
 #include "comm/migration.hpp"
+#include "core/particle_depth.hpp"
 
 namespace moraine {
 
@@ -74,6 +75,7 @@ class HostEngine final : public Engine<Real, Dim> {
     Traffic ended_;  ///< of the epochs before
     StepReport<Dim> report_;
     std::vector<FaultRecord<Dim>> fault_records_;
+    Buried<Dim> buried_;  ///< of this step
     Host::Array<ExactSum> impulse_;
     NodeMean mean_ = NodeMean::none;
     Host::Array<HeldNode<Real, Dim>> held_;  ///< of the grid's pressure, as the next two

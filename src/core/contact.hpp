@@ -38,10 +38,17 @@ template <int Dim>
 struct ContactNode {
     Vec<double, Dim> x;  ///< relative to the structure's image [m]
     Surface<Dim> surface;
-    double hold;  ///< S, 0: free
-    double gap;   ///< 0: touches [m]
-    double area;  ///< A_i [m2, m]
-    bool sticks;  ///< where it comes nearer: it touches a rough surface
+    double hold;           ///< S, 0: free
+    double gap;            ///< 0: touches [m]
+    double area;           ///< A_i [m2, m]
+    bool sticks;           ///< where it comes nearer: it touches a rough surface
+    double friction, cap;  ///< of the structure there; on the host
+};
+
+/// The times of a round: a substep is shorter than the step in which particles go by what comes of it.
+struct ContactTime {
+    double dt;       ///< in which forces act [s]
+    double closing;  ///< in which gaps may close [s]
 };
 
 /// Whether a node of the block whose lowest node is `node` may touch the structure.
@@ -67,6 +74,14 @@ MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<
     n.gap = gap.cells() > 0 ? gap.cells() * f.cell : 0;
     n.sticks = s.law == InterfaceLaw::rough && gap.cells() < touching;
     n.area = gap.faces() * (Dim == 2 ? f.cell : f.cell * f.cell);
+#if !defined(__CUDA_ARCH__)
+    n.friction = s.friction, n.cap = s.cap;
+    if (s.shape == StructureShape::ground && s.corners != 0) {
+        const Vec<double, 2>* table = f.corners + s.first_corner;
+        if (s.corners & bed_friction) n.friction = bed_value(table, 0, n.x);
+        if (s.corners & bed_cap) n.cap = bed_value(table, s.corners & bed_friction ? 1 : 0, n.x);
+    }
+#endif
     return n;
 }
 
@@ -90,6 +105,11 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
                           Vec<double, Dim>& slip) {
     const double speed = magnitude(slip);
     double most = 0;
+#if defined(__CUDA_ARCH__)
+    const double friction = s.friction, cap = s.cap;
+#else
+    const double friction = n.friction, cap = n.cap;
+#endif
     switch (s.law) {
         case InterfaceLaw::smooth:
             break;
@@ -97,14 +117,14 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
             most = n.sticks ? n.hold * speed : 0.0;
             break;
         case InterfaceLaw::coulomb:
-            most = s.friction * pressed;
+            most = friction * pressed;
             break;
         case InterfaceLaw::undrained:
-            most = s.cap * n.area * dt_over_mass;
+            most = cap * n.area * dt_over_mass;
             break;
 #if !defined(__CUDA_ARCH__)  // no device steps a scene that has it (app/main.cpp)
         case InterfaceLaw::voellmy:
-            most = speed - after_drag(speed - s.friction * pressed, s.cap * n.area * dt_over_mass);
+            most = speed - after_drag(speed - friction * pressed, cap * n.area * dt_over_mass);
             break;
 #else
         default:
@@ -116,17 +136,17 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
 
 /// Takes the contact with one structure from the node's velocity v. Returns whether they touch.
 template <class Real, int Dim>
-MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>& n, double dt, double mass,
-                                Vec<Real, Dim>& v) {
+MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>& n, const ContactTime& time,
+                                double mass, Vec<Real, Dim>& v) {
     if (!(n.hold > 0 || n.area > 0)) return false;
     Vec<double, Dim> slip;
     for (int a = 0; a < Dim; ++a) slip[a] = double(v[a]) - s.velocity[a];
     const double approach = dot(slip, n.surface.normal);
-    const double too_fast = -n.gap / dt - approach;
+    const double too_fast = -n.gap / time.closing - approach;
     const double pressed = too_fast > 0 ? too_fast * n.hold : 0.0;
     if (!(pressed > 0 || (n.sticks && approach < 0) || (acts_where_it_touches(s.law) && n.area > 0))) return false;
     slip = slip - approach * n.surface.normal;
-    slow_slip(s, n, pressed, dt / mass, slip);
+    slow_slip(s, n, pressed, time.dt / mass, slip);
     for (int a = 0; a < Dim; ++a) v[a] = Real(double(v[a]) + pressed * n.surface.normal[a] - slip[a]);
     return true;
 }
@@ -152,15 +172,15 @@ MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& 
 /// All structures in turn on one node: changes v, adds up at the structures if the node is counted here. gap_of(k):
 /// what particles tell of structure k. `given`: what they got together [kg m/s]. Returns whether one touches.
 template <class Real, int Dim, class GapOf>
-MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, Real dt, bool counted,
-                                 const Quantum& quantum, const GapOf& gap_of, Vec<Real, Dim>& v,
+MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, const ContactTime& time,
+                                 bool counted, const Quantum& quantum, const GapOf& gap_of, Vec<Real, Dim>& v,
                                  Vec<double, Dim>& given) {
     bool touched = false;
     for (int k = 0; k < f.count; ++k) {
         const Structure<Dim>& s = f.structure[k];
         const ContactNode<Dim> n = look_at(f, s, node, gap_of(k));
         const Vec<Real, Dim> before = v;
-        if (!touch_structure(s, n, double(dt), double(mass), v)) continue;
+        if (!touch_structure(s, n, time, double(mass), v)) continue;
         touched = true;
         Vec<double, Dim> impulse;
         for (int a = 0; a < Dim; ++a) {

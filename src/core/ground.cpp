@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace moraine {
 
@@ -33,6 +34,10 @@ double steepest(const double* c, std::int64_t n, std::int64_t step, double spaci
     return most / spacing;
 }
 
+void append_pairs(const std::vector<double>& c, std::vector<Vec<double, 2>>& table) {
+    for (std::size_t k = 0; k < c.size(); k += 2) table.push_back({{c[k], k + 1 < c.size() ? c[k + 1] : 0.0}});
+}
+
 }  // namespace
 
 void Ground::fit() {
@@ -57,7 +62,40 @@ void Ground::fit() {
              {{1 / spacing, 1 / std::sqrt(1 + along * along + across * across)}},
              {{*low, *high}},
              {{static_cast<double>(nx), static_cast<double>(ny)}}};
-    for (std::size_t k = 0; k < c.size(); k += 2) table.push_back({{c[k], k + 1 < c.size() ? c[k + 1] : 0.0}});
+    append_pairs(c, table);
+}
+
+void append_bed(const Ground& ground, const std::vector<double>& values, std::vector<Vec<double, 2>>& table) {
+    const std::int64_t nx = ground.count[0], ny = ground.count[1];
+    const std::int64_t below = ny == 1 ? 0 : 1;  // a profile has no row beside its own
+    std::vector<double> c;
+    for (std::int64_t j = -below; j < ny + below; ++j)
+        for (std::int64_t i = -1; i <= nx; ++i)
+            c.push_back(values[static_cast<std::size_t>(std::clamp<std::int64_t>(j, 0, ny - 1) * nx +
+                                                        std::clamp<std::int64_t>(i, 0, nx - 1))]);
+    append_pairs(c, table);
+}
+
+double raster_value(const Ground& raster, double x, double y) {
+    const std::array<double, 2> place{x, y};
+    std::array<std::int64_t, 2> low{};
+    std::array<double, 2> part{};
+    for (std::size_t a = 0; a < 2; ++a) {
+        const double t = (place[a] - raster.first[a]) / raster.spacing, last = static_cast<double>(raster.count[a] - 1);
+        if (!(t >= -0.5 - 1e-9 && t <= last + 0.5 + 1e-9)) return std::numeric_limits<double>::quiet_NaN();
+        const double inside = std::clamp(t, 0.0, last);
+        low[a] = std::min(static_cast<std::int64_t>(inside), std::max<std::int64_t>(raster.count[a] - 2, 0));
+        part[a] = inside - static_cast<double>(low[a]);
+    }
+    double sum = 0, weights = 0;
+    for (std::int64_t j = 0; j < 2; ++j)
+        for (std::int64_t i = 0; i < 2; ++i) {
+            const double w = (i == 0 ? 1 - part[0] : part[0]) * (j == 0 ? 1 - part[1] : part[1]);
+            if (!(w > 0)) continue;
+            const double value = raster.height[static_cast<std::size_t>((low[1] + j) * raster.count[0] + low[0] + i)];
+            if (!std::isnan(value)) sum += w * value, weights += w;
+        }
+    return weights > 0 ? sum / weights : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace moraine

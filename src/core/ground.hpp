@@ -8,11 +8,14 @@
 //
 // Kernels read a table of pairs of doubles: [0] place of node (0, 0); [1] 1 / a and the least cosine of slope that the
 // control points allow; [2] lowest and highest control point; [3] nodes along x and y; from [4] on the control points,
-// one more at each end of an axis than nodes, x fastest.
+// one more at each end of an axis than nodes, x fastest. What varies over the bed (friction, a largest shear stress)
+// may follow as tables of the same form, of the values at the nodes: N spreads them over a node and a half, and no
+// value goes beyond those around it.
 
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/vec.hpp"
@@ -24,11 +27,20 @@ struct Ground {
     double spacing = 0;                       ///< a [m]
     std::array<std::int64_t, 2> count{1, 1};  ///< nodes along x and y; a profile has one row
     std::vector<double> height;               ///< x fastest, y rising [m]
+    std::vector<double> friction, xi, su;     ///< of the bed at the nodes [-, m/s2, Pa]; empty: one value everywhere
+    std::string crs;                          ///< coordinate system, as WKT; empty: not known
     std::vector<Vec<double, 2>> table;        ///< by fit()
 
     /// Makes the table; all heights must be finite.
     void fit();
 };
+
+/// Appends a table of values at the nodes, whose edges go on beyond the last node.
+void append_bed(const Ground& ground, const std::vector<double>& values, std::vector<Vec<double, 2>>& table);
+
+/// Between the nodes of a raster, linear along both axes; nodes that are not known (NaN) are left out, and beyond the
+/// outer nodes the edge goes on for half a cell. NaN where nothing is known.
+double raster_value(const Ground& raster, double x, double y);
 
 template <int Dim>
 struct GroundPoint {
@@ -72,6 +84,23 @@ MORAINE_HD GroundPoint<Dim> ground_at(const Vec<double, 2>* table, const Vec<dou
         }
     }
     return p;
+}
+
+/// Of table number `which` behind the heights' own, at x [m].
+template <int Dim>
+MORAINE_HD double bed_value(const Vec<double, 2>* table, int which, const Vec<double, Dim>& x) {
+    double w[2][3] = {}, dw[3], sum = 0;
+    int first[2] = {0, 0};
+    for (int a = 0; a < Dim - 1; ++a)
+        ground_weights((x[a] - table[0][a]) * table[1][0], static_cast<int>(table[3][a]), first[a], w[a], dw);
+    const auto row = static_cast<std::size_t>(table[3][0]) + 2;
+    const std::size_t rows = Dim == 2 ? 1 : static_cast<std::size_t>(table[3][1]) + 2;
+    const auto* c =
+        reinterpret_cast<const double*>(table + 4 + static_cast<std::size_t>(1 + which) * ((row * rows + 1) / 2));
+    c += static_cast<std::size_t>(first[1]) * row + static_cast<std::size_t>(first[0]);
+    for (int j = 0; j < (Dim == 2 ? 1 : 3); ++j, c += row)
+        sum += (Dim == 2 ? 1.0 : w[1][j]) * (w[0][0] * c[0] + w[0][1] * c[1] + w[0][2] * c[2]);
+    return sum;
 }
 
 }  // namespace moraine

@@ -61,6 +61,9 @@ struct NodeRound {
     Real mass_cutoff;            ///< [kg]
     bool first_substep = false;  ///< of tasks that are one
     bool with_means = false;     ///< the first quad has the sums of a mean (cell_kernels.hpp)
+    Real step = Real(0);         ///< of a substep: the step's dt [s]
+
+    MORAINE_HD ContactTime contact_time() const { return {double(dt), double(task == NodeTask::substep ? step : dt)}; }
 };
 
 /// What stays at a node through the substeps of a step.
@@ -246,7 +249,7 @@ struct SolveNodes {
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
                     return near &&
                            touch_structures(
-                               contact, node, sums[0], round.dt, counted, quantum,
+                               contact, node, sums[0], round.contact_time(), counted, quantum,
                                [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given);
                 });
         } else {

@@ -11,7 +11,7 @@
 // than t notices nothing. The soil's weight may still squeeze the rows of its lowest cell together.
 //
 // A particle stays in its cell, as the lists of the step are made: one that the structure pushes to the end of its cell
-// walks on with its own velocity. Soil that stands a cell deep was put there.
+// walks on with its own velocity. Soil that stands a cell deep was put there; in the ground it ends the run.
 
 #include "core/particle_gaps.hpp"
 
@@ -20,10 +20,11 @@ namespace moraine {
 inline constexpr double deepest_place = 0.1;  ///< t [cells]
 inline constexpr double put_inside = 1.0;     ///< depth from which particles are left where they are [cells]
 
-/// Moves a particle of the block at `position` that is too deep. Returns whether it was.
+/// Moves a particle of the block at `position` that is too deep. Returns whether it was. `buried`: whether it stands so
+/// deep in the ground that it is left where it is.
 template <class Real, int Dim>
 MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& position,
-                            Vec<Coordinate<Real>, Dim>& u) {
+                            Vec<Coordinate<Real>, Dim>& u, bool* buried = nullptr) {
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(position[a], u[a]) - f.offset);
     x = image_near(f, s, x);
@@ -32,6 +33,7 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
 #endif
     const Surface<Dim> at = surface(s, f.corners, x);
     const double depth = -at.distance / f.cell;
+    if (buried && s.shape == StructureShape::ground && depth >= put_inside) *buried = true;
     if (!(depth > deepest_place && depth < put_inside)) return false;
     for (int a = 0; a < Dim; ++a) {
         constexpr Coordinate<Real> last = one_cell<Real> - 1;
@@ -50,6 +52,13 @@ MORAINE_HD void each_of_block(const ContactPair* pairs, int count, int k, const 
     for (; k < count && pairs[k].block == block; ++k) f(pairs[k].structure);
 }
 
+/// Of the particles that are buried, the one with the lowest id.
+template <int Dim>
+struct Buried {
+    std::uint64_t id = ~std::uint64_t(0);
+    Vec<double, Dim> x{};
+};
+
 /// The loop of the host, over the pairs.
 template <class Real, int Dim>
 struct LimitDepth {
@@ -59,13 +68,28 @@ struct LimitDepth {
     ContactField<Dim> field;
     const ContactPair* pairs;
     int count;
+    const std::uint64_t* id = nullptr;
+    Buried<Dim>* buried = nullptr;
 
     void operator()(int k) const {
         const std::int32_t block = pairs[k].block;
         each_of_block(pairs, count, k, [&](int structure) {
-            for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i)
-                limit_depth<Real, Dim>(field, field.structure[structure], table.position[block], place[list.slot[i]]);
+            for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i) {
+                bool deep = false;
+                const std::uint32_t s = list.slot[i];
+                limit_depth<Real, Dim>(field, field.structure[structure], table.position[block], place[s], &deep);
+                if (deep && buried) note(table.position[block], s);
+            }
         });
+    }
+
+    void note(const Vec<std::int32_t, Dim>& block, std::uint32_t s) const {
+#pragma omp critical(moraine_buried)
+        if (id[s] < buried->id) {
+            buried->id = id[s];
+            for (int a = 0; a < Dim; ++a)
+                buried->x[a] = field.origin[a] + field.cell * (local_of<Real>(block[a], place[s][a]) - field.offset);
+        }
     }
 };
 

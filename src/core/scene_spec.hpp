@@ -87,7 +87,10 @@ struct BodySpec {
     double radius = 0;                          ///< [m]
     std::vector<std::array<double, 2>> points;  ///< polygon, layer: in x, y, either sense [m]
     std::string file;      ///< table: path of .csv or .h5; layer: of its polygon; absolute or relative to the scene
-    double thickness = 0;  ///< layer: normal to the ground [m]
+    double thickness = 0;  ///< layer: normal to the ground, largest [m]
+    std::string thickness_file;  ///< layer: of its raster
+    std::shared_ptr<const Ground>
+        thickness_raster;                  ///< layer: thickness in place of heights; none: the same everywhere
     std::shared_ptr<const Ground> ground;  ///< layer
     std::array<int, 3> particles_per_cell{2, 2, 2};
     Seeding seeding = Seeding::lattice;
@@ -125,6 +128,7 @@ struct StructureSpec {
     bool clear = false;                         ///< particles that begin inside are removed
     std::string file;                           ///< ground: path, absolute or relative to the scene
     std::shared_ptr<const Ground> ground;
+    std::string friction_file, xi_file, su_file;  ///< ground: rasters
     InterfaceLaw law = InterfaceLaw::smooth;
     double friction = 0;  ///< coulomb, voellmy: mu [-]
     double alpha = 0;     ///< undrained: share of su [-]
@@ -148,11 +152,28 @@ struct OutputSpec {
     bool block_loads = false;             ///< record them at each balance interval, for replays
 };
 
+/// When a run is at rest (simulation/rest_watch.hpp).
+struct RestSpec {
+    bool stops = false;          ///< and ends there
+    double displacement = 0.05;  ///< of what rests, within an interval, below that [cells]
+    double mass = 0.999;         ///< share that must rest
+    double interval = 0;         ///< [s]; 0: by core/rest_interval.hpp
+    int intervals = 3;           ///< in turn
+};
+
+/// A place in plan where a run over terrain is observed.
+struct GaugeSpec {
+    std::string name;
+    double x = 0, y = 0;  ///< [m]
+};
+
 /// Maps of a run over terrain (records/hazard_maps.hpp).
 struct HazardSpec {
     double cell = 0;         ///< side of a cell of the maps [m]; 0: none
     double threshold = 0.1;  ///< depth from which the flow has arrived [m]
     std::vector<std::string> maps;
+    std::string gauges_file;
+    std::vector<GaugeSpec> gauges;
 };
 
 struct BalanceSpec {
@@ -190,9 +211,11 @@ struct Scene {
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;
+    RestSpec rest;
     OutputSpec output;
     HazardSpec hazard;
     BalanceSpec balance;
+    std::vector<std::string> notices;  ///< what a reader of the scene is told; no part of it
     std::uint64_t seed = 1;
     double watchdog = 0;  ///< [s of wall time] without a finished step that end a run; 0: none
 };

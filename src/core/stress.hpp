@@ -20,6 +20,7 @@ enum Fault : std::uint32_t {
     fault_left = 2,      ///< left a closed domain
     fault_inverted = 4,  ///< det(I + dL) <= 0
     fault_nan = 8,       ///< velocity or stress is not a number
+    fault_buried = 16,   ///< more than a cell under the ground
 };
 
 /// What one block's particles tell the step control.

@@ -21,6 +21,9 @@
 
 namespace moraine {
 
+/// What of a ground's law has a table of its own, in this order; bits of Structure::corners.
+enum BedTables { bed_friction = 1, bed_cap = 2 };
+
 template <int Dim>
 struct Structure {
     StructureShape shape;
@@ -28,7 +31,7 @@ struct Structure {
     Vec<double, Dim> along;     ///< plane: normal; cylinder, capsule: unit vector; box, prism: half lengths [m]
     double radius;              ///< ground: where distances are not bounds [m]
     double half;                ///< cylinder, capsule: half length [m]
-    int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table
+    int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table, BedTables
     Vec<double, Dim> velocity;  ///< in this step [m/s]
     InterfaceLaw law;
     double friction;  ///< Coulomb coefficient [-]

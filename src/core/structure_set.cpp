@@ -29,12 +29,31 @@ Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points,
 /// Distances of the ground are bounds from here on [cells]: contact and gaps look at nothing further off.
 constexpr double ground_reach = 2;
 
+/// Structure::cap.
+double cap_of(const Scene& scene, const StructureSpec& spec, double xi, double su) {
+    return spec.law == InterfaceLaw::voellmy ? spec.density * magnitude(vec_of<3>(scene.gravity)) / xi
+                                             : spec.alpha * su;
+}
+
 template <int Dim>
 void place_ground(const Scene& scene, const StructureSpec& spec, Structure<Dim>& s,
                   std::vector<Vec<double, 2>>& corners) {
     s.first_corner = static_cast<int>(corners.size());
     corners.insert(corners.end(), spec.ground->table.begin(), spec.ground->table.end());
     s.radius = ground_reach * scene.cell;
+    if (!spec.ground->friction.empty()) {
+        append_bed(*spec.ground, spec.ground->friction, corners);
+        s.corners |= bed_friction;
+    }
+    const std::vector<double>& varies = spec.law == InterfaceLaw::voellmy ? spec.ground->xi : spec.ground->su;
+    if (!varies.empty()) {
+        std::vector<double> caps;
+        for (double value : varies)
+            caps.push_back(spec.law == InterfaceLaw::voellmy ? cap_of(scene, spec, value, 0)
+                                                             : cap_of(scene, spec, 0, value));
+        append_bed(*spec.ground, caps, corners);
+        s.corners |= bed_cap;
+    }
     const Vec<double, Dim> low = vec_of<Dim>(scene.min), high = vec_of<Dim>(scene.max);
     s.at = low - (-0.5) * (high - low);  // periodic images are those inside the domain
     s.at[Dim - 1] = 0;
@@ -48,8 +67,7 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
     s.radius = spec.radius;
     s.law = spec.law;
     s.friction = spec.friction;
-    s.cap = spec.law == InterfaceLaw::voellmy ? spec.density * magnitude(vec_of<3>(scene.gravity)) / spec.xi
-                                              : spec.alpha * spec.su;
+    s.cap = cap_of(scene, spec, spec.xi, spec.su);
     s.velocity = zero_vec<double, Dim>();
     const Vec<double, Dim> from = vec_of<Dim>(spec.from), to = vec_of<Dim>(spec.to);
     const Vec<double, Dim> low = vec_of<Dim>(spec.min), high = vec_of<Dim>(spec.max);

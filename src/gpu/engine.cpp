@@ -31,7 +31,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     std::vector<std::uint16_t> materials;
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
-    if (method.fluid()) fluid_.assign(method.fluid(), scene.bodies.size());
+    take_fluids();
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
     if (method.stiffness()) {
         stiffness_.assign(method.stiffness(), scene.bodies.size());
@@ -39,7 +39,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
             full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
         limited_count_.resize(2 * LimitedBlocks::lists);
     }
-    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, method.fluid());
+    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means());
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
     empty_accounts(accounts_.data(), stream_);
@@ -47,20 +47,22 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::choose_kernels() {
-    const bool affine = method_.needs.affine, fluid = method_.fluid();
-    if (fluid)
+    const bool affine = method_.needs.affine, fluid = method_.fluid(), of_grid = method_.grid_bulk();
+    if (takes_means())
         p2g_mean_ = choose_p2g_mean<Real, Dim>(scene_.shape, affine);
     else
         p2g_ = choose_p2g<Real, Dim>(scene_.shape, affine);
     find_limited_ = choose_find_limited<Real, Dim>(scene_.shape);
     if (fuses(scene_)) {
         const MaterialSpec& material = scene_.materials.front();
-        gather_ = fluid ? make_fused_fluid_gather<Real, Dim>(material, affine)
-                        : make_fused_gather<Real, Dim>(material, scene_.shape, affine);
+        gather_ = of_grid ? make_fused_pressure_gather<Real, Dim>(material, affine)
+                  : fluid ? make_fused_fluid_gather<Real, Dim>(material, affine)
+                          : make_fused_gather<Real, Dim>(material, scene_.shape, affine);
         return;
     }
-    gather_ = fluid ? make_fluid_gather<Real, Dim>(scene_.shape, affine)
-                    : make_gather<Real, Dim>(scene_.shape, affine, method_.averaged() != nullptr);
+    gather_ = of_grid ? make_pressure_gather<Real, Dim>(affine)
+              : fluid ? make_fluid_gather<Real, Dim>(scene_.shape, affine)
+                      : make_gather<Real, Dim>(scene_.shape, affine, method_.averaged() != nullptr);
     for (const MaterialSpec& material : scene_.materials) stress_.push_back(make_stress<Real, Dim>(material));
 }
 

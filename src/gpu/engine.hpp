@@ -20,6 +20,7 @@
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"
+#include "gpu/kernels/pressure/pressure.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
@@ -65,6 +66,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void receive_halo() override;
     void expect_outgoing(const MigrationBound& bound) override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
+    void find_cells(const Substep& first) override;
+    void sum_boundary_cells(const Substep& substep) override;
+    void sum_interior_cells(const Substep& substep) override;
+    void solve_substep(const Substep& substep, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>&) override;
 
@@ -74,6 +79,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
   private:
     void choose_kernels();
+    void take_fluids();
     void take_tables(EpochTables<Dim> tables);
     void change_tables();
     void open_epoch();
@@ -84,7 +90,14 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void grow_tiles();
     void make_tiles(std::size_t tiles);
     void sum();
-    bool limits(const Round& round) const { return round.nodes == NodeTask::solve && method_.stiffness(); }
+    bool limits(const Round& round) const {
+        return (round.nodes == NodeTask::solve || round.nodes == NodeTask::hold) && method_.stiffness();
+    }
+    bool takes_means() const { return method_.fluid() || method_.grid_bulk(); }
+    NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
+    LightMarks<Real> light_marks_of(const Round& round) const;
+    void hold(const Round& round, const StepScales<Dim>& step);
+    CellTask<Real> cell_task(const Substep& substep) const;
     void sum_part(const Chosen& chosen, int blocks, cudaStream_t stream);
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const ContactField<Dim>* contact);
@@ -96,7 +109,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void set_stored(std::size_t n);
     void take_census();
     std::vector<ListRange> ranges() const;
-    void find_cells();
+    void bound_cells();
     void install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks);
     View<Real, Dim> view() const;
     int interior_blocks() const { return static_cast<int>(census_.blocks) - boundary_blocks_; }
@@ -111,8 +124,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     P2g<Real, Dim> p2g_ = nullptr;
     P2gMean<Real, Dim> p2g_mean_ = nullptr;  ///< in its place where fluids want a mean
     NodeMean mean_ = NodeMean::none;
-    Array<FluidTerms<Real>> fluid_;  ///< by body
-    Array<ExactSum> volumes_;        ///< of NodeVolumes
+    Array<FluidTerms<Real>> fluid_;   ///< by body
+    FluidTerms<Real> first_fluid_{};  ///< of the first one
+    PressureState<Real, Dim> pressure_;
+    Array<ExactSum> volumes_;  ///< of NodeVolumes
     std::unique_ptr<GatherKernel<Real, Dim>> gather_;
     std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
 

@@ -17,6 +17,7 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tiles_.resize((tiles + ghost_capacity_) *
                   static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
+    if (method_.grid_bulk()) pressure_.resize(tiles + ghost_capacity_, epoch_.node_key.size());
 }
 
 /// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the
@@ -26,9 +27,10 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;
     const double rows = static_cast<double>(record_layout(particles_.view()).bytes() + sizeof(Row<Real>) + 10);
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
-    const double block =
+    double block =
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
         4.0 * (Lists<Dim>::bounds + outgoing_bounds<Dim> + 2 * Block<Dim>::offsets);
+    if (method_.grid_bulk()) block += pressure_bytes<Real, Dim>();
     const double each =
         rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
@@ -75,6 +77,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
     if (least > tile_capacity_ || 2 * capacity < tile_capacity_ || ghosts > ghost_capacity_) make_tiles(capacity);
+    if (method_.grid_bulk()) pressure_.resize(tile_capacity_ + ghost_capacity_, node_blocks);
     report_is_of_epoch_ = false;
     gaps_.forget();
     if (exchange_) exchange_->open(epoch_, scene_.structures.size(), stream_);
@@ -119,7 +122,7 @@ std::size_t DeviceEngine<Real, Dim>::capacity_for(std::size_t particles) const {
 /// Particles and their lists are in place: what follows from them.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin(std::size_t particles, std::size_t blocks, std::size_t most) {
-    find_cells();
+    bound_cells();
     set_stored(particles);
     census_ = {static_cast<std::int64_t>(particles), static_cast<std::int64_t>(blocks), {}};
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
@@ -160,10 +163,10 @@ std::vector<ListRange> DeviceEngine<Real, Dim>::ranges() const {
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_cells() {
+void DeviceEngine<Real, Dim>::bound_cells() {
     const ListView<Dim> list = lists_.view();
-    bound_cells<Real, Dim>(static_cast<int>(epoch_.own.size()), list.first, list.slot,
-                           particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
+    gpu::bound_cells<Real, Dim>(static_cast<int>(epoch_.own.size()), list.first, list.slot,
+                                particles_.view().core[CoreRows<Real, Dim>::place], lists_.cell_bounds(), stream_);
 }
 
 /// Blocks keep their lists wherever they go. Incoming particles stand behind all that is stored until memory is next
@@ -211,7 +214,7 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
     }
     take_tables(std::move(tables));
     lists_.rearrange(epoch_, tables_.view(), binned, blocks, stream_);
-    find_cells();
+    bound_cells();
     open_epoch();
     stream_.wait();
     count_boundary();

@@ -8,11 +8,24 @@
 
 namespace moraine::gpu {
 
+/// Where the pressure is the grid's and nothing is smoothed or shifted, terms are zero.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::take_fluids() {
+    const std::size_t bodies = scene_.bodies.size();
+    if (method_.grid_bulk()) pressure_.start(method_.grid_bulk(), bodies);
+    if (!takes_means()) return;
+    std::vector<FluidTerms<Real>> terms(bodies);
+    if (method_.fluid()) terms.assign(method_.fluid(), method_.fluid() + bodies);
+    first_fluid_ = terms.front();
+    fluid_.assign(terms);
+}
+
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_part(const Chosen& chosen, int blocks, cudaStream_t stream) {
     const int grid = p2g_grid<Dim>(blocks);
     if (p2g_mean_)
-        p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume}, stream);
+        p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr},
+                  stream);
     else
         p2g_(view(), chosen, grid, method_.cell, stream);
 }
@@ -31,8 +44,8 @@ void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const
 
 template <class Real, int Dim>
 FluidArgs<Real> DeviceEngine<Real, Dim>::fluid_args() const {
-    if (!method_.fluid()) return {};
-    return {scene_.materials.size() > 1 ? fluid_.data() : nullptr, method_.fluid()[0], mean_ == NodeMean::volume};
+    if (!takes_means()) return {};
+    return {scene_.materials.size() > 1 ? fluid_.data() : nullptr, first_fluid_, mean_ == NodeMean::volume};
 }
 
 /// The sums of a step with volumes in place of masses; the next step makes all tiles anew.

@@ -150,12 +150,22 @@ Traffic DeviceEngine<Real, Dim>::traffic() const {
 }
 
 template <class Real, int Dim>
+NodeRound<Real, Dim> DeviceEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
+    return {task, static_cast<Real>(dt), method_.gravity, method_.damping, static_cast<Real>(step.mass_cutoff)};
+}
+
+template <class Real, int Dim>
+LightMarks<Real> DeviceEngine<Real, Dim>::light_marks_of(const Round& round) const {
+    if (!limits(round)) return {};
+    return {light_marks_.data(), Real(0.5) * full_mass_, limited_count_.data()};
+}
+
+template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
-    const NodeRound<Real, Dim> args{round.nodes, static_cast<Real>(step.dt), method_.gravity, method_.damping,
-                                    static_cast<Real>(step.mass_cutoff)};
-    LightMarks<Real> marks{};
-    if (limits(round)) marks = {light_marks_.data(), Real(0.5) * full_mass_, limited_count_.data()};
     watch_.begin(1, stream_);
+    if (round.nodes == NodeTask::hold) return hold(round, step);
+    const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
+    const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
         const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
         run_nodes(args, step.quantum, marks, &contact);
@@ -182,6 +192,10 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     if (limits(round))
         args.light = {stiffness_.data(), method_.limits, full_mass_, light_marks_.data(), limited_.data()};
     args.fluid = fluid_args();
+    if (method_.grid_bulk()) {
+        const PressureView<Real, Dim> pressure = pressure_.view();
+        args.cell = pressure.cell, args.mean = pressure.mean, args.bulk = pressure.bulk;
+    }
     args.gradient = gradient_.data();
     args.gradient_stride = static_cast<std::uint64_t>(particles_.capacity());
     return args;
@@ -265,6 +279,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     StepReport<Dim> report;
     report.signal = std::bit_cast<double>(account.signal);
     report.moved = std::bit_cast<double>(account.moved);
+    report.square_speed = std::bit_cast<double>(account.square_speed);
     report.faults = account.faults;
     report.in_guard_layer = report_->in_guard_layer != 0;
     report.clamped = account.clamped;

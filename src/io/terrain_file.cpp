@@ -17,9 +17,6 @@
 namespace moraine {
 namespace {
 
-constexpr double most_nodes = 268435456;  // 2^28 under a domain: 2 GB on each rank
-constexpr std::int64_t margin = 3;        // nodes beyond the domain: what is further off moves b by less than 1 %
-
 std::string text_of(const std::string& path, const char* kind, const char* key) {
     std::error_code none;
     if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
@@ -124,8 +121,8 @@ Ground grid_of(const std::map<std::string, double>& header, const Words& words) 
 
 }  // namespace
 
-Ground read_ascii_grid(const std::string& path) {
-    const std::string text = text_of(path, "terrain model", "terrain.dem");
+Ground read_ascii_grid(const std::string& path, const RasterUse& use) {
+    const std::string text = text_of(path, use.kind.c_str(), use.key.c_str());
     Words words(text, path, " \t\r\n");
     std::optional<std::string_view> word;
     const std::map<std::string, double> header = read_header(words, word);
@@ -138,7 +135,8 @@ Ground read_ascii_grid(const std::string& path) {
         if (!word)
             refuse(words.place(), fmt::format("the file ends after {} of {} heights", k, nx * ny),
                    "ncols and nrows say how many there are", "Is the file complete?");
-        const double z = words.number(*word, fmt::format("the height in row {}, column {}", row + 1, column + 1));
+        const double z =
+            words.number(*word, fmt::format("the {} in row {}, column {}", use.value, row + 1, column + 1));
         const bool none = unknown != header.end() && z == unknown->second;
         g.height[static_cast<std::size_t>((ny - 1 - row) * nx + column)] =
             none ? std::numeric_limits<double>::quiet_NaN() : z;
@@ -212,14 +210,14 @@ std::array<double, 2> point_of(const std::string& text, std::size_t& at, const s
 }
 
 /// The outer ring of the one geometry of a GeoJSON.
-std::vector<std::array<double, 2>> ring_of(const std::string& path) {
-    const std::string text = text_of(path, "area", "release.area");
+std::vector<std::array<double, 2>> ring_of(const std::string& path, const std::string& name) {
+    const std::string text = text_of(path, "area", name.c_str());
     const std::string key = "\"coordinates\"";
     const std::size_t first = text.find(key);
     if (first == std::string::npos || text.find("Polygon\"") == std::string::npos)
         refuse(path, "no polygon was found", "a geometry of type Polygon is needed", "Is it the GeoJSON of an area?");
     if (text.find(key, first + 1) != std::string::npos)
-        refuse(path, "more than one geometry", "a release has one polygon", "Give each a file and a release?");
+        refuse(path, "more than one geometry", "without GDAL an area is one polygon", "Give each a file?");
     std::vector<std::array<double, 2>> ring;
     std::size_t at = text.find('[', first);
     const auto inner = [&] { return at < text.size() ? text.find_first_not_of(" \t\r\n[", at) : at; };
@@ -233,11 +231,11 @@ std::vector<std::array<double, 2>> ring_of(const std::string& path) {
 
 }  // namespace
 
-std::vector<std::array<double, 2>> read_polygon(const std::string& path) {
+std::vector<std::array<double, 2>> read_polygon(const std::string& path, const std::string& key) {
     const bool csv = path.ends_with(".csv");
     if (!csv && !path.ends_with(".geojson") && !path.ends_with(".json"))
         refuse(path, "unknown kind of area", "must be .csv or .geojson", "Convert or rename it?");
-    auto ring = csv ? read_pairs(path, "area", "release.area", "x", "y") : ring_of(path);
+    auto ring = csv ? read_pairs(path, "area", key.c_str(), "x", "y") : ring_of(path, key);
     if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
     if (ring.size() < 3)
         refuse(path, fmt::format("the polygon has {} corners", ring.size()), "at least 3 are needed",
@@ -245,48 +243,32 @@ std::vector<std::array<double, 2>> read_polygon(const std::string& path) {
     return ring;
 }
 
-Ground cropped(const Ground& all, const std::string& path, const std::array<double, 2>& min,
-               const std::array<double, 2>& max) {
-    Ground part;
-    part.spacing = all.spacing;
-    std::array<std::int64_t, 2> from{0, 0};
-    for (std::size_t a = 0; a < (all.count[1] == 1 ? 1U : 2U); ++a) {
-        const double low = (min[a] - all.first[a]) / all.spacing, high = (max[a] - all.first[a]) / all.spacing;
-        const auto n = static_cast<double>(all.count[a]);
-        if (low < -0.5 - 1e-9 || high > n - 0.5 + 1e-9)
-            refuse(path,
-                   fmt::format("the model reaches from {:.10g} to {:.10g} along {}", all.first[a] - 0.5 * all.spacing,
-                               all.first[a] + (n - 0.5) * all.spacing, "xy"[a]),
-                   fmt::format("the domain from {:.10g} to {:.10g}", min[a], max[a]),
-                   "Shrink domain.min, domain.max, or take a larger model?");
-        const std::int64_t first = std::max<std::int64_t>(0, std::llround(std::floor(low)) - margin);
-        const std::int64_t last = std::min<std::int64_t>(all.count[a] - 1, std::llround(std::ceil(high)) + margin);
-        from[a] = first;
-        part.first[a] = all.first[a] + static_cast<double>(first) * all.spacing;
-        part.count[a] = last - first + 1;
-        if (part.count[a] < 3)
-            refuse(path, fmt::format("the model has {} heights along {} there", part.count[a], "xy"[a]),
-                   "at least 3 are needed", "Take a finer model?");
-    }
-    const double nodes = static_cast<double>(part.count[0]) * static_cast<double>(part.count[1]);
-    if (nodes > most_nodes)
-        refuse(path, fmt::format("{:.3g} heights under the domain", nodes),
-               fmt::format("{:.3g} GB on each rank; at most {:.2g} fit", 8e-9 * nodes, most_nodes),
-               "Take a coarser model?");
-    for (std::int64_t j = 0; j < part.count[1]; ++j)
-        for (std::int64_t i = 0; i < part.count[0]; ++i) {
-            const double z = all.height[static_cast<std::size_t>((from[1] + j) * all.count[0] + from[0] + i)];
-            if (std::isnan(z))
-                refuse(path,
-                       fmt::format("no height at ({:.10g}, {:.10g})",
-                                   part.first[0] + static_cast<double>(i) * part.spacing,
-                                   part.first[1] + static_cast<double>(j) * part.spacing),
-                       fmt::format("the model has no data there, under the domain or within {} cells of it", margin),
-                       "Fill its gaps, or shrink the domain?");
-            part.height.push_back(z);
+std::vector<GisShape> read_points(const std::string& path, const std::string& key) {
+    const std::string text = text_of(path, "table of points", key.c_str());
+    std::vector<GisShape> points;
+    std::size_t at = 0;
+    bool headed = false;
+    for (int line = 1; at < text.size(); ++line) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        const std::string row = text.substr(at, end - at);
+        at = end + 1;
+        Words words(row, path, " \t\r,;", line);
+        const auto name = words.next(), x = words.next(), y = words.next();
+        if (!name || (*name)[0] == '#') continue;
+        if (!y || words.next())
+            refuse(words.place(), "not three values", "a line is name,x,y", "Is the separator a comma?");
+        if (!headed && (lower_case(*name) != "name" || lower_case(*x) != "x" || lower_case(*y) != "y"))
+            refuse(words.place(), fmt::format("the header is {}", quote(row.substr(0, 40))), "must be name,x,y",
+                   "Add it as the first line?");
+        if (headed) {
+            GisShape point;
+            point.name = std::string(*name);
+            point.points = {{words.number(*x, "x"), words.number(*y, "y")}};
+            points.push_back(point);
         }
-    part.fit();
-    return part;
+        headed = true;
+    }
+    return points;
 }
 
 }  // namespace moraine

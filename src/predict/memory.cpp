@@ -61,6 +61,16 @@ double node_block_bytes(const Scene& scene) {
     return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
 }
 
+/// What the grid's pressure keeps of a block's cells and nodes (core/grid_pressure.hpp): geometry as factors of its
+/// nodes on the host, where only that of cells that are not whole is ever touched, as moments on a device.
+double pressure_bytes(const Scene& scene, bool on_device) {
+    if (!uses_grid_pressure(scene)) return 0;
+    const int d = scene.dimensions;
+    const double cells = std::pow(4, d), nodes = std::pow(3, d), state = 8;
+    const double geometry = on_device ? nodes : nodes * (d + 1), held = d + 1 + (on_device ? 1 : 0);
+    return cells * (state + geometry + 1.3 * held) * real_bytes(scene);
+}
+
 /// Of an output that a rank holds until it is written: one that is asynchronous, or compressed (then less).
 double held_output(const Scene& scene, const Prediction& p, int ranks) {
     if (!scene.output.asynchronous && !scene.output.deflate) return 0;
@@ -77,9 +87,9 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const double particle = size_of(scene).reals * real_bytes(scene) + 8 + 2 + lists + frame;
     const double mine = static_cast<double>(p.blocks) / ranks;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
-    return static_cast<double>(p.particles) / ranks * particle + mine * tile_bytes(scene) +
-           grown(scene, mine, 1) * node_block_bytes(scene) + grown(scene, mine, 2) * tables +
-           held_output(scene, p, ranks);
+    return static_cast<double>(p.particles) / ranks * particle +
+           mine * (tile_bytes(scene) + pressure_bytes(scene, false)) + grown(scene, mine, 1) * node_block_bytes(scene) +
+           grown(scene, mine, 2) * tables + held_output(scene, p, ranks);
 }
 
 namespace {
@@ -108,7 +118,8 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);
     const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
-    return particles * particle + tiles * tile_bytes(scene) + device_tables(scene, p) + staging + rounding;
+    return particles * particle + tiles * (tile_bytes(scene) + pressure_bytes(scene, true)) + device_tables(scene, p) +
+           staging + rounding;
 }
 
 /// Boxes of a transport for messages of so many bytes in all, two for each (the inboxes of gpu/transport).

@@ -142,7 +142,7 @@ double wave_speed(const Scene& scene, const BodySpec& body) {
 Prediction predict(const Scene& scene) {
     Prediction p;
     std::vector<Key> keys;
-    p.dt = std::numeric_limits<double>::infinity();
+    double signal = 0;
     LatticePrediction lattice;
     if (is_lattice(scene)) {
         lattice = predict_lattice(scene);
@@ -154,14 +154,17 @@ Prediction predict(const Scene& scene) {
         const double speed =
             b < lattice.speed.size() ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
         const double wave = wave_speed(scene, scene.bodies[b]);
-        p.dt = std::min(p.dt, courant_number(scene) * scene.cell / (wave + speed));
+        signal = std::max(signal, wave + speed);
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);
     }
     if (lattice.speed.empty()) sort_unique(keys);
     count_blocks(scene, keys, p);
-    if (scene.dt > 0) p.dt = scene.dt;
+    const StepChoice step = choose_step(scene, signal, p.max_speed, shear_wave_share(scene));
+    p.dt = scene.dt > 0 ? scene.dt : step.dt;
+    p.substeps = step.substeps;
     p.steps = std::ceil(scene.end / p.dt);
+    p.steps_without = std::ceil(scene.end * signal / (courant_number(scene) * scene.cell));
     return p;
 }
 

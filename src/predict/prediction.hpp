@@ -26,6 +26,8 @@ struct Prediction {
     double mass = 0;                ///< [kg]
     double dt = 0;                  ///< [s]
     double steps = 0;
+    int substeps = 1;           ///< of a step, of the start (core/grid_pressure.hpp)
+    double steps_without = 0;   ///< substeps
     double max_speed = 0;       ///< at the start [m/s]
     double max_wave_speed = 0;  ///< [m/s]
 };

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/ground.hpp"
 #include "io/disk_file.hpp"
+#include "records/outline.hpp"
 #include "scene/scene_keys.hpp"
 #include "simulation/diagnostics.hpp"
 
@@ -92,27 +94,51 @@ double HazardMaps::add_columns(const Simulation<Real, 3>& sim, const Window& win
     return std::sqrt(fastest);
 }
 
+HazardMaps::Flow HazardMaps::flow_of(const std::int64_t* s) const {
+    if (s[1] == 0) return {};
+    const double plan = scene_.hazard.cell * scene_.hazard.cell;
+    const double volume = static_cast<double>(s[0]) * volume_unit_, depth = volume / plan;
+    if (depth < scene_.hazard.threshold) return {depth, 0, 0};
+    const double mass = static_cast<double>(s[1]) * mass_unit_;
+    const double speed = momentum_unit_ / mass *
+                         std::hypot(static_cast<double>(s[2]), static_cast<double>(s[3]), static_cast<double>(s[4]));
+    return {depth, speed, mass / volume * speed * speed};
+}
+
 void HazardMaps::take(double time, const Window& window, const std::vector<std::int64_t>& sums) {
     for (Column& c : columns_) c[deposit] = 0;
-    const double plan = scene_.hazard.cell * scene_.hazard.cell;
     for (std::int64_t j = 0; j < window.size[1]; ++j)
         for (std::int64_t i = 0; i < window.size[0]; ++i) {
-            const std::int64_t* s = sums.data() + Sums::count * (i + window.size[0] * j);
-            if (s[1] == 0) continue;
+            const Flow f = flow_of(sums.data() + Sums::count * (i + window.size[0] * j));
+            if (f.depth == 0) continue;
             Column& c = columns_[static_cast<std::size_t>(window.first[0] + i + size_[0] * (window.first[1] + j))];
-            const double volume = static_cast<double>(s[0]) * volume_unit_, depth = volume / plan;
-            const double mass = static_cast<double>(s[1]) * mass_unit_;
-            const double speed =
-                momentum_unit_ / mass *
-                std::hypot(static_cast<double>(s[2]), static_cast<double>(s[3]), static_cast<double>(s[4]));
-            c[deposit] = depth;
-            c[max_depth] = std::max(c[max_depth], depth);
-            if (depth < scene_.hazard.threshold) continue;
+            c[deposit] = f.depth;
+            c[max_depth] = std::max(c[max_depth], f.depth);
+            if (f.depth < scene_.hazard.threshold) continue;
             if (c[arrival] == never) c[arrival] = time;
-            c[max_speed] = std::max(c[max_speed], speed);
-            c[max_pressure] = std::max(c[max_pressure], mass / volume * speed * speed);
-            c[max_momentum_flux] = std::max(c[max_momentum_flux], depth * speed * speed);
+            c[max_speed] = std::max(c[max_speed], f.speed);
+            c[max_pressure] = std::max(c[max_pressure], f.pressure);
+            c[max_momentum_flux] = std::max(c[max_momentum_flux], f.depth * f.speed * f.speed);
         }
+}
+
+std::vector<std::string> HazardMaps::gauge_columns() const {
+    std::vector<std::string> names{"step", "time_s"};
+    for (const GaugeSpec& gauge : scene_.hazard.gauges)
+        for (const char* what : {"depth_m", "speed_m_s", "pressure_Pa"}) names.push_back(gauge.name + "_" + what);
+    return names;
+}
+
+void HazardMaps::observe_gauges(const Window& window, const std::vector<std::int64_t>& sums) {
+    gauges_.clear();
+    for (const GaugeSpec& gauge : scene_.hazard.gauges) {
+        const std::int64_t i = column_along(0, gauge.x) - window.first[0];
+        const std::int64_t j = column_along(1, gauge.y) - window.first[1];
+        Flow f;
+        if (i >= 0 && j >= 0 && i < window.size[0] && j < window.size[1])
+            f = flow_of(sums.data() + Sums::count * (i + window.size[0] * j));
+        gauges_.insert(gauges_.end(), {f.depth, f.speed, f.pressure});
+    }
 }
 
 template <class Real>
@@ -123,6 +149,7 @@ void HazardMaps::sample(const Simulation<Real, 3>& sim) {
     comm_.sum(sums);
     const double time = sim.clock().time;
     take(time, window, sums);
+    observe_gauges(window, sums);
     const double g = std::hypot(scene_.gravity[0], scene_.gravity[1], scene_.gravity[2]);
     const double way = 0.5 * scene_.hazard.cell;  // 2 way / (v + sqrt(v^2 + 2 g way)) has no cancellation
     const double root = v + std::sqrt(v * v + 2 * g * way);
@@ -142,6 +169,32 @@ std::string HazardMaps::text_of(int map) const {
     return text;
 }
 
+/// As GeoTIFF.
+std::string HazardMaps::image_of(int map) const {
+    static constexpr const char* units[maps] = {"m", "m/s", "Pa", "m3/s2", "s", "m"};
+    MapImage image{size_,
+                   {scene_.min[0], scene_.min[1]},
+                   scene_.hazard.cell,
+                   scene_.structures[0].ground->crs,
+                   hazard_map_names()[static_cast<std::size_t>(map)],
+                   units[map],
+                   never,
+                   {}};
+    for (std::int64_t j = size_[1] - 1; j >= 0; --j)
+        for (std::int64_t i = 0; i < size_[0]; ++i)
+            image.values.push_back(static_cast<float>(
+                columns_[static_cast<std::size_t>(i + size_[0] * j)][static_cast<std::size_t>(map)]));
+    return geotiff_bytes(image);
+}
+
+std::string HazardMaps::outline() const {
+    std::vector<bool> reached;
+    for (const Column& c : columns_) reached.push_back(c[max_depth] >= scene_.hazard.threshold);
+    const auto polygons = outline_of(reached, size_, {scene_.min[0], scene_.min[1]}, scene_.hazard.cell);
+    return has_gdal() ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold)
+                      : outline_json(polygons, scene_.hazard.threshold);
+}
+
 void HazardMaps::write(const std::string& directory) const {
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (!comm_.is_root()) return;
@@ -151,8 +204,10 @@ void HazardMaps::write(const std::string& directory) const {
             const std::string& name = hazard_map_names()[static_cast<std::size_t>(map)];
             const auto& wanted = scene_.hazard.maps;
             if (std::find(wanted.begin(), wanted.end(), name) != wanted.end())
-                replace_file((folder / (name + ".asc")).string(), text_of(map));
+                replace_file((folder / (name + (has_gdal() ? ".tif" : ".asc"))).string(),
+                             has_gdal() ? image_of(map) : text_of(map));
         }
+        replace_file((folder / (has_gdal() ? "outline.gpkg" : "outline.geojson")).string(), outline());
     }));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// maps/NAME.asc: what a run over terrain leaves in plan, sampled while it goes on.
+// maps/NAME.tif (.asc where there is no GDAL): what a run over terrain leaves in plan, sampled while it goes on.
 //
 //   depth  D = sum V_p / a^2        vertical: of all particles over a map cell of side a, also of those that fly
 //   speed  w = |sum m v| / sum m    of the column's mean, its vertical part included
@@ -9,7 +9,8 @@
 // A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
 // freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole
 // numbers, and ranks that share a column add theirs before anything is compared: one answer on any number of ranks. A
-// checkpoint keeps the maps. The files are written at outputs and at the end.
+// checkpoint keeps the maps. The files are written at outputs and at the end, and beside them the outline of the
+// columns whose largest depth has reached the threshold (records/outline.hpp).
 
 #include <array>
 #include <cstdint>
@@ -34,6 +35,10 @@ class HazardMaps {
     /// The files into the directory's folder maps. Rank 0 writes. Collective; throws MachineError.
     void write(const std::string& directory) const;
 
+    /// gauges.csv: step, time, and of each gauge's column depth, speed and pressure at the last sample.
+    std::vector<std::string> gauge_columns() const;
+    const std::vector<double>& gauge_values() const { return gauges_; }
+
     /// For a checkpoint; the same on all ranks.
     std::vector<double> stored() const;
     /// Returns whether `all` can be what stored() gave in such a scene.
@@ -57,15 +62,24 @@ class HazardMaps {
     Window window_of(const Simulation<Real, 3>& sim) const;
     template <class Real>
     double add_columns(const Simulation<Real, 3>& sim, const Window& window, std::vector<std::int64_t>& sums) const;
+    /// Of one column now: a speed only where it is deep enough to tell one.
+    struct Flow {
+        double depth = 0, speed = 0, pressure = 0;
+    };
+    Flow flow_of(const std::int64_t* sums) const;
+    void observe_gauges(const Window& window, const std::vector<std::int64_t>& sums);
     void take(double time, const Window& window, const std::vector<std::int64_t>& sums);
     std::int64_t column_along(std::size_t axis, double x) const;
     std::string text_of(int map) const;
+    std::string image_of(int map) const;
+    std::string outline() const;
 
     const Scene& scene_;
     const Comm& comm_;
     std::array<std::int64_t, 2> size_{};  ///< columns along x and y
     double volume_unit_ = 1, mass_unit_ = 1, momentum_unit_ = 1;
     std::vector<Column> columns_;  ///< x fastest, y rising
+    std::vector<double> gauges_;   ///< the last observation
     double next_ = 0;              ///< time of the next sample [s]
 };
 

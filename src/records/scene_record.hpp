@@ -5,6 +5,8 @@
 // written when the run begins: a run that goes on, or was killed, can be drawn too. Where structures have moved to is
 // in structures.csv.
 
+#include <filesystem>
+
 #include "core/ground.hpp"
 #include "core/scene_spec.hpp"
 #include "io/json_text.hpp"
@@ -29,10 +31,10 @@ inline Json walls(const Scene& scene) {
     return list;
 }
 
-/// The ground of a scene in 2-D, down to the domain's lower end; in 3-D its file alone.
+/// The ground of a scene in 2-D, down to the domain's lower end; in 3-D its file alone, from where the run was started.
 inline Json ground(const Scene& scene, const StructureSpec& s) {
     Json::Named named{{"name", s.name}, {"shape", scene.dimensions == 2 ? "polygon" : "ground"}};
-    named.emplace_back("file", s.file);
+    named.emplace_back("file", (std::filesystem::path(scene.path).parent_path() / s.file).string());
     if (scene.dimensions == 3) return named;
     const auto place = [&](std::int64_t i) { return s.ground->first[0] + static_cast<double>(i) * s.ground->spacing; };
     std::vector<Json> points{std::vector<double>{place(0), scene.min[1]}};

@@ -130,7 +130,7 @@ Json warnings_in_summary(const RunHealth<Dim>& health) {
 /// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
-               const RunHealth<Dim>& health) {
+               const RunHealth<Dim>& health, const std::string& ended_by) {
     const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
@@ -139,7 +139,6 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     comm.sum(sums);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
-    const std::string hash = fmt::format("{:016x}", state_hash(sim));
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
@@ -154,6 +153,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"particles", last.particles},
         {"steps", sim.clock().step},
         {"simulated_time_s", sim.clock().time},
+        {"ended_by", ended_by},
         {"wall_s", times.wall},
         {"stepping_s", comm.max(stepping)},
         {"particle_steps_per_s", stepping > 0 ? counts.particle_steps / stepping : 0.0},

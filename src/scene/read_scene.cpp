@@ -41,9 +41,10 @@ class Reader {
         refuse_unknown_keys(root_, file_);
         scene_.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
-        for (const char* section : {"", "domain", "time", "numerics", "balance", "output", "run"}) {
+        for (const char* section : {"", "domain", "time", "rest", "numerics", "balance", "output", "run"}) {
             const std::string name = section;
-            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, scene_rows(), scene_);
+            const auto& rows = name == "time" || name == "rest" ? time_rows() : scene_rows();
+            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
         }
         if (places_.has("time.cfl") && places_.has("time.dt"))
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
@@ -58,6 +59,7 @@ class Reader {
         if (const toml::table* hazard = section_table(root_, "hazard")) {
             read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
             check_hazard(scene_, places_);
+            load_gauges(scene_, places_);
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
@@ -171,8 +173,14 @@ class Reader {
         BodySpec body;
         read_table(&table, "release", path, release_rows(), body);
         body.material = material_of(table, path);
-        load_release(scene_, body, places_);
-        scene_.bodies.push_back(std::move(body));
+        for (BodySpec& part : load_releases(scene_, std::move(body), places_)) {
+            const std::string own = "release." + part.name;
+            if (own != path && places_.has(own))
+                refuse(places_.of(path), fmt::format("{} has a polygon of the name {}", path, part.name),
+                       "a release has it, too: " + places_.of(own), "Rename one of them?");
+            places_.add(own, places_.of(path));
+            scene_.bodies.push_back(std::move(part));
+        }
     }
 
     void read_structure(const toml::table& table, const std::string& path) {

@@ -129,9 +129,10 @@ void check_grid_pressure(const Scene& scene, const Places& places) {
     if (scene.dt > 0)
         refuse(places.of("numerics.substeps"), substeps + " with time.dt", "the step follows from speeds",
                "Use time.cfl?");
-    if (!scene.structures.empty())
-        refuse(places.of("numerics.substeps"), substeps + " with structures", "contact has no substeps yet",
-               "Remove it?");
+    for (const StructureSpec& s : scene.structures)
+        if (s.motion.kind == StructureMotion::free)
+            refuse(places.of("numerics.substeps"), fmt::format("{} with structure.{}, which is free", substeps, s.name),
+                   "structures move once in a step", "Remove it?");
     for (const MaterialSpec& m : scene.materials)
         if (poisson_ratio(m) < 0.45)
             refuse(places.of("material." + m.name + ".poisson"), substeps + " with this Poisson's ratio",
@@ -152,7 +153,7 @@ void check_names(const std::string& key, const std::vector<std::string>& names, 
 
 void check_fields(const Scene& scene, const Places& places) {
     check_names("output.fields", scene.output.fields, output_field_names(scene), places);
-    check_names("output.labels", scene.output.labels, {"id", "rank", "block_key"}, places);
+    check_names("output.labels", scene.output.labels, output_label_names(), places);
     if (scene.output.deflate && !can_deflate())
         refuse(places.of("output.compression"), "output.compression = \"deflate\"",
                "the program was built without zlib", "Leave it out?");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/method.hpp"
+#include "core/rest_interval.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_check.hpp"
 
@@ -35,10 +36,24 @@ void check_courant(const Scene& scene, const Places& places) {
            fmt::format("At most {:.2g}, or leave it out?", most));
 }
 
+/// Rest is of what has no clock of its own.
+void check_rest(const Scene& scene, const Places& places) {
+    if (!scene.rest.stops) return;
+    const std::string what = "time.stop = \"rest\"";
+    if (rest_interval(scene) == 0)
+        refuse(places.of("time.stop"), what + " without gravity", "there is no time by which all should rest",
+               "Add rest.interval = ... [s]?");
+    for (const StructureSpec& s : scene.structures)
+        if (s.motion.kind != StructureMotion::fixed)
+            refuse(places.of("time.stop"), fmt::format("{} with structure.{}, which moves", what, s.name),
+                   "what rests now will not when it comes", "Use time.stop = \"end\"?");
+}
+
 }  // namespace
 
 void check_time(const Scene& scene, const Places& places) {
     check_courant(scene, places);
+    check_rest(scene, places);
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
         const double wave = wave_speed(scene, body);

@@ -70,6 +70,12 @@ void add_materials(Entries& all, const Scene& s) {
     }
 }
 
+template <class T>
+std::uint64_t hash_of(const std::vector<T>& list) {
+    const auto bytes = std::as_bytes(std::span(list));
+    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
+}
+
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
         const std::string key = (b.shape == BodyShape::layer ? "release." : "body.") + b.name;
@@ -93,14 +99,10 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic.surface", b.geostatic_surface);
         add(all, key + ".geostatic.k0", b.geostatic_k0);
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
+        if (b.thickness_raster) add(all, key + ".thickness.raster", hash_of(b.thickness_raster->height));
         if (b.start.over_consolidation_ratio != 1)
             add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);
     }
-}
-
-std::uint64_t hash_of(const Ground& g) {
-    const auto bytes = std::as_bytes(std::span(g.table));
-    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
 }
 
 void add_structures(Entries& all, const Scene& s) {
@@ -117,7 +119,10 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".max", r.max);
         add(all, key + ".points", r.points);
         add(all, key + ".clear", r.clear);
-        if (r.ground) add(all, key + ".heights", hash_of(*r.ground));
+        if (r.ground) add(all, key + ".heights", hash_of(r.ground->table));
+        if (r.ground && !r.ground->friction.empty()) add(all, key + ".friction", hash_of(r.ground->friction));
+        if (r.ground && !r.ground->xi.empty()) add(all, key + ".xi", hash_of(r.ground->xi));
+        if (r.ground && !r.ground->su.empty()) add(all, key + ".su", hash_of(r.ground->su));
         if (r.law == InterfaceLaw::voellmy)
             add(all, key + ".contact.xi", r.xi), add(all, key + ".contact.density", r.density);
         add(all, key + ".contact.law", r.law);

@@ -45,6 +45,7 @@ SceneKey parameter_key(const LawInfo& law, const Parameter& parameter) {
 std::vector<SceneKey> all_scene_keys() {
     std::vector<SceneKey> keys;
     append(keys, scene_rows());
+    append(keys, time_rows());
     append(keys, material_rows());
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);
@@ -103,6 +104,8 @@ std::string type_text(const SceneKey& key) {
             return "one of " + listed(in_quotes(key.choices));
         case KeyType::real:
             return "a number" + unit;
+        case KeyType::real_or_text:
+            return "a number" + unit + " or a string";
         case KeyType::integer:
             return "a whole number" + unit;
         case KeyType::vector:

@@ -20,9 +20,10 @@ namespace moraine {
 
 enum class KeyType {
     text,
-    name,      ///< text of letters, digits, _ and -: it can be a part of --set paths
-    choice,    ///< one of `choices`
-    real,      ///< also written as a whole number
+    name,    ///< text of letters, digits, _ and -: it can be a part of --set paths
+    choice,  ///< one of `choices`
+    real,    ///< also written as a whole number
+    real_or_text,
     integer,   ///< whole number
     vector,    ///< as many numbers as the scene has dimensions
     pair,      ///< two numbers, rising
@@ -52,8 +53,8 @@ struct SceneKey {
     std::string unit = "-";
     std::optional<std::string> standard = {};  ///< default as TOML; none: required; empty: may be absent
     KeyRange range = {};
-    std::vector<std::string> choices = {};
-    std::vector<std::string> only = {};  ///< values of the table's selector that use the key; empty: all
+    std::vector<std::string> choices = {};  ///< choice: all; words: all, or empty where the scene decides
+    std::vector<std::string> only = {};     ///< values of the table's selector that use the key; empty: all
     std::string meaning = {};
 
     bool required() const { return !standard; }
@@ -81,6 +82,8 @@ struct KeyRow {
 };
 
 const std::vector<KeyRow<Scene>>& scene_rows();
+/// Of [time] and [rest].
+const std::vector<KeyRow<Scene>>& time_rows();
 const std::vector<KeyRow<MaterialSpec>>& material_rows();
 const std::vector<KeyRow<BodySpec>>& body_rows();
 /// One [[wall]] and the face that it is about.
@@ -108,6 +111,9 @@ std::vector<SceneKey> all_scene_keys();
 
 /// The key whose value decides which others a table uses ("shape" of "body"); empty: none.
 std::string selector_of(const std::string& table);
+
+/// What output.labels may name.
+const std::vector<std::string>& output_label_names();
 
 /// What output.fields may name in this scene.
 std::vector<std::string> output_field_names(const Scene& scene);

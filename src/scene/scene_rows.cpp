@@ -1,4 +1,4 @@
-// Keys of the tables that are written once: the scene itself, its domain, time, numerics, balance, output, run.
+// Keys of the tables that are written once: the scene itself, its domain, numerics, balance, output, run.
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -57,24 +57,6 @@ const std::vector<KeyRow<Scene>> rows{
      [](S& s, const V& v) {
          for (const int a : v.axes) s.periodic[static_cast<std::size_t>(a)] = true;
      }},
-
-    {{.table = "time", .name = "end", .unit = "s", .range = from_zero, .meaning = "Simulated time."},
-     [](S& s, const V& v) { s.end = v.real; }},
-    {{.table = "time",
-      .name = "cfl",
-      .standard = "",
-      .range = {0, 1.5, true, false},
-      .meaning =
-          "dt = cfl h / (c + |v|), the least over all particles; left out: 0.8 of what is stable with the method "
-          "(docs/stability.md). Not together with dt."},
-     [](S& s, const V& v) { s.cfl = v.real; }},
-    {{.table = "time",
-      .name = "dt",
-      .unit = "s",
-      .standard = "",
-      .range = above_zero,
-      .meaning = "Fixed time step, instead of cfl."},
-     [](S& s, const V& v) { s.dt = v.real; }},
 
     {{.table = "numerics",
       .name = "shape",
@@ -220,6 +202,7 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "labels",
       .type = words,
       .standard = "[\"id\", \"rank\", \"block_key\"]",
+      .choices = output_label_names(),
       .meaning = "In particles.vtkhdf besides: whole numbers that tell who a particle is and where it was computed; "
                  "20 bytes a particle."},
      [](S& s, const V& v) { s.output.labels = v.words; }},
@@ -287,6 +270,11 @@ const std::vector<KeyRow<Scene>> rows{
 };
 
 }  // namespace
+
+const std::vector<std::string>& output_label_names() {
+    static const std::vector<std::string> names{"id", "rank", "block_key"};
+    return names;
+}
 
 const std::vector<KeyRow<Scene>>& scene_rows() {
     return rows;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "io/terrain_file.hpp"
-#include "scene/scene_keys.hpp"
+#include "io/terrain_model.hpp"
 #include "seeding/seed_table.hpp"
 
 namespace moraine {
@@ -19,21 +19,53 @@ std::string key_of(const Scene& scene) {
     return scene.dimensions == 3 ? "terrain.dem" : "terrain.profile";
 }
 
-Ground read_model(const Scene& scene, const std::string& path, const Places& places) {
-    const std::string key = key_of(scene), place = places.of(key);
-    if (scene.dimensions == 2) {
-        if (!path.ends_with(".csv"))
-            refuse(place, fmt::format("{} = {}", key, quote(path)), "a profile is a table of x,z in a .csv",
-                   "Convert or rename it?");
-        return read_profile(path);
-    }
-    if (path.ends_with(".tif") || path.ends_with(".tiff") || path.ends_with(".nc"))
-        refuse(place, fmt::format("{} = {}", key, quote(path)), "models are read as ESRI ASCII grids",
-               "Convert it by gdal_translate -of AAIGrid?");
-    if (!path.ends_with(".asc"))
-        refuse(place, fmt::format("{} = {}", key, quote(path)), "must be an ESRI ASCII grid, .asc",
-               "Convert or rename it?");
-    return read_ascii_grid(path);
+/// The part of the model that the domain needs.
+Ground ground_under(Scene& scene, const std::string& path, const Places& places) {
+    const PlanPoint min{scene.min[0], scene.min[1]}, max{scene.max[0], scene.max[1]};
+    if (scene.dimensions == 3) return read_model(path, min, max, scene.notices);
+    if (!path.ends_with(".csv"))
+        refuse(places.of(key_of(scene)), fmt::format("{} = {}", key_of(scene), quote(path)),
+               "a profile is a table of x,z in a .csv", "Convert or rename it?");
+    return cropped(read_profile(path), path, min, max);
+}
+
+/// Values of a raster at the nodes of the ground; `otherwise` where it knows none.
+std::vector<double> bed_values(Scene& scene, const Ground& ground, const std::string& file, const std::string& name,
+                               double otherwise, bool zero_is_allowed) {
+    if (file.empty()) return {};
+    const std::string path = path_of_file(scene, file);
+    const Ground raster = read_values(path, {"raster of " + name, "terrain." + name, name}, ground,
+                                      {scene.min[0], scene.min[1]}, {scene.max[0], scene.max[1]}, scene.notices);
+    for (double value : raster.height)
+        if (!std::isnan(value) && !(zero_is_allowed ? value >= 0 : value > 0))
+            refuse(path, fmt::format("a {} of {:.6g}", name, value), zero_is_allowed ? "must be >= 0" : "must be > 0",
+                   "Give such cells the no-data value?");
+    std::vector<double> values;
+    for (std::int64_t j = 0; j < ground.count[1]; ++j)
+        for (std::int64_t i = 0; i < ground.count[0]; ++i) {
+            const double value = raster_value(raster, ground.first[0] + static_cast<double>(i) * ground.spacing,
+                                              ground.first[1] + static_cast<double>(j) * ground.spacing);
+            values.push_back(std::isnan(value) ? otherwise : value);
+        }
+    return values;
+}
+
+/// Rasters of the bed; each is for laws that have its value.
+void load_bed(Scene& scene, const StructureSpec& spec, Ground& ground, const Places& places) {
+    const auto check = [&](const std::string& file, const char* name, bool used) {
+        const std::string key = fmt::format("terrain.{}", name);
+        if (file.empty() || (used && scene.dimensions == 3)) return;
+        refuse(places.of(key), key + " is not used",
+               used ? "rasters are for scenes of 3 dimensions" : fmt::format("the law of the bed has no {}", name),
+               fmt::format("Remove it, or set terrain.contact.{}?", used ? name : "law"));
+    };
+    const bool voellmy = spec.law == InterfaceLaw::voellmy, undrained = spec.law == InterfaceLaw::undrained;
+    check(spec.friction_file, "friction", voellmy || spec.law == InterfaceLaw::coulomb);
+    check(spec.xi_file, "xi", voellmy);
+    check(spec.su_file, "su", undrained);
+    ground.friction = bed_values(scene, ground, spec.friction_file, "friction", spec.friction, true);
+    ground.xi = bed_values(scene, ground, spec.xi_file, "xi", spec.xi, false);
+    ground.su = bed_values(scene, ground, spec.su_file, "su", spec.su, true);
 }
 
 /// What goes out at one end of a periodic axis comes in at the same height.
@@ -58,7 +90,7 @@ void check_period(const Scene& scene, const Ground& ground, std::size_t axis, co
 
 }  // namespace
 
-void load_ground(const Scene& scene, StructureSpec& spec, const Places& places) {
+void load_ground(Scene& scene, StructureSpec& spec, const Places& places) {
     const std::string key = key_of(scene), other = scene.dimensions == 3 ? "terrain.profile" : "terrain.dem";
     if (places.has(other))
         refuse(places.of(other), other + " is not used", fmt::format("the scene has {} dimensions", scene.dimensions),
@@ -71,9 +103,9 @@ void load_ground(const Scene& scene, StructureSpec& spec, const Places& places) 
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         if (!(scene.max[a] > scene.min[a])) return;  // check_scene() refuses it
     const std::string path = path_of_file(scene, spec.file);
-    const Ground all = read_model(scene, path, places);
-    spec.ground =
-        std::make_shared<const Ground>(cropped(all, path, {scene.min[0], scene.min[1]}, {scene.max[0], scene.max[1]}));
+    auto ground = std::make_shared<Ground>(ground_under(scene, path, places));
+    load_bed(scene, spec, *ground, places);
+    spec.ground = ground;
     for (std::size_t a = 0; a + 1 < static_cast<std::size_t>(scene.dimensions); ++a) {
         if (!scene.periodic[a]) continue;
         scene.dimensions == 2 ? check_period<2>(scene, *spec.ground, a, places)
@@ -82,47 +114,6 @@ void load_ground(const Scene& scene, StructureSpec& spec, const Places& places) 
     if (scene.periodic[static_cast<std::size_t>(scene.dimensions - 1)])
         refuse(places.of("domain.periodic"), "a periodic height", "the terrain is below, the sky above",
                fmt::format("Remove {} from domain.periodic?", axis_name[scene.dimensions - 1]));
-}
-
-void load_release(const Scene& scene, BodySpec& spec, const Places& places) {
-    const std::string path = "release." + spec.name;
-    if (scene.dimensions == 2)
-        refuse(places.of(path), path + " in a scene of 2 dimensions", "an area is a polygon in plan",
-               "Write it as [[body]]?");
-    if (scene.structures.empty() || scene.structures[0].shape != StructureShape::ground)
-        refuse(places.of(path), path + " without ground", "it is draped on the model of [terrain]", "Add [terrain]?");
-    spec.shape = BodyShape::layer;
-    spec.ground = scene.structures[0].ground;
-    spec.points = read_polygon(path_of_file(scene, spec.file));
-    if (spec.thickness < scene.cell)
-        refuse(places.of(path + ".thickness"), fmt::format("{}.thickness = {}", path, spec.thickness),
-               fmt::format("less than a cell, {} m; from 4 cells on a flow is resolved", scene.cell),
-               "Use a smaller domain.cell?");
-    for (const auto& p : spec.points)
-        for (std::size_t a = 0; a < 2; ++a)
-            if (!(p[a] >= scene.min[a] && p[a] <= scene.max[a]))
-                refuse(places.of(path + ".area"),
-                       fmt::format("{} has a corner at ({:.10g}, {:.10g})", path, p[0], p[1]),
-                       fmt::format("the domain reaches from {:.10g} to {:.10g} along {}", scene.min[a], scene.max[a],
-                                   axis_name[a]),
-                       "Is it in the coordinates of the model?");
-}
-
-void check_hazard(const Scene& scene, const Places& places) {
-    if (scene.dimensions == 2)
-        refuse(places.of("hazard"), "[hazard] in a scene of 2 dimensions", "maps are in plan", "Remove it?");
-    if (scene.structures.empty() || scene.structures[0].shape != StructureShape::ground)
-        refuse(places.of("hazard"), "[hazard] without ground", "its maps lie on the model of [terrain]",
-               "Add [terrain]?");
-    if (scene.hazard.cell < scene.cell)
-        refuse(places.of("hazard.cell"), fmt::format("hazard.cell = {}", scene.hazard.cell),
-               fmt::format("less than domain.cell, {} m: columns would hold single particles", scene.cell),
-               "Use a larger one?");
-    const std::vector<std::string>& valid = hazard_map_names();
-    for (const std::string& name : scene.hazard.maps)
-        if (std::find(valid.begin(), valid.end(), name) == valid.end())
-            refuse(places.of("hazard.maps"), fmt::format("hazard.maps has {}", quote(name)), "no such map",
-                   suggest(name, valid));
 }
 
 void open_faces(Scene& scene, const Places& places) {

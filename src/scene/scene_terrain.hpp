@@ -7,11 +7,15 @@
 
 namespace moraine {
 
-/// Reads the model that the spec names, of the part that the domain needs. Throws InputError.
-void load_ground(const Scene& scene, StructureSpec& spec, const Places& places);
+/// Reads the model that the spec names, of the part that the domain needs, and rasters of the bed. Throws InputError.
+void load_ground(Scene& scene, StructureSpec& spec, const Places& places);
 
-/// Reads the polygon of a release. The terrain is scene.structures[0]. Throws InputError.
-void load_release(const Scene& scene, BodySpec& spec, const Places& places);
+/// Reads the polygons of a release: one body for each, of its name, or NAME-1, NAME-2, ... The terrain is
+/// scene.structures[0]. Throws InputError.
+std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& places);
+
+/// Reads the gauges of [hazard]. Throws InputError.
+void load_gauges(Scene& scene, const Places& places);
 
 /// What holds between [hazard] and the rest. Throws InputError.
 void check_hazard(const Scene& scene, const Places& places);

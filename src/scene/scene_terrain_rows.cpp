@@ -14,9 +14,9 @@ const std::vector<KeyRow<StructureSpec>> terrain{
       .name = "dem",
       .type = text,
       .standard = "",
-      .meaning =
-          "In 3-D, where z is up: an ESRI ASCII grid (.asc) in metres and in the scene's coordinates, relative to "
-          "the scene. Faces without a wall are open."},
+      .meaning = "In 3-D, where z is up: an ESRI ASCII grid (.asc) or, by GDAL, a GeoTIFF, netCDF or other raster, in "
+                 "metres and "
+                 "in the scene's coordinates, relative to the scene. Faces without a wall are open."},
      [](S& s, const V& v) { s.file = v.text; }},
     {{.table = "terrain",
       .name = "profile",
@@ -24,6 +24,25 @@ const std::vector<KeyRow<StructureSpec>> terrain{
       .standard = "",
       .meaning = "In 2-D, where y is up: a .csv with a header x,z and points at even distances."},
      [](S& s, const V& v) { s.file = v.text; }},
+    {{.table = "terrain",
+      .name = "friction",
+      .type = text,
+      .standard = "",
+      .meaning = "A raster of contact.friction (mu), of law coulomb or voellmy, in the model's coordinates; that "
+                 "of the contact holds where the raster has no data."},
+     [](S& s, const V& v) { s.friction_file = v.text; }},
+    {{.table = "terrain",
+      .name = "xi",
+      .type = text,
+      .standard = "",
+      .meaning = "A raster of contact.xi [m/s2], of law voellmy, as friction."},
+     [](S& s, const V& v) { s.xi_file = v.text; }},
+    {{.table = "terrain",
+      .name = "su",
+      .type = text,
+      .standard = "",
+      .meaning = "A raster of contact.su [Pa], of law undrained, as friction."},
+     [](S& s, const V& v) { s.su_file = v.text; }},
     {{.table = "terrain",
       .name = "clear",
       .type = truth,
@@ -42,17 +61,21 @@ const std::vector<KeyRow<BodySpec>> releases{
     {{.table = "release",
       .name = "area",
       .type = text,
-      .meaning = "Polygon in plan, in the scene's coordinates: a .csv with a header x,y and a row per corner, or a "
-                 ".geojson of one polygon; relative to the scene."},
+      .meaning =
+          "Polygons in plan: a .csv with a header x,y and a row per corner, a .geojson or, by GDAL, a GeoPackage, "
+          "shapefile or other; reprojected to the model's coordinates where both are known. Of several "
+          "polygons each is a body NAME-1, NAME-2, ...; relative to the scene."},
      [](B& b, const V& v) { b.file = v.text; }},
     {{.table = "release",
       .name = "thickness",
+      .type = real_or_text,
       .unit = "m",
+      .standard = "",
       .range = {0, std::numeric_limits<double>::infinity(), true, false},
       .meaning =
           "Normal to the ground; the volume is this times the sloping area. At least a cell; 4 cells and more are "
-          "resolved."},
-     [](B& b, const V& v) { b.thickness = v.real; }},
+          "resolved. Or the path of a raster of it; left out: the attribute thickness of the polygons."},
+     [](B& b, const V& v) { b.thickness = v.real, b.thickness_file = v.text; }},
     {{.table = "release",
       .name = "particles_per_cell",
       .type = per_axis,
@@ -83,7 +106,9 @@ const std::vector<KeyRow<Scene>> hazards{
       .type = words,
       .standard = "[\"max_depth\", \"max_speed\", \"max_pressure\", \"max_momentum_flux\", \"arrival\", "
                   "\"deposit\"]",
-      .meaning = "What is written into maps/NAME.asc, over the whole run: docs/terrain.md has the rules."},
+      .choices = hazard_map_names(),
+      .meaning =
+          "What is written into maps/NAME.tif (.asc without GDAL), over the whole run: docs/terrain.md has the rules."},
      [](Scene& s, const V& v) { s.hazard.maps = v.words; }},
     {{.table = "hazard",
       .name = "threshold",
@@ -92,6 +117,13 @@ const std::vector<KeyRow<Scene>> hazards{
       .range = {0, std::numeric_limits<double>::infinity(), true, false},
       .meaning = "Depth from which a column has been reached, and tells a speed."},
      [](Scene& s, const V& v) { s.hazard.threshold = v.real; }},
+    {{.table = "hazard",
+      .name = "gauges",
+      .type = text,
+      .standard = "",
+      .meaning = "Places in plan: a .csv with a header name,x,y or, by GDAL, points with an attribute name. Depth, "
+                 "speed and pressure of their map cells at every sample go into gauges.csv; relative to the scene."},
+     [](Scene& s, const V& v) { s.hazard.gauges_file = v.text; }},
 };
 
 }  // namespace

@@ -82,6 +82,13 @@ std::string string(const toml::node& node, const KeyContext& c) {
     return node.as_string()->get();
 }
 
+void real_or_text(const toml::node& node, const KeyContext& c, KeyValue& value) {
+    if (c.key.type == KeyType::real_or_text && node.is_string())
+        value.text = string(node, c);
+    else
+        value.real = real(node, c);
+}
+
 std::string name(const toml::node& node, const KeyContext& c) {
     std::string text = string(node, c);
     if (text.size() > longest_name)
@@ -177,7 +184,8 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             value.text = c.key.choices[static_cast<std::size_t>(value.choice)];
             break;
         case KeyType::real:
-            value.real = real(node, c);
+        case KeyType::real_or_text:
+            real_or_text(node, c, value);
             break;
         case KeyType::integer:
             value.integer = integer(node, c);

@@ -67,10 +67,19 @@ double layer_volume(const BodySpec& body) {
             const Ring cell = between(strip, 0, x, x + side);
             if (cell.size() < 3) continue;
             const auto [area, mx, my] = moments_of(cell);
-            if (area != 0) sum += area * sec_at(*body.ground, cell[0][0] + mx / area, cell[0][1] + my / area);
+            if (area == 0) continue;
+            const double px = cell[0][0] + mx / area, py = cell[0][1] + my / area;
+            const double part = body.thickness_raster ? layer_thickness(body, px, py) / body.thickness : 1.0;
+            sum += area * sec_at(*body.ground, px, py) * part;
         }
     }
     return body.thickness * std::fabs(sum);
+}
+
+double layer_thickness(const BodySpec& body, double x, double y) {
+    if (!body.thickness_raster) return body.thickness;
+    const double t = raster_value(*body.thickness_raster, x, y);
+    return std::isnan(t) ? 0.0 : std::min(t, body.thickness);
 }
 
 Layer::Layer(const Scene& scene, const BodySpec& body) : body_(body) {
@@ -81,31 +90,40 @@ Layer::Layer(const Scene& scene, const BodySpec& body) : body_(body) {
         first_[a] = scene.min[a] + (first + 0.5) * spacing_[a];
         count_[a] = std::llround(std::ceil((e.upper[a] - scene.min[a]) / spacing_[a]) - first);
     }
+    spacing_along_normal_ = scene.cell / body.particles_per_cell[2];
     layers_ = std::max<std::int64_t>(1, std::llround(body.thickness * body.particles_per_cell[2] / scene.cell));
     double sum = 0;
-    columns_.push_back(0);
+    particles_.push_back(0);
     for (std::int64_t j = 0; j < count_[1]; ++j) {
-        std::int64_t columns = 0;
+        std::int64_t particles = 0;
         for (std::int64_t i = 0; i < count_[0]; ++i) {
-            Triple foot, normal;
-            const double sec = column(i, j, foot, normal);
-            sum += sec;
-            columns += sec > 0;
+            const Column c = column(i, j);
+            sum += c.particles > 0 ? c.weight : 0;
+            particles += c.particles;
         }
-        columns_.push_back(columns_.back() + columns);
+        particles_.push_back(particles_.back() + particles);
     }
     if (sum > 0) share_ = layer_volume(body) / (sum * static_cast<double>(layers_));
 }
 
 std::int64_t Layer::count(std::int64_t first, std::int64_t last) const {
-    return layers_ * (columns_[static_cast<std::size_t>(last)] - columns_[static_cast<std::size_t>(first)]);
+    return particles_[static_cast<std::size_t>(last)] - particles_[static_cast<std::size_t>(first)];
 }
 
-/// sec of a column, 0 where it is not in the polygon.
-double Layer::column(std::int64_t i, std::int64_t j, Triple& foot, Triple& normal) const {
+Layer::Column Layer::column(std::int64_t i, std::int64_t j) const {
     const double x = first_[0] + static_cast<double>(i) * spacing_[0];
     const double y = first_[1] + static_cast<double>(j) * spacing_[1];
-    return is_in_polygon(body_, x, y) ? sec_at(*body_.ground, x, y, &foot, &normal) : 0;
+    Column c;
+    if (!is_in_polygon(body_, x, y)) return c;
+    c.weight = sec_at(*body_.ground, x, y, &c.foot, &c.normal);
+    c.thickness = body_.thickness;
+    c.particles = layers_;
+    if (body_.thickness_raster) {
+        c.thickness = layer_thickness(body_, x, y);
+        c.weight *= c.thickness / body_.thickness;
+        c.particles = std::llround(c.thickness / spacing_along_normal_);
+    }
+    return c;
 }
 
 }  // namespace moraine

@@ -1,9 +1,10 @@
 #pragma once
-// A release: a layer of constant thickness T normal to the ground, over a polygon in plan, draped with particles.
+// A release: a layer of thickness T normal to the ground, over a polygon in plan, draped with particles. T is constant,
+// or by a raster: then a column has as many particles as it has spacings, and none where that rounds to zero.
 //
 //   x_p = (x, y, b) + (k + 1/2) T / n  n(x, y),   k = 0 .. n - 1,   n = round(T / s),   s = h / particles_per_cell
 //   V_p = f s_x s_y sec(x, y) T / n,   sec = sqrt(1 + |grad b|^2)
-//   V   = T * integral of sec over the polygon = sum_p V_p, which is what f is for
+//   V   = integral of T sec over the polygon = sum_p V_p, which is what f is for
 //
 // (x, y): points of the domain's lattice in the polygon. So a column stands on the slope and its lowest particle half a
 // spacing over it, whatever the slope, where a lattice cut by the ground would begin at random heights. That T times
@@ -23,6 +24,9 @@ namespace moraine {
 /// V [m3].
 double layer_volume(const BodySpec& body);
 
+/// T over a place in plan [m].
+double layer_thickness(const BodySpec& body, double x, double y);
+
 class Layer {
   public:
     /// Of a body that is a layer. Goes through its columns once. Both must outlive it.
@@ -36,26 +40,32 @@ class Layer {
     void each(std::int64_t first, std::int64_t last, const F& f) const {
         for (std::int64_t j = first; j < last; ++j)
             for (std::int64_t i = 0; i < count_[0]; ++i) {
-                Triple foot, normal;
-                const double sec = column(i, j, foot, normal);
-                for (std::int64_t k = 0; sec > 0 && k < layers_; ++k) {
-                    const double up = (static_cast<double>(k) + 0.5) * body_.thickness / static_cast<double>(layers_);
+                const Column c = column(i, j);
+                for (std::int64_t k = 0; k < c.particles; ++k) {
+                    const double up = (static_cast<double>(k) + 0.5) * c.thickness / static_cast<double>(c.particles);
                     f(i + count_[0] * (j + count_[1] * k),
-                      Triple{foot[0] + up * normal[0], foot[1] + up * normal[1], foot[2] + up * normal[2]},
-                      sec * share_);
+                      Triple{c.foot[0] + up * c.normal[0], c.foot[1] + up * c.normal[1], c.foot[2] + up * c.normal[2]},
+                      c.weight * share_ * (static_cast<double>(layers_) / static_cast<double>(c.particles)));
                 }
             }
     }
 
   private:
-    double column(std::int64_t i, std::int64_t j, Triple& foot, Triple& normal) const;
+    struct Column {
+        Triple foot{}, normal{};
+        double thickness = 0;        ///< T [m]
+        double weight = 0;           ///< sec T over the largest T
+        std::int64_t particles = 0;  ///< n; 0: not in the polygon, or too thin
+    };
+    Column column(std::int64_t i, std::int64_t j) const;
 
     const BodySpec& body_;
     std::array<double, 2> first_{}, spacing_{};  ///< of the lattice in plan [m]
     std::array<std::int64_t, 2> count_{};
-    std::int64_t layers_ = 1;            ///< n
-    double share_ = 0;                   ///< V_p of level ground [m3]
-    std::vector<std::int64_t> columns_;  ///< in rows before each
+    double spacing_along_normal_ = 1;      ///< s [m]
+    std::int64_t layers_ = 1;              ///< n of the largest T
+    double share_ = 0;                     ///< V_p of level ground and the largest T [m3]
+    std::vector<std::int64_t> particles_;  ///< in rows before each
 };
 
 }  // namespace moraine

@@ -74,7 +74,8 @@ bool is_in_layer(const BodySpec& body, const Triple& place) {
     const Vec<double, 3> x{{place[0], place[1], place[2]}};
     const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
     if (!(s.distance > 0 && s.distance < body.thickness)) return false;
-    return is_in_polygon(body, x[0] - s.distance * s.normal[0], x[1] - s.distance * s.normal[1]);
+    const double px = x[0] - s.distance * s.normal[0], py = x[1] - s.distance * s.normal[1];
+    return is_in_polygon(body, px, py) && (!body.thickness_raster || s.distance < layer_thickness(body, px, py));
 }
 
 }  // namespace

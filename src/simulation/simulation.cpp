@@ -189,6 +189,8 @@ namespace {
 
 /// What happened, and what may help: of the worst of several faults.
 std::pair<const char*, const char*> message_of(std::uint32_t faults) {
+    if (faults & fault_buried)
+        return {"is more than a cell under the ground", "Is the terrain finer or steeper than domain.cell resolves?"};
     if (faults & fault_nan) return {"is not a number", "Try a smaller time.cfl?"};
     if (faults & fault_inverted) return {"was turned inside out (det(I + dL) <= 0)", "Try a smaller time.cfl?"};
     if (faults & fault_left) return {"left the closed domain", "Give that face a wall, or open it?"};

@@ -66,7 +66,7 @@ TEST_CASE("help and version need no scene") {
     CHECK(parse({"--help"}).command == "help");
     CHECK(parse({"run", "--help"}).command == "help");
     CHECK(parse({"--version"}).command == "version");
-    CHECK(help_text().find("--partitioner") != std::string::npos);
+    CHECK(help_text("").find("--partitioner") != std::string::npos);
 }
 
 TEST_CASE("an unknown option or command names the nearest") {

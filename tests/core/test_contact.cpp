@@ -49,11 +49,11 @@ struct Plane {
     }
 
     /// Velocity of a node of mass 0.4 that stands `above` cells over the plane, which is at node 8; v is from outside.
-    Vec<double, 2> touch(Vec<double, 2> v, int above = 0, const NodeGap& gap = told(0)) {
+    Vec<double, 2> touch(Vec<double, 2> v, int above = 0, const NodeGap& gap = told(0), ContactTime time = {0.1, 0.1}) {
         const int node[2] = {5, 8 + above};
         Vec<double, 2> given = zero_vec<double, 2>();
         touch_structures(
-            field, node, 0.4, 0.1, true, quantum, [&](int) { return gap; }, v, given);
+            field, node, 0.4, time, true, quantum, [&](int) { return gap; }, v, given);
         for (int a = 0; a < 2; ++a) CHECK(quantum.value(sums.sum[a]) == doctest::Approx(given[a]));
         return v;
     }
@@ -67,6 +67,18 @@ TEST_CASE("a pressed node loses its velocity into the surface and nothing else o
     CHECK(v[0] == 3);
     CHECK(v[1] == doctest::Approx(0).epsilon(1e-12));
     CHECK(plane.quantum.value(plane.sums.sum[1]) == doctest::Approx(-0.8));
+}
+
+TEST_CASE("a gap may close within the time in which particles move, and friction acts for the time of the substep") {
+    const auto touch = [](InterfaceLaw law, Vec<double, 2> v, double gap, double dt) {
+        return Plane(law).touch(v, 0, told(gap), {dt, 0.1});
+    };
+    const double approach = touch(InterfaceLaw::smooth, {{3, -2}}, 0.1, 0.1)[1];
+    CHECK(approach < 0);
+    CHECK(touch(InterfaceLaw::smooth, {{3, -2}}, 0.1, 0.01)[1] == approach);
+    const double whole = 3 - touch(InterfaceLaw::undrained, {{3, 0}}, 0, 0.1)[0];
+    CHECK(whole > 0);
+    CHECK(3 - touch(InterfaceLaw::undrained, {{3, 0}}, 0, 0.01)[0] == doctest::Approx(0.1 * whole));
 }
 
 TEST_CASE("a node that leaves the structure, or whose soil is not there, is free") {

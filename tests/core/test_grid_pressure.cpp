@@ -107,12 +107,12 @@ TEST_CASE("exact integrals come in between 80 and 95 % of filling") {
 }
 
 TEST_CASE("the modulus falls with the square of the substep, and only where nodes are light") {
-    const double free = bounded_bulk(1e6, 0.1, 1e-6, 1e-3, 0.0);
+    const double free = bounded_bulk<2>(1e6, 0.1, 1e-6, 1e-3, 0.0);
     CHECK(free == 1e6);
-    const double one = bounded_bulk(1e6, 0.1, 10.0, 1e-3, 0.0), half = bounded_bulk(1e6, 0.1, 10.0, 5e-4, 0.0);
+    const double one = bounded_bulk<2>(1e6, 0.1, 10.0, 1e-3, 0.0), half = bounded_bulk<2>(1e6, 0.1, 10.0, 5e-4, 0.0);
     CHECK(one < 1e6);
     CHECK(half == doctest::Approx(4 * one));
-    CHECK(bounded_bulk(1e6, 0.1, 10.0, 1e-3, 0.5) == doctest::Approx(one / 2));
+    CHECK(bounded_bulk<2>(1e6, 0.1, 10.0, 1e-3, 0.5) == doctest::Approx(one / 2));
 }
 
 TEST_CASE_TEMPLATE("an isochoric increment keeps deviator and rotation, and takes the volume", Mat3, Mat<double, 3>,

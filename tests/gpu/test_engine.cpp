@@ -93,11 +93,8 @@ TEST_CASE("light nodes are limited where gather and stress are one kernel too") 
     for (int dimensions : {2, 3})
         for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
             for (bool means : {false, true}) {
-                Scene scene = test::spray(dimensions);
-                scene.transfer = transfer;
-                scene.materials.pop_back();
+                Scene scene = test::elastic_spray(dimensions, transfer);
                 if (means) scene.materials[0].volumetric = Volumetric::cell;
-                for (BodySpec& b : scene.bodies) b.material = 0;
                 CAPTURE(dimensions);
                 CAPTURE(int(transfer));
                 CAPTURE(means);

@@ -173,3 +173,19 @@ TEST_CASE("pressures are smoothed and particles shifted alike whoever owns their
     film.transfer = Transfer::apic;
     compare<2>(film, 60);
 }
+
+TEST_CASE("pressures of cells and their substeps are the same whoever owns the cells") {
+    for (Transfer transfer : {Transfer::apic, Transfer::aflip})
+        for (int substeps : {1, 10}) {
+            Scene scene = test::with_fluid_terms(test::slurry());
+            scene.materials[0].volumetric = Volumetric::grid;
+            scene.materials[0].parameters[1] = 0.49;
+            scene.substeps = substeps;
+            scene.transfer = transfer;
+            compare<2>(scene, 40);
+        }
+    Scene space = test::with_fluid_terms(test::wet_spray(3, true));
+    space.materials[0].volumetric = Volumetric::grid;
+    space.precision = Precision::single_;
+    compare<3>(space, 30);
+}

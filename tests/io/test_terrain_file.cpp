@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "io/terrain_file.hpp"
+#include "io/terrain_model.hpp"
 
 using namespace moraine;
 
@@ -121,6 +122,21 @@ TEST_CASE("a profile has a header and even distances") {
     CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,2\n3,4\n"), "Resample the profile?"));
     CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,a\n3,4\n"), "profile.csv:3: z = \"a\""));
     CHECK(has(said_of("profile.csv", "x,z\n0,1\n1,2\n"), "2 points"));
+}
+
+TEST_CASE("points have names and a header") {
+    const TestFolder folder;
+    const auto found =
+        read_points(written(folder, "p.csv", "name,x,y\nroad,1,2.5\n# no\nbridge-1, 3, 4\n"), "hazard.gauges");
+    REQUIRE(found.size() == 2);
+    CHECK(found[1].name == "bridge-1");
+    CHECK(found[0].points[0] == std::array<double, 2>{1, 2.5});
+    const auto said = [&](const std::string& text) {
+        return said_by([&] { read_points(written(folder, "p.csv", text), "hazard.gauges"); });
+    };
+    CHECK(has(said("road,1,2\n"), "must be name,x,y"));
+    CHECK(has(said("name,x,y\nroad,1\n"), "p.csv:2: not three values"));
+    CHECK(has(said("name,x,y\nroad,1,east\n"), "y = \"east\""));
 }
 
 TEST_CASE("an area is a ring of corners, from a table or a GeoJSON") {

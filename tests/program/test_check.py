@@ -80,6 +80,16 @@ class Check(moraine.ProgramTest):
         line = self.assert_one_problem(call("check", INPUTS / "first_scene.toml", "--set", "domain.cel=1"))
         self.assertIn("domain.cell", line)
 
+    def test_help_of_a_command_is_of_that_one_alone(self):
+        for words in (["run", "--help"], ["help", "run"], ["run", "scene.toml", "--help"]):
+            text = call(*words).out
+            self.assertTrue(text.startswith("moraine run SCENE.toml") and "--restart" in text and "--ranks" not in text, text)
+        self.assertIn("--ranks", call("help", "check").out)
+        self.assertIn("--trigger", call("replay", "--help").out)
+        self.assertIn("--levels", call("help", "converge").out)
+        self.assertIn("JSON Schema", call("schema", "--help").out)
+        self.assertIn("Did you mean run?", self.assert_one_problem(call("help", "rum")))
+
     def test_help_and_version_are_said_once_with_exit_code_0(self):
         for words, says in ((["--help"], "--restart"), (["run", "--help"], "--partitioner"), ([], "moraine run"),
                             (["--version"], "moraine ")):

@@ -185,6 +185,26 @@ class Report(moraine.ProgramTest):
         self.assertIn("The records of it hold no numbers", (self.folder / "report.html").read_text())
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_a_run_that_was_killed_is_shown_as_far_as_it_is(self):
+        whole, killed = self.structure_run(), self.folder / "killed"
+        killed.mkdir()
+        for name in ("history.csv", "structures.csv", "scene.json", "particles.vtkhdf"):
+            (killed / name).write_bytes((whole / name).read_bytes())
+        with open(killed / "history.csv", "a") as file:
+            file.write("17,0.4,")  # a torn line
+        last = table(whole, "history.csv")[-1]
+        for words in ([killed], [killed, whole]):
+            self.assertEqual(self.report(*words).err, "")
+            text = (self.folder / "report.html").read_text()
+            self.assertEqual(Page(text).open, [])
+            self.assertIn("This run has not ended", text)
+            self.assertIn(f"its last output, at t = {last['time_s']:.4g} s", text)
+            for words in ("<h3>Energies</h3>", "<h3>Force on pipe</h3>", "killed, not ended", "it has no summary.json yet", "<img"):
+                self.assertIn(words, text)
+        (killed / "history.csv").write_text((killed / "history.csv").read_text().splitlines()[0] + "\n")
+        self.assertIn("history.csv has no row", self.assert_one_problem(call("report", killed, folder=self.folder)))
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_a_run_without_particles_has_a_page_without_pictures(self):
         self.report(self.structure_run("--no-particles"))
         text = (self.folder / "report.html").read_text()

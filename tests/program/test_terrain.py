@@ -1,7 +1,13 @@
 """Terrain as a user meets it: one answer on any number of ranks and after a restart, maps that hold what flowed, and
 words for models, areas and maps that are wrong."""
+import json
 import math
+import os
+import sqlite3
+import struct
+import unittest
 
+import geotiff
 import moraine
 from moraine import call, checkpoints, sets, summary
 
@@ -47,7 +53,23 @@ def grid(columns=13, rows=7, side=2.0, at=heights):
     return "\n".join(lines) + "\n"
 
 
+GDAL = os.environ.get("MORAINE_GDAL") == "1"
+ZONE = """PROJCS["zone",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],
+UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],
+PARAMETER["central_meridian",9],PARAMETER["scale_factor",1],PARAMETER["false_easting",0],PARAMETER["false_northing",0],
+UNIT["metre",1]]"""  # near its origin a degree is 111.3 km east and 110.6 km north
+
+
+def features(*polygons):
+    """A GeoJSON of (corners in x and y, properties)."""
+    return json.dumps({"type": "FeatureCollection", "features": [
+        {"type": "Feature", "properties": properties,
+         "geometry": {"type": "Polygon", "coordinates": [corners + corners[:1]]}} for corners, properties in polygons]})
+
+
 def read_map(directory, name):
+    if GDAL:
+        return geotiff.read(directory / "maps" / f"{name}.tif")[0]
     lines = (directory / "maps" / f"{name}.asc").read_text().splitlines()
     return [[float(word) for word in line.split()] for line in lines[6:]]
 
@@ -67,11 +89,19 @@ class Terrain(moraine.ProgramTest):
         return super().run_scene(scene, output, *words, "--device", "cpu", **more)
 
     def maps(self, directory):
-        return {path.name: path.read_text() for path in sorted((directory / "maps").iterdir())}
+        return {path.name: path.read_bytes() for path in sorted((directory / "maps").iterdir())
+                if path.suffix != ".gpkg"} | {"outline": self.outline(directory)}
+
+    def outline(self, directory):
+        """The geometry: a GeoPackage also says when it was made."""
+        if not GDAL:
+            return (directory / "maps" / "outline.geojson").read_text()
+        with sqlite3.connect(directory / "maps" / "outline.gpkg") as file:
+            return file.execute("select geom, threshold from outline").fetchall()
 
     def test_state_and_maps_are_the_same_on_1_to_4_ranks_and_after_a_restart(self):
         one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
-        self.assertEqual(len(self.maps(one)), 6)
+        self.assertEqual(len(self.maps(one)), 7)
         for ranks in (2, 3, 4):
             many = self.run_scene(self.scene, f"r{ranks}", "--partitioner", "shuffle",
                                   *sets(balance__trigger="every", balance__interval=20), ranks=ranks)
@@ -89,6 +119,7 @@ class Terrain(moraine.ProgramTest):
         volume = total(read_map(start, "deposit"))
         self.assertAlmostEqual(volume, found["mass_kg"] / 1800, delta=1e-6 * volume)
         deepest, fastest = read_map(directory, "max_depth"), read_map(directory, "max_speed")
+        self.assertEqual((len(deepest), len(deepest[0])), (12, 24))
         arrival, deposit = read_map(directory, "arrival"), read_map(directory, "deposit")
         self.assertGreater(total(deposit), 0.9 * volume)
         reached = [(row, column) for row in range(12) for column in range(24) if arrival[row][column] >= 0]
@@ -100,6 +131,150 @@ class Terrain(moraine.ProgramTest):
         top = max(max(row) for row in fastest)
         self.assertGreater(top, 1.0)
         self.assertLess(top, math.sqrt(2 * 9.81 * 11))
+
+    def rows_of_outline(self, directory):
+        """Area inside the outline, by its rings."""
+        if GDAL:
+            blob = self.outline(directory)[0][0]
+            at = 8 + 32  # header and envelope
+            rings = []
+            count = struct.unpack_from("<I", blob, at + 5)[0]
+            at += 9
+            for _ in range(count):
+                inner = struct.unpack_from("<I", blob, at + 5)[0]
+                at += 9
+                for _ in range(inner):
+                    n = struct.unpack_from("<I", blob, at)[0]
+                    rings.append([struct.unpack_from("<dd", blob, at + 4 + 16 * k) for k in range(n)])
+                    at += 4 + 16 * n
+        else:
+            rings = [r for p in json.loads(self.outline(directory))["geometry"]["coordinates"] for r in p]
+        return sum(0.5 * (a[0] * b[1] - b[0] * a[1]) for ring in rings for a, b in zip(ring, ring[1:]))
+
+    def test_the_outline_has_the_area_of_the_cells_that_were_reached(self):
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0.5))
+        reached = sum(d >= 0.2 for row in read_map(directory, "max_depth") for d in row)
+        self.assertGreater(reached, 20)
+        self.assertAlmostEqual(self.rows_of_outline(directory), reached, places=9)
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_a_map_says_its_unit_place_and_what_is_unknown(self):
+        self.write(ZONE, "valley.prj")
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        rows, tags = geotiff.read(directory / "maps" / "arrival.tif")
+        self.assertEqual(tags[42113], b"-9999\0")
+        self.assertIn(b">s</Item>", tags[42112])
+        self.assertEqual(tags[33550], (1.0, 1.0, 0.0))
+        self.assertEqual(tags[33922], (0, 0, 0, 0.0, 12.0, 0.0))
+        self.assertIn(34735, tags)  # the system's keys
+        self.assertEqual(tags[259], (8,))
+        self.assertIn(-9999, rows[0])
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_a_release_is_taken_to_the_system_of_the_model(self):
+        plain = self.run_scene(self.scene, "plain", *sets(time__end=0))
+        self.write(ZONE, "valley.prj")
+        corners = [[float(x) for x in line.split(",")] for line in AREA.split()[1:]]
+        degrees = [[9 + x / 111319.490793, y / 110574.2758] for x, y in corners]
+        self.write(features((degrees, {"thickness": 1.0})), "area.geojson")
+        self.write(SCENE.replace("area.csv", "area.geojson").replace("thickness = 1.0\n", ""))
+        ended = call("run", self.scene, "--output", self.folder / "warped", "--device", "cpu", *sets(time__end=0))
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn("area.geojson: reprojected from WGS 84 (EPSG:4326) to zone, the model's.", ended.err)
+        self.assertAlmostEqual(summary(self.folder / "warped")["mass_kg"] / summary(plain)["mass_kg"], 1, delta=1e-4)
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_a_run_goes_on_from_the_maps_of_another(self):
+        first = self.run_scene(self.scene, "first", *sets(time__end=0.5))
+        self.write(SCENE.replace("area.csv", "first/maps/outline.gpkg").replace(
+            "thickness = 1.0", 'thickness = "first/maps/max_depth.tif"'))
+        second = self.run_scene(self.scene, "second", *sets(time__end=0))
+        deepest = total(read_map(first, "max_depth"))
+        volume = summary(second)["mass_kg"] / 1800
+        self.assertGreater(volume, 0.9 * deepest)
+        self.assertLess(volume, 1.4 * deepest)
+
+    def test_rasters_of_the_bed_hold_where_they_know_a_value(self):
+        plain = self.run_scene(self.scene, "plain")
+        with_bed = SCENE.replace("[hazard]", 'friction = "mu.asc"\nxi = "xi.asc"\n[hazard]').replace(
+            'dem = "valley.asc"\ncontact = { law = "voellmy", friction = 0.2, xi = 500.0 }',
+            'dem = "valley.asc"\ncontact = { law = "voellmy", friction = 0.9, xi = 500.0 }')
+        self.write(grid(at=lambda x, y: 0.2), "mu.asc")
+        self.write(grid(at=lambda x, y: -9999), "xi.asc")
+        self.write(with_bed)
+        same = self.run_scene(self.scene, "same")
+        self.assertEqual(self.maps(same), self.maps(plain))
+        self.write(grid(at=lambda x, y: 0.2 if x < 6 else 0.8), "mu.asc")
+        rough = self.run_scene(self.scene, "rough")
+        two = self.run_scene(self.scene, "two", "--partitioner", "shuffle", ranks=2)
+        self.assertEqual(self.maps(two), self.maps(rough))
+        beyond = [sum(sum(row[7:]) for row in read_map(run, "max_speed")) for run in (rough, plain)]
+        self.assertLess(beyond[0], 0.98 * beyond[1])
+
+    def test_a_raster_that_does_not_fit_is_refused_with_file_and_reason(self):
+        scene = SCENE.replace("[hazard]", 'friction = "mu.asc"\n[hazard]')
+        mu = lambda at: self.write(grid(at=at), "mu.asc")
+        self.assertIn("no such file", self.refused(scene))
+        mu(lambda x, y: -0.1)
+        self.assertIn("mu.asc: a friction of -0.1 (must be >= 0)", self.refused(scene))
+        self.write(grid().replace("xllcenter 0", "xllcenter 100"), "mu.asc")
+        self.assertIn("mu.asc: the raster of friction reaches from 99 to 125 along x", self.refused(scene))
+        mu(lambda x, y: 0.1)
+        self.assertIn("terrain.friction is not used", self.refused(scene.replace(
+            'law = "voellmy", friction = 0.2, xi = 500.0', 'law = "rough"')))
+        self.assertIn("terrain.xi is not used", self.refused(scene.replace('friction = "mu.asc"', 'xi = "mu.asc"').replace(
+            'law = "voellmy", friction = 0.2, xi = 500.0', 'law = "coulomb", friction = 0.2')))
+
+    def test_the_thickness_of_a_release_may_be_a_raster(self):
+        self.write(grid(at=lambda x, y: 1.0), "deep.asc")
+        raster = SCENE.replace("thickness = 1.0", 'thickness = "deep.asc"')
+        plain = self.run_scene(self.scene, "plain", *sets(time__end=0))
+        self.write(raster)
+        same = self.run_scene(self.scene, "same", *sets(time__end=0))
+        self.assertEqual(summary(same)["state_hash"], summary(plain)["state_hash"])
+        self.write(grid(at=lambda x, y: 0.25 * y), "deep.asc")
+        wedge = self.run_scene(self.scene, "wedge", *sets(time__end=0))
+        ratio = summary(wedge)["mass_kg"] / summary(plain)["mass_kg"]
+        self.assertGreater(ratio, 0.25 * 3)
+        self.assertLess(ratio, 0.25 * 9)
+        two = self.run_scene(self.scene, "two", *sets(time__end=0), ranks=2)
+        self.assertEqual(summary(two)["state_hash"], summary(wedge)["state_hash"])
+        self.write(grid(at=lambda x, y: 0.3), "deep.asc")
+        self.assertIn("is at most 0.3 m thick (less than a cell", self.refused(raster))
+        self.write(grid(at=lambda x, y: -9999 if x == 4 and y == 6 else 1), "deep.asc")
+        self.assertIn("deep.asc: no thickness at (4, 6)", self.refused(raster))
+        self.assertIn("release.scar.thickness is missing", self.refused(SCENE.replace("thickness = 1.0\n", "")))
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_every_polygon_of_a_file_is_a_body_with_its_own_thickness(self):
+        low, high = [[2, 3], [6, 3], [6, 5.5], [2, 5.5]], [[2, 6.5], [6, 6.5], [6, 9], [2, 9]]
+        self.write(features((low, {"thickness": 1}), (high, {"thickness": 2})), "area.geojson")
+        self.write(SCENE.replace("area.csv", "area.geojson").replace("thickness = 1.0\n", ""))
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"release    scar-1: \S+ m3, 2 cells thick")
+        self.assertRegex(ended.out, r"release    scar-2: \S+ m3, 4 cells thick\n")
+
+    def test_gauges_tell_what_their_columns_hold(self):
+        self.write("name,x,y\nscar,4.5,6.5\nroad,9.5,6.5\n", "gauges.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\ngauges = "gauges.csv"'))
+        one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
+        rows = moraine.table(one, "gauges.csv")
+        deepest, arrival = read_map(one, "max_depth"), read_map(one, "arrival")
+        for name, column in (("scar", 4), ("road", 9)):
+            depths = [float(row[f"{name}_depth_m"]) for row in rows]
+            self.assertAlmostEqual(max(depths), deepest[5][column], places=5)
+            first = next(float(row["time_s"]) for row in rows if float(row[f"{name}_depth_m"]) >= 0.2)
+            self.assertAlmostEqual(first, arrival[5][column], places=5)
+        self.assertGreater(max(float(row["road_pressure_Pa"]) for row in rows), 0)
+        text = (one / "gauges.csv").read_bytes()
+        two = self.run_scene(self.scene, "two", "--partitioner", "shuffle", ranks=2)
+        self.assertEqual((two / "gauges.csv").read_bytes(), text)
+        self.run_scene(self.scene, "one", "--restart", checkpoints(one)[0])
+        self.assertEqual((one / "gauges.csv").read_bytes(), text)
+        self.assertIn("gauge road is at (99, 1) (outside the domain)",
+                      self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
+        self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
 
     def test_debris_stays_over_the_ground_and_leaves_by_open_sides(self):
         directory = self.run_scene(self.scene, "out", *sets(time__end=4, domain__max="[12.0, 12.0, 16.0]"))
@@ -121,7 +296,7 @@ class Terrain(moraine.ProgramTest):
 
     def test_a_wrong_model_is_refused_with_place_and_remedy(self):
         self.assertIn("no such file", self.changed("valley.asc", "absent.asc"))
-        self.assertIn("gdal_translate", self.changed("valley.asc", "valley.tif"))
+        self.assertIn("no such file" if GDAL else "gdal_translate", self.changed("valley.asc", "valley.tif"))
         self.assertIn("terrain.dem is missing", self.changed('dem = "valley.asc"\n', ""))
         self.assertIn("terrain.profile is not used", self.changed('dem = "valley.asc"', 'profile = "valley.csv"'))
         self.assertIn("Did you mean terrain.contact.friction?", self.changed("friction = 0.2", "frction = 0.2"))

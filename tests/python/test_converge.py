@@ -95,6 +95,12 @@ class Converge(PackageTest):
         values = [json.loads((folder(name) / "converge.json").read_text())["variants"][0]["levels"] for name in ("torn", "whole")]
         self.assertEqual(*[[level["values"] for level in levels] for levels in values])
 
+    def test_levels_go_on_to_the_end_where_the_scene_would_stop_at_rest(self):
+        always = {"time.stop": "rest", "rest.displacement": 1000.0, "rest.interval": 0.02}
+        study, _ = converge({**JELLY, "structure": []}, "rest", "centre_y_m", sets=always)
+        for level in study.variants[0].levels:
+            self.assertEqual(moraine.Run(study.path / level.directory).summary["ended_by"], "end")
+
     def test_methods_are_compared_and_what_does_not_converge_is_said(self):
         splash = {**JELLY, "structure": [], "wall": JELLY["wall"] + [{"face": "x-min", "kind": "no-slip"}], "output": {"interval": 0.02}}
         study, said = converge(splash, "methods", "max_speed_m_s@max,centre_x_m", set_each={"numerics.transfer": ["apic", "flip"]}, coarsest=0.25)
@@ -170,7 +176,7 @@ class Converge(PackageTest):
         self.assertIn("say --ranks N?", done.stderr)
 
     def test_a_front_and_a_depth_are_read_from_particles(self):
-        study, _ = converge(moraine.read_scene(INPUTS / "slurry_runout.toml"), "slurry", "front,max_depth@0,front@max", sets={"time.end": 0.3, "output.interval": 0.1},
+        study, _ = converge(moraine.read_scene(INPUTS / "slurry_runout.toml"), "slurry-levels", "front,max_depth@0,front@max", sets={"time.end": 0.3, "output.interval": 0.1},
                             coarsest=1.0, ratio="1:2")
         run = Run(study.path / "cell-0.25")
         values = study.variants[0].levels[-1].values

@@ -178,7 +178,8 @@ TEST_CASE("an affine transfer with linear shapes is refused") {
     CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
 }
 
-TEST_CASE("the grid's pressure is for fluids, and its substeps for nearly incompressible ones without structures") {
+TEST_CASE(
+    "the grid's pressure is for fluids, and its substeps for nearly incompressible ones without free structures") {
     const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
     const std::string grid = "material.clay.volumetric=grid", stiff = "material.clay.poisson=0.49";
     CHECK(said_about(mud, {grid}).empty());
@@ -189,6 +190,12 @@ TEST_CASE("the grid's pressure is for fluids, and its substeps for nearly incomp
     says(said_about(mud, {stiff, "numerics.substeps=4"}), "a material has its pressure on particles");
     says(said_about(mud, {grid, "material.clay.poisson=0.3", "numerics.substeps=4"}), "below 0.45");
     says(said_about(mud, {grid, stiff, "numerics.substeps=11"}), "numerics.substeps");
+    const std::string ball =
+        "\n[[structure]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [1.0, 1.0]\nradius = 0.3\nclear = true\n";
+    CHECK(said_about(mud + ball, {grid, stiff, "numerics.substeps=4"}).empty());
+    says(said_about(mud + ball + "[structure.motion]\nkind = \"free\"\nmass = 10.0\n",
+                    {grid, stiff, "numerics.substeps=4"}),
+         "with structure.ball, which is free");
 }
 
 TEST_CASE("smoothing and shifting are for fluids, without means of cells") {

@@ -338,6 +338,13 @@ TEST_CASE("the grid's pressure is the same on any number of ranks, with and with
         }
     scene.transfer = Transfer::aflip;
     states.push_back(same_on_all_ranks<float, 2>(scene, 20).state);
+    scene.structures.resize(2);
+    scene.structures[0].name = "plane", scene.structures[0].point = {0, 0.05, 0};
+    scene.structures[0].normal = {0.05, 1, 0};
+    scene.structures[1].name = "ball", scene.structures[1].shape = StructureShape::sphere;
+    scene.structures[1].center = {3.3, 1.1, 0}, scene.structures[1].radius = 0.2;
+    scene.structures[1].motion.kind = StructureMotion::velocity, scene.structures[1].motion.velocity = {1, 0, 0};
+    states.push_back(same_on_all_ranks<double, 2>(scene, 20).state);
     std::sort(states.begin(), states.end());
     CHECK(std::adjacent_find(states.begin(), states.end()) == states.end());
 }

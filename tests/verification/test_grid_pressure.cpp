@@ -106,6 +106,39 @@ TEST_CASE("a runout goes as far with substeps as without, in a fifth of the step
     for (double share : over_filling) CHECK(share < 0.01);  // 4 % without shifts
 }
 
+TEST_CASE("a layer slides on a plane with friction as far in substeps as without, and does not sink") {
+    const double slope = 24 * 3.14159265358979 / 180;
+    for (double height : {0.25, 1.0}) {
+        CAPTURE(height);
+        std::vector<double> acceleration;
+        for (int substeps : {1, 10}) {
+            Scene scene = fluid(0.25, substeps, 100, 5000);
+            scene.gravity = {9.81 * std::sin(slope), -9.81 * std::cos(slope)};
+            scene.max = {40, 4, 0};
+            scene.walls[1][0].kind = WallKind::none;
+            scene.bodies = {block(15, 1.1 + height)};
+            scene.bodies[0].min = {5, 1.1, 0};
+            StructureSpec plane;
+            plane.name = "plane", plane.law = InterfaceLaw::coulomb, plane.friction = 0.2;
+            plane.point = {0, 1.1, 0}, plane.normal = {0, 1, 0};
+            scene.structures = {plane};
+            scene.end = 1.5;
+            Run<> run(scene);
+            while (run.time() < scene.end) run.steps(1);
+            const Totals<2> totals = totals_of(run.sim);
+            acceleration.push_back(totals.momentum[0] / totals.mass / run.time());
+            double deepest = 0;
+            each_particle(run.sim, [&](std::uint32_t, const auto& x) { deepest = std::max(deepest, 1.1 - x[1]); });
+            const double block_has = 9.81 * (std::sin(slope) - plane.friction * std::cos(slope));
+            say(fmt::format("layer of {} m, {} substeps: acceleration {:+.2f} % of the block's, deepest {:.3f} h",
+                            height, substeps, 100 * (acceleration.back() / block_has - 1), deepest / scene.cell));
+            CHECK(std::fabs(acceleration.back() / block_has - 1) < 0.05);  // a thick one bounces first
+            CHECK(deepest < 0.15 * scene.cell);
+        }
+        CHECK(std::fabs(acceleration[1] / acceleration[0] - 1) < 0.01);
+    }
+}
+
 TEST_CASE("a film of a cell, a row of particles and one particle alone stand on a wall") {
     for (double height : {0.5, 1.0, 2.0}) {
         CAPTURE(height);

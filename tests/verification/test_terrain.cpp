@@ -26,13 +26,19 @@ void lay_ground(Scene& scene, double spacing, const F& f) {
     scene.structures[0].ground = ground;
 }
 
-double path_on_incline(bool as_ground) {
+double path_on_incline(bool as_ground, bool with_raster = false) {
     Brick b;
     b.slope = 24 * degree;
     b.tilt = -b.slope;
     b.speed = 0.1;
     Scene scene = block_scene(b, InterfaceLaw::coulomb);
     if (as_ground) lay_ground(scene, 20 * b.h, [&](double x) { return -std::tan(b.slope) * x; });
+    if (with_raster) {
+        auto ground = std::make_shared<Ground>(*scene.structures[0].ground);
+        ground->friction.assign(ground->height.size(), scene.structures[0].friction);
+        scene.structures[0].ground = ground;
+        scene.structures[0].friction = 0;
+    }
     ContactRun block(scene);
     block.until(0.5);
     return block.moved(turned(1, 0, b.tilt));
@@ -63,6 +69,27 @@ TEST_CASE("an incline as heights is the plane: paths agree to 2e-4") {
     say(fmt::format("T1 incline of 24 degrees: {:.6f} m on the plane, {:.1e} of it less on heights", plane,
                     1 - ground / plane));
     CHECK(std::fabs(ground / plane - 1) <= 2e-4);
+}
+
+TEST_CASE("friction by a raster of one value is that value") {
+    CHECK(path_on_incline(true, true) == doctest::Approx(path_on_incline(true)).epsilon(1e-12));
+}
+
+TEST_CASE("a particle more than a cell under the ground ends the run with its place") {
+    Brick b;
+    b.lift = -3;
+    Scene scene = block_scene(b, InterfaceLaw::coulomb);
+    scene.periodic = {};
+    lay_ground(scene, 20 * b.h, [](double) { return 0.0; });
+    ContactRun block(scene);
+    std::string said;
+    try {
+        block.until(0.5);
+    } catch (const PhysicsError& e) {
+        said = e.what();
+    }
+    CAPTURE(said);
+    CHECK(said.find("particle 0 at (0.003125, -0.034375) m is more than a cell under the ground") != std::string::npos);
 }
 
 TEST_CASE("a block on a parabola stops where the point mass does") {

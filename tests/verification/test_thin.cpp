@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/light_stencil.hpp"
 #include "core/shape.hpp"
+#include "sample_scenes.hpp"
 #include "verification/drive.hpp"
 #include "verification/problem_cloud.hpp"
 #include "verification/random_run.hpp"
@@ -188,6 +189,47 @@ TEST_CASE("A limited pressure accelerates no axis against itself") {
     REQUIRE(share.volume(limits) == doctest::Approx(2.1 / 15));
     for (int b = 0; b < 3; ++b)
         CHECK(gradient(b, b) + taken(b, b) == doctest::Approx(share.volume(limits) * reaction[b]));
+}
+
+/// What light nodes do to a velocity in 20 steps, over the largest velocity.
+template <int Dim>
+double effect_of_limits(const Scene& limited) {
+    Scene free = limited;
+    free.limits_light_nodes = false;
+    std::map<std::uint64_t, std::array<double, Dim>> velocity;
+    double most = 0, scale = 0;
+    for (const Scene* scene : {&limited, static_cast<const Scene*>(&free)}) {
+        const Comm comm(MPI_COMM_WORLD);
+        Simulation<double, Dim> sim(*scene, comm);
+        sim.seed();
+        for (int k = 0; k < 20; ++k) sim.step(), sim.balance();
+        sim.conclude();
+        const ParticleView<double, Dim> p = sim.patch().particles.view();
+        each_particle(sim, [&](std::uint32_t s, const std::array<double, Dim>&) {
+            std::array<double, Dim>& of = velocity[p.id[s]];
+            for (std::size_t a = 0; a < Dim; ++a) {
+                const double now = p.velocity[s][int(a)];
+                if (scene == &limited)
+                    of[a] = now, scale = std::max(scale, std::fabs(now));
+                else
+                    most = std::max(most, std::fabs(now - of[a]));
+            }
+        });
+    }
+    return most / scale;
+}
+
+// The scene by which a device is compared with the host (tests/gpu/test_engine.cpp) says something only if so.
+TEST_CASE("The limits matter within 20 steps of a spray, with every transfer") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic, Transfer::tpic})
+        for (bool means : {false, true}) {
+            CAPTURE(int(transfer));
+            CAPTURE(means);
+            Scene flat = test::elastic_spray(2, transfer), deep = test::elastic_spray(3, transfer);
+            if (means) flat.materials[0].volumetric = deep.materials[0].volumetric = Volumetric::cell;
+            CHECK(effect_of_limits<2>(flat) > 1e-4);
+            CHECK(effect_of_limits<3>(deep) > 1e-4);
+        }
 }
 
 TEST_CASE("A node that is held makes no particle stiffer") {

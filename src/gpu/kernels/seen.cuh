@@ -68,4 +68,19 @@ struct Seen {
     }
 };
 
+/// And where steps depend on it (core/grid_pressure.hpp).
+template <class Real>
+struct SeenWithSpeed : Seen<Real> {
+    Real square_speed = 0;  ///< [m2/s2]
+
+    template <int Dim>
+    __device__ __forceinline__ void fold_into(Account<Dim>& account) const {
+        Seen<Real>::fold_into(account);
+        const auto square = double(warp_max(square_speed));
+        if (threadIdx.x % 32 == 0 && square > 0) raise(account.square_speed, square);
+    }
+};
+template <class Real, bool Speed>
+using SeenOf = std::conditional_t<Speed, SeenWithSpeed<Real>, Seen<Real>>;
+
 }  // namespace moraine::gpu

@@ -29,6 +29,7 @@ template <int Dim>
 __device__ __forceinline__ void merge(Account<Dim>& a, const Account<Dim>& b) {
     a.signal = max(a.signal, b.signal);
     a.moved = max(a.moved, b.moved);
+    a.square_speed = max(a.square_speed, b.square_speed);
     a.faulty_id = min(a.faulty_id, b.faulty_id);
     a.faults |= b.faults;
     a.clamped += b.clamped;
@@ -41,6 +42,7 @@ template <int Dim>
 __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
     a.signal = warp_max(a.signal);
     a.moved = warp_max(a.moved);
+    a.square_speed = warp_max(a.square_speed);
     a.faulty_id = warp_min(a.faulty_id);
     a.faults = __reduce_or_sync(all_lanes, a.faults);
     a.clamped = __reduce_add_sync(all_lanes, a.clamped);

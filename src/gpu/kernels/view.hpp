@@ -26,9 +26,10 @@ struct Chosen {
 /// order matters; a launch spreads over `account_parts` of them.
 template <int Dim>
 struct Account {
-    std::uint64_t signal;     ///< bits of the largest c + |v| [m/s], a double that is not negative
-    std::uint64_t moved;      ///< bits of the largest displacement along an axis [cells]
-    std::uint64_t faulty_id;  ///< lowest id with a fault; all ones: none
+    std::uint64_t signal;        ///< bits of the largest c + |v| [m/s], a double that is not negative
+    std::uint64_t moved;         ///< bits of the largest displacement along an axis [cells]
+    std::uint64_t square_speed;  ///< bits of the largest |v|^2, with the grid's pressure [m2/s2]
+    std::uint64_t faulty_id;     ///< lowest id with a fault; all ones: none
     std::uint32_t faults;
     std::uint32_t clamped;  ///< contiguous GIMP boxes held at half a cell
     ExactSum work;          ///< of the stresses

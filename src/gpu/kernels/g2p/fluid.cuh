@@ -29,12 +29,11 @@ struct FluidTile {
     __device__ __forceinline__ void set(int n, const Value& x) { mean[n] = x.mean; }
 };
 
-/// Fills the tile of a block; all threads of the team, which see it afterwards.
-template <class Shape, class Real, int Dim>
-__device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int block,
-                                                FluidTile<Real, Dim, Shape::width>& tile) {
-    for (int n = Team<Dim>::rank(); n < tile.size; n += Team<Dim>::threads)
-        tile.mean[n] = node_in_tile<tile_side(Shape::width)>(v, block, n)[1].e[quad - 1];
+/// Fills the tile of a block from a number per node; all threads of the team, which see it afterwards.
+template <class Shape, class Real, int Dim, class Number>
+__device__ __forceinline__ void fill_fluid_tile(const View<Real, Dim>& v, int block,
+                                                FluidTile<Real, Dim, Shape::width>& tile, const Number& number) {
+    for (int n = Team<Dim>::rank(); n < tile.size; n += Team<Dim>::threads) tile.mean[n] = number(n);
     if (Team<Dim>::rank() == 0) {
         tile.resting = Real(0);
         for (int a = 0; a < Dim; ++a)
@@ -42,6 +41,14 @@ __device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int bl
     }
     Team<Dim>::sync();
     if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile);
+}
+
+/// From the nodes' values.
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int block,
+                                                FluidTile<Real, Dim, Shape::width>& tile) {
+    fill_fluid_tile<Shape>(v, block, tile,
+                           [&](int n) { return node_in_tile<tile_side(Shape::width)>(v, block, n)[1].e[quad - 1]; });
 }
 
 /// A particle's weights and slopes [1/cell].
@@ -117,6 +124,29 @@ __device__ __forceinline__ FluidTerms<Real> terms_of(const View<Real, Dim>& v, c
     return g.by_body ? g.by_body[v.p.body[s]] : g.all;
 }
 
+/// The shift of a particle at u in a step [m].
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ Vec<Real, Dim> found_shift(const View<Real, Dim>& v, const FluidTerms<Real>& of, Real dt,
+                                                      const FluidTile<Real, Dim, Shape::width>& tile, int at,
+                                                      const FluidStencil<Shape, Real, Dim>& n) {
+    Vec<Real, Dim> gradient = excess_gradient<Shape, Rolled, Real, Dim>(tile, at, n);
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) gradient[a] *= v.context.inverse_cell;
+    return shift_by(of.shifting, dt, Real(1) / v.context.inverse_cell, gradient);
+}
+
+/// The pressure that the nodes around a particle at u have there [Pa].
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ Real found_pressure(const View<Real, Dim>& v, const FluidTile<Real, Dim, Shape::width>& tile,
+                                               int at, const Vec<Coordinate<Real>, Dim>& u,
+                                               const FluidStencil<Shape, Real, Dim>& n) {
+    Real pressure = gathered_mean<Shape, Rolled, Real, Dim>(tile, at, n) - tile.resting;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a)
+        pressure -= v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
+    return pressure;
+}
+
 /// The tile, and what each thread's particle takes of it, from before it gathers: in registers it would be too much.
 template <class Real, int Dim, int Width>
 struct FluidShared {
@@ -127,31 +157,24 @@ struct FluidShared {
 /// Gathers the shift or the pressure of a particle at u. half: of its box [cells]. What the particle's rows say is read
 /// anew afterwards: registers that held weights until then spilled.
 template <class Shape, bool Rolled, class Real, int Dim>
-__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
+__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>& g,
                                            const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
                                            const Vec<Real, Dim>& half, FluidShared<Real, Dim, Shape::width>& shared) {
     const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
     const FluidStencil<Shape, Real, Dim> n(u, half);
     if (g.fluid.shifts) {
-        Vec<Real, Dim> gradient = excess_gradient<Shape, Rolled, Real, Dim>(shared.tile, at, n);
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) gradient[a] *= v.context.inverse_cell;
-        const Vec<Real, Dim> shift = shift_by(of.shifting, g.dt, Real(1) / v.context.inverse_cell, gradient);
+        const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, g.dt, shared.tile, at, n);
 #pragma unroll
         for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
     } else {
-        Real pressure = gathered_mean<Shape, Rolled, Real, Dim>(shared.tile, at, n) - shared.tile.resting;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a)
-            pressure -= v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
-        shared.own[0][rank] = pressure;
+        shared.own[0][rank] = found_pressure<Shape, Rolled>(v, shared.tile, at, u, n);
     }
     asm volatile("" ::: "memory");
 }
 
 /// Adds the shift of this thread's particle to the velocity that moves it from u.
 template <class Real, int Dim, int Width>
-__device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g, int block,
+__device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>& g, int block,
                                           const FluidTerms<Real>& of, const FluidShared<Real, Dim, Width>& shared,
                                           const Vec<Coordinate<Real>, Dim>& u, Real (&velocity)[Dim]) {
     if (!(of.shifting > Real(0))) return;
@@ -168,18 +191,86 @@ __device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const FluidG
     for (int a = 0; a < Dim; ++a) velocity[a] += Real(1) / g.dt * shift[a];
 }
 
-/// Takes this thread's particle's share of the pressure into its rows.
-template <class Real, int Dim, int Width>
-__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, const FluidShared<Real, Dim, Width>& shared,
-                                       CoreRows<Real, Dim>& p) {
+/// Takes this thread's particle's share of the pressure around it into its rows.
+template <class Real, int Dim>
+__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p) {
     if (!(of.smoothing > Real(0))) return;
     Sym<Real, Dim> stress{};
 #pragma unroll
     for (int a = 0; a < 3; ++a) stress[a] = p.stress(a);
-    smooth_pressure(smoothing_share(of.smoothing, dt), shared.own[0][Team<Dim>::rank()], of.compliance, stress,
-                    p.ln_J());
+    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J());
 #pragma unroll
     for (int a = 0; a < 3; ++a) p.stress(a) = stress[a];
+}
+
+/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
+template <class Real>
+inline constexpr int pressure_blocks = sizeof(Real) == 8 ? 2 : 4;
+
+/// Where the pressure is the grid's: both at once, and the increments of the block's cells.
+template <class Real, int Dim, int Width>
+struct PressureShared : FluidShared<Real, Dim, Width> {
+    FluidTile<Real, Dim, Width> means;
+    Real pressure[Team<Dim>::threads];
+    Real increment[Block<Dim>::cells];  ///< of ln J
+};
+template <class Real, int Dim, int Width, FluidGrid Fluid>
+using FluidSharedOf =
+    std::conditional_t<Fluid == FluidGrid::pressure, PressureShared<Real, Dim, Width>, FluidShared<Real, Dim, Width>>;
+
+/// All threads of the team, which see it afterwards.
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>&, int block,
+                                           FluidShared<Real, Dim, Shape::width>& shared) {
+    load_fluid_tile<Shape>(v, block, shared.tile);
+}
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g, int block,
+                                           PressureShared<Real, Dim, Shape::width>& shared) {
+    constexpr int cells = Block<Dim>::cells;
+    const CellPressure<Real>* cell = g.cell + std::size_t(v.grid.tile_of[block]) * std::size_t(cells);
+    for (int c = Team<Dim>::rank(); c < cells; c += Team<Dim>::threads) shared.increment[c] = cell[c].increment;
+    fill_fluid_tile<Shape>(v, block, shared.means,
+                           [&](int n) { return g.mean[stored_tile_node<Shape::width>(v.table, v.grid, block, n)]; });
+    load_fluid_tile<Shape>(v, block, shared.tile);
+}
+
+/// The same as find_fluid() above, and both; a shift goes no further than it is stable.
+template <class Shape, bool Rolled, class Real, int Dim>
+__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
+                                           const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
+                                           const Vec<Real, Dim>&, PressureShared<Real, Dim, Shape::width>& shared) {
+    const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
+    const FluidStencil<Shape, Real, Dim> n(u, zero_vec<Real, Dim>());
+    if (of.shifting > Real(0)) {
+        const Real h = Real(1) / v.context.inverse_cell, most = Real(0.5) * h * h / of.shifting;
+        const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, most < g.dt ? most : g.dt, shared.tile, at, n);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
+    }
+    if (of.smoothing > Real(0)) shared.pressure[rank] = found_pressure<Shape, Rolled>(v, shared.means, at, u, n);
+    asm volatile("" ::: "memory");
+}
+
+/// What a step of the cell does to a particle's rows and its dL (core/g2p.hpp: take_cell). Returns the work [J].
+template <class Real, int Dim>
+__device__ __forceinline__ double take_cell(Real bulk, Real increment, CoreRows<Real, Dim>& p, Mat<Real, Dim>& dL) {
+    const Real step = bulk * increment, before = (p.stress(0) + p.stress(1) + p.stress(2)) * Real(1.0 / 3.0);
+    const double work = double(p.volume()) * double(before + Real(0.5) * step) * double(increment);
+#pragma unroll
+    for (int a = 0; a < 3; ++a) p.stress(a) += step;
+    Real cubic;
+    dL = isochoric_increment(dL, cubic);
+    p.ln_J() += increment - cubic;
+    return work;
+}
+
+template <class Real, int Dim>
+__device__ __forceinline__ Real square_speed(const CoreRows<Real, Dim>& p) {
+    Real square = Real(0);
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) square += p.velocity(a) * p.velocity(a);
+    return square;
 }
 
 }  // namespace moraine::gpu

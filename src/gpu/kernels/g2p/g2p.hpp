@@ -18,6 +18,7 @@
 #include <type_traits>
 
 #include "comm/fused_gather.hpp"
+#include "core/grid_pressure.hpp"
 #include "core/light_nodes.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
@@ -59,7 +60,11 @@ struct GatherArgs {
     std::uint64_t gradient_stride;  ///< list entries between components
 };
 
-/// For fluids that want it (core/pressure_smoothing.hpp, core/particle_shifting.hpp).
+/// What fluids take from the grid besides their motion, as kernels are compiled for it: nothing; the means of nodes
+/// (core/pressure_smoothing.hpp, core/particle_shifting.hpp); these, and the pressure of cells
+/// (core/grid_pressure.hpp).
+enum class FluidGrid { none, means, pressure };
+
 template <class Real>
 struct FluidArgs {
     const FluidTerms<Real>* by_body;  ///< on the device; null: of all particles the same
@@ -69,11 +74,20 @@ struct FluidArgs {
 
 /// With them; kernels of other scenes do not get them.
 template <class Real, int Dim>
-struct FluidGatherArgs : GatherArgs<Real, Dim> {
+struct MeansGatherArgs : GatherArgs<Real, Dim> {
     FluidArgs<Real> fluid;
 };
-template <class Real, int Dim, bool Fluid>
-using GatherArgsOf = std::conditional_t<Fluid, FluidGatherArgs<Real, Dim>, GatherArgs<Real, Dim>>;
+/// With the pressure of cells; nodes hold e_i, and P_i is apart.
+template <class Real, int Dim>
+struct FluidGatherArgs : MeansGatherArgs<Real, Dim> {
+    const CellPressure<Real>* cell;  ///< [tile][cell]
+    const Real* mean;                ///< [node block][node]: P_i
+    const Real* bulk;                ///< by body: K [Pa]
+};
+template <class Real, int Dim, FluidGrid Fluid>
+using GatherArgsOf = std::conditional_t<
+    Fluid == FluidGrid::pressure, FluidGatherArgs<Real, Dim>,
+    std::conditional_t<Fluid == FluidGrid::means, MeansGatherArgs<Real, Dim>, GatherArgs<Real, Dim>>>;
 
 template <class Real, int Dim>
 struct StressArgs {
@@ -139,6 +153,12 @@ template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fluid_gather(moraine::Shape shape, bool affine);
 template <class Real, int Dim>
 std::unique_ptr<GatherKernel<Real, Dim>> make_fused_fluid_gather(const MaterialSpec& material, bool affine);
+
+/// The same for scenes whose pressure is the grid's; quadratic splines alone.
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_pressure_gather(bool affine);
+template <class Real, int Dim>
+std::unique_ptr<GatherKernel<Real, Dim>> make_fused_pressure_gather(const MaterialSpec& material, bool affine);
 
 template <class Real, int Dim>
 std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material);

@@ -16,7 +16,7 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, bool Fluid>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, FluidGrid Fluid>
 struct FusedGather {
     static_assert(!Affine || Shape::width == 3);
     using T = Team<Dim>;
@@ -31,9 +31,10 @@ struct FusedGather {
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
     struct SharedWithFluid : PlainShared {
-        FluidShared<Real, Dim, Shape::width> fluid;
+        FluidSharedOf<Real, Dim, Shape::width, Fluid> fluid;
     };
-    using Shared = std::conditional_t<Fluid, SharedWithFluid, PlainShared>;
+    static constexpr bool fluid = Fluid != FluidGrid::none, of_grid = Fluid == FluidGrid::pressure;
+    using Shared = std::conditional_t<fluid, SharedWithFluid, PlainShared>;
     using V = View<Real, Dim>;
     using Args = GatherArgsOf<Real, Dim, Fluid>;
     using U = Vec<Coordinate<Real>, Dim>;
@@ -65,7 +66,7 @@ struct FusedGather {
             load_light_tile<Shape>(v, work.block, shared.light.tile);
             weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
         }
-        if constexpr (Fluid) load_fluid_tile<Shape>(v, work.block, shared.fluid.tile);
+        if constexpr (fluid) load_fluid<Shape>(v, g, work.block, shared.fluid);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (averages(g))
@@ -78,24 +79,41 @@ struct FusedGather {
     static __device__ __forceinline__ PlaceStep<Real> move(const V& v, const Args& g, const Work& work, std::uint32_t k,
                                                            const Gathered<Real, Dim, Affine>& sums, U& u,
                                                            const Shared& shared) {
-        if constexpr (Fluid) {
+        if constexpr (fluid) {
             Real velocity[Dim];
 #pragma unroll
             for (int a = 0; a < Dim; ++a) velocity[a] = sums.velocity[a];
-            if (g.fluid.shifts) add_shift(v, g, work.block, g.fluid.all, shared.fluid, u, velocity);
+            if (of_grid || g.fluid.shifts) add_shift(v, g, work.block, g.fluid.all, shared.fluid, u, velocity);
             return move_particle<Light>(v, g, work, k, velocity, u);
         } else {
             return move_particle<Light>(v, g, work, k, sums.velocity, u);
         }
     }
 
+    /// What a fluid's particle takes of the grid before its stress; p has the new velocity.
+    static __device__ __forceinline__ void take_fluid(const Args& g, int half, const Shared& shared,
+                                                      CoreRows<Real, Dim>& p, Mat<Real, Dim>& dL,
+                                                      SeenOf<Real, of_grid>& tally, double& power) {
+        if constexpr (of_grid) {
+            const Real square = square_speed(p);
+            if (square > tally.square_speed) tally.square_speed = square;
+            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p);
+            CoreRows<Real, Dim> before;  // where it was
+            before.row[p.place] = shared.rows.take(half, T::rank(), p.place);
+            power += take_cell(g.bulk[0], shared.fluid.increment[number_of<4, Real, Dim>(place_of<Real, Dim>(before))],
+                               p, dL);
+        } else if constexpr (fluid) {
+            if (!g.fluid.shifts) smooth(g.fluid.all, g.dt, shared.fluid.own[0][T::rank()], p);
+        }
+    }
+
     static __device__ __forceinline__ std::uint32_t update(const V& v, const Args& g, const Law& law,
                                                            Real inverse_density, const Work& work, std::uint32_t k,
-                                                           std::uint32_t s, int half, Shared& shared, Seen<Real>& tally,
-                                                           double& power) {
+                                                           std::uint32_t s, int half, Shared& shared,
+                                                           SeenOf<Real, of_grid>& tally, double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
-        if constexpr (Fluid) {
+        if constexpr (fluid) {
             p.row[p.place] = row(p.place);
             find_fluid<Shape, Light>(v, g, g.fluid.all, place_of<Real, Dim>(p), zero_vec<Real, Dim>(), shared.fluid);
         }
@@ -128,9 +146,8 @@ struct FusedGather {
         Row<Real> b[stretch_rows<Dim>];
         if constexpr (Law::uses_left_stretch)
             for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
-        if constexpr (Fluid)
-            if (!g.fluid.shifts) smooth(g.fluid.all, g.dt, shared.fluid, p);
-        const Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
+        Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
+        take_fluid(g, half, shared, p, dL, tally, power);
         const std::uint32_t faults =
             step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
 #pragma unroll
@@ -140,7 +157,7 @@ struct FusedGather {
     }
 };
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, bool Fluid,
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Light, FluidGrid Fluid,
           int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_fused(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
@@ -150,7 +167,7 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     using F = FusedGather<Real, Dim, Shape, Law, Affine, Averages, Light, Fluid>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename F::Shared*>(memory)[T::index()];
-    Seen<Real> tally;
+    SeenOf<Real, Fluid == FluidGrid::pressure> tally;
     const std::uint32_t count = *chosen.count;
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
@@ -176,23 +193,24 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real, class Law, bool Affine, bool Averages, bool Light>
+template <class Real, class Law, bool Affine, bool Averages, bool Light, FluidGrid Fluid>
 constexpr int fused_blocks() {
     if (Light) return light_blocks;
+    if (Fluid == FluidGrid::pressure) return pressure_blocks<Real>;
     constexpr DeviceBlocks blocks = device_blocks_of<Law>();
     if (sizeof(Real) == 8) return blocks.double_fused;
     if (Affine) return Averages ? blocks.affine_averaged : blocks.affine;
     return Averages ? blocks.averaged : blocks.plain;
 }
 
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, bool Fluid = false>
+template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, FluidGrid Fluid = FluidGrid::none>
 class FusedKernel final : public GatherKernel<Real, Dim> {
   public:
     FusedKernel(const Law& law, double density)
         : law_(law),
           inverse_density_(static_cast<Real>(1 / density)),
           kernel_(make<Averages, false>()),
-          limited_(make<!Fluid, Shape::width != 2>()) {}  // of hats nothing is limited
+          limited_(make<Fluid == FluidGrid::none, Shape::width != 2>()) {}  // of hats nothing is limited
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
              const Launch& launch) const override {
@@ -208,7 +226,7 @@ class FusedKernel final : public GatherKernel<Real, Dim> {
     template <bool Mean, bool Light>
     static Kernel make() {
         return {g2p_fused<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid,
-                          fused_blocks<Real, Law, Affine, Mean, Light>()>,
+                          fused_blocks<Real, Law, Affine, Mean, Light, Fluid>()>,
                 sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid>::Shared),
                 "Launching the gather with stress"};
     }

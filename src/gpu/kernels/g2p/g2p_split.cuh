@@ -11,13 +11,14 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, bool Fluid>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Fluid>
 struct SplitGather {
     using T = Team<Dim>;
     static constexpr int side = tile_side(Shape::width);
     static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
     static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
     static constexpr bool rolled = Light && Shape::width > 3;   ///< or registers spill in double
+    static constexpr bool fluid = Fluid != FluidGrid::none, of_grid = Fluid == FluidGrid::pressure;
     using Tile = GatherTile<Real, Dim, Shape::width>;
     using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
     struct PlainShared {
@@ -27,9 +28,10 @@ struct SplitGather {
         std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
     };
     struct SharedWithFluid : PlainShared {
-        FluidShared<Real, Dim, Shape::width> fluid;
+        FluidSharedOf<Real, Dim, Shape::width, Fluid> fluid;
+        double sums[of_grid ? T::warps : 1];
     };
-    using Shared = std::conditional_t<Fluid, SharedWithFluid, PlainShared>;
+    using Shared = std::conditional_t<fluid, SharedWithFluid, PlainShared>;
     using V = View<Real, Dim>;
     using Args = GatherArgsOf<Real, Dim, Fluid>;
     using U = Vec<Coordinate<Real>, Dim>;
@@ -48,7 +50,7 @@ struct SplitGather {
     }
 
     static __device__ __forceinline__ bool averages(const Args& g) {
-        return Averages && (!(Light || Fluid) || g.averages);
+        return Averages && (!(Light || fluid) || g.averages);
     }
 
     /// The nodes of the block, and where they are wanted the means of its cells.
@@ -57,7 +59,7 @@ struct SplitGather {
             load_light_tile<Shape>(v, work.block, shared.light.tile);
             weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
         }
-        if constexpr (Fluid) load_fluid_tile<Shape>(v, work.block, shared.fluid.tile);
+        if constexpr (fluid) load_fluid<Shape>(v, g, work.block, shared.fluid);
         load_tile<Shape>(v, work.block, shared.tile);
         if constexpr (Averages)
             if (averages(g) && (g.gather & gather_gradient))
@@ -89,9 +91,7 @@ struct SplitGather {
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);
     }
 
-    static __device__ __forceinline__ void store_gradient(const V& v, const Args& g, const Sums& sums,
-                                                          std::uint32_t k) {
-        const Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
+    static __device__ __forceinline__ void store_gradient(const Args& g, const Mat<Real, Dim>& dL, std::uint32_t k) {
 #pragma unroll
         for (int i = 0; i < Dim; ++i)
 #pragma unroll
@@ -134,19 +134,39 @@ struct SplitGather {
         CoreRows<Real, Dim> p;
         p.row[p.normal] = load_row(v.p.core[p.normal] + s);
         if (p.ln_J_row != p.normal) p.row[p.ln_J_row] = load_row(v.p.core[p.ln_J_row] + s);
-        smooth(of, g.dt, shared.fluid, p);
+        smooth(of, g.dt, shared.fluid.own[0][T::rank()], p);
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);
         if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
     }
 
+    /// The same where the pressure is the grid's: the smoothed one, and what the cell did. p has the new velocity.
+    /// Returns the work [J].
+    static __device__ __forceinline__ double take_grid(const V& v, const Args& g, std::uint32_t s, const Row<Real>& at,
+                                                       const Shared& shared, SeenOf<Real, of_grid>& tally,
+                                                       Mat<Real, Dim>& dL) {
+        CoreRows<Real, Dim> p;
+#pragma unroll
+        for (int r = 1; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
+        p.row[p.place] = at;
+        const Real square = square_speed(p);
+        if (square > tally.square_speed) tally.square_speed = square;
+        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p);
+        const Real increment = shared.fluid.increment[number_of<4, Real, Dim>(place_of<Real, Dim>(p))];
+        const double work = take_cell(g.bulk[v.p.body[s]], increment, p, dL);
+        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
+        if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
+        return work;
+    }
+
     static __device__ __forceinline__ void move(const V& v, const Args& g, const Work& work, std::uint32_t k,
                                                 std::uint32_t s, const Sums& sums, U& u, const Shared& shared,
-                                                CoreRows<Real, Dim>& p, Seen<Real>& tally) {
+                                                CoreRows<Real, Dim>& p, SeenOf<Real, of_grid>& tally) {
         Real velocity[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
-        if constexpr (Fluid)
-            if (g.fluid.shifts) add_shift(v, g, work.block, terms_of(v, g.fluid, s), shared.fluid, u, velocity);
+        if constexpr (fluid)
+            if (of_grid || g.fluid.shifts)
+                add_shift(v, g, work.block, terms_of(v, g.fluid, s), shared.fluid, u, velocity);
         const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
@@ -158,9 +178,9 @@ struct SplitGather {
     /// The particle of list entry k in slot s.
     static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
                                                 std::uint32_t s, int half, std::uint32_t body, Shared& shared,
-                                                Seen<Real>& tally) {
+                                                SeenOf<Real, of_grid>& tally, double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
-        if constexpr (Fluid) find_mean(v, g, s, half, body, shared);
+        if constexpr (fluid) find_mean(v, g, s, half, body, shared);
         CoreRows<Real, Dim> p;
         p.row[p.place] = row(place);
         Row<Real> stretch;
@@ -187,19 +207,25 @@ struct SplitGather {
                 store_affine(v, sums.gradient, s);
         }
         if (g.gather & gather_gradient) {
-            if constexpr (Fluid)
+            Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
+            if constexpr (of_grid)
+                power += take_grid(v, g, s, row(place), shared, tally, dL);
+            else if constexpr (fluid)
                 if (!g.fluid.shifts) take_pressure(v, g, s, shared);
             if constexpr (Shape::sized)
                 if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
             if constexpr (Averages)
-                if (averages(g) && (!g.averaged || g.averaged[v.p.body[s]])) take_means(v, s, row(place), shared, sums);
-            store_gradient(v, g, sums, k);
+                if (averages(g) && (!g.averaged || g.averaged[v.p.body[s]])) {
+                    take_means(v, s, row(place), shared, sums);
+                    dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
+                }
+            store_gradient(g, dL, k);
         }
         if (moves_particles(g.gather)) move(v, g, work, k, s, sums, u, shared, p, tally);
     }
 };
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, bool Fluid, int MinBlocks>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Fluid, int MinBlocks>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
               const __grid_constant__ GatherArgsOf<Real, Dim, Fluid> g) {
@@ -207,37 +233,46 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
     using S = SplitGather<Real, Dim, Shape, Affine, Averages, Light, Fluid>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
-    Seen<Real> tally;
+    SeenOf<Real, S::of_grid> tally;
     const std::uint32_t count = *chosen.count;
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
         const Work work = work_on(v.list, chosen, item);
         if (!Light && is_limited(g, work.block)) continue;
+        double power = 0;
         each_entry<Dim>(
             v.list.slot, work,
             [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
             [&] { S::prepare(v, g, work, shared); },
             [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t body) {
-                S::take(v, g, work, k, s, half, body, shared, tally);
+                S::take(v, g, work, k, s, half, body, shared, tally, power);
             });
+        if constexpr (S::of_grid) {
+            power = T::sum(power, shared.sums);
+            if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
+        }
         T::sync();
     }
     tally.fold_into(account_of(v));
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
-template <class Real, class Shape, bool Affine, bool Averages, bool Light, bool Fluid>
+template <class Real, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Way>
 constexpr int split_blocks() {
     if (Light) return light_blocks;
+    if (Way == FluidGrid::pressure) return sizeof(Real) == 8 ? 2 : 3;
+    constexpr bool Fluid = Way != FluidGrid::none;
     constexpr bool large = Shape::sized || Shape::width > 3;
     if (sizeof(Real) == 8) return Affine || ((Averages || Fluid) && large) ? 2 : 3;
     return 5 - (large || (Fluid && !Affine) ? 1 : 0) - (Affine ? 1 : 0);
 }
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Fluid = false>
+template <class Real, int Dim, class Shape, bool Affine, bool Averages, FluidGrid Fluid = FluidGrid::none>
 class SplitKernel final : public GatherKernel<Real, Dim> {
   public:
-    SplitKernel() : kernel_(make<Averages, false>()), limited_(make<(Averages || !Fluid), Shape::width != 2>()) {}
+    SplitKernel()
+        : kernel_(make<Averages, false>()),
+          limited_(make<(Averages || Fluid == FluidGrid::none), Shape::width != 2>()) {}
 
     void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
              const Launch& launch) const override {

@@ -66,8 +66,11 @@ struct TilesAround {
     __device__ std::int32_t tile(int delta) const { return __shfl_sync(all_lanes, mine, delta, lanes); }
 };
 
+/// Which quads of a tile's nodes are summed: (mass, momentum) and force, or force alone.
+enum class TileQuads { both, force };
+
 /// Sums of node n over the tiles around it. Returns whether the first of them is an own one. Whole warps call it.
-template <int Dim, int Width, class Real>
+template <int Dim, int Width, TileQuads Quads = TileQuads::both, class Real>
 __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<Dim>& around, int n, Quad<Real>& sums,
                                           Quad<Real>& force) {
     constexpr int side = tile_side(Width);
@@ -95,18 +98,29 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
             for (int a = Dim - 1; a >= 0; --a) shift = shift * side + 4 * Block<Dim>::corner(delta, a);
             const Real* from = tiles + (std::size_t(tile) * power<Dim>(side) + std::size_t(at + shift)) * node_reals;
             if (!covers[i]) continue;
-            m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
+            if constexpr (Quads == TileQuads::both) m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
             f[i] = load_row(reinterpret_cast<const Quad<Real>*>(from) + 1);
         }
 #pragma unroll
         for (int i = 0; i < tiles_at_once; ++i) {
             if (!covers[i]) continue;
-            sums = sums + m[i];
+            if constexpr (Quads == TileQuads::both) sums = sums + m[i];
             force = force + f[i];
             if (counted_by < 0) counted_by = group + i;
         }
     }
     return counted_by >= 0 && ((around.own >> counted_by) & 1);
+}
+
+/// e_i of node n of a node block whose lowest node is `lowest`. filling: v_i / h^d.
+template <int Width, class Real, int Dim>
+__device__ __forceinline__ Real excess_of_node(const ContactField<Dim>& contact,
+                                               const NodeCapacity<Real, Dim>& capacity, const int (&lowest)[Dim],
+                                               const int (&node)[Dim], Real filling) {
+    constexpr double reach = 0.5 * Width;
+    if (structure_within(contact, lowest, Block<Dim>::side, reach) && reaches_structure(contact, node, reach))
+        return at_structure<Real>;
+    return node_excess(filling, capacity.of(node));
 }
 
 /// P_i or e_i of a node of the node block c; total: s_i.
@@ -115,31 +129,30 @@ __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, 
                                              Real mass, Real total) {
     const bool solid = mass > w.round.mass_cutoff;
     if (!w.fluid.shifts) return solid ? total / mass : Real(0);
+    const Real filling = solid ? total * w.fluid.inverse_volume : Real(0);
     if constexpr (Contact) {
-        constexpr double reach = 0.5 * Width;
         int lowest[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-        if (structure_within(w.contact, lowest, Block<Dim>::side, reach) && reaches_structure(w.contact, node, reach))
-            return at_structure<Real>;
+        return excess_of_node<Width>(w.contact, w.fluid.capacity, lowest, node, filling);
     }
-    return node_excess(solid ? total * w.fluid.inverse_volume : Real(0), w.fluid.capacity.of(node));
+    return node_excess(filling, w.fluid.capacity.of(node));
 }
 
-/// One node: its values, and what damping and walls gave it if it is counted here.
-template <int Width, bool Contact, bool Marks, bool Fluid, class Real, int Dim>
-__device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w, int c, int n, const Quad<Real>& sums,
-                                           const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
+/// Where the values of node n of a node block are.
+template <class Real, int Dim>
+__device__ __forceinline__ Quad<Real>* values_of_node(const View<Real, Dim>& v, int c, int n) {
+    return reinterpret_cast<Quad<Real>*>(v.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + std::size_t(n)) * 2;
+}
+
+/// One node: its values after a round, and what damping and walls gave it if it is counted here. node: its index, set.
+template <int Width, bool Contact, class Real, int Dim>
+__device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Real, Dim>& w, int c, int n,
+                                                              const Quad<Real>& sums, const Quad<Real>& force,
+                                                              const NodeValues<Real, Dim>& former, bool counted,
+                                                              int (&node)[Dim], ExactSum (&impulse)[Dim]) {
     const bool border = w.view.table.node_border[c] != 0;
     const bool counting = counts(w.round.task) && counted;
-    auto* out = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes) + (std::size_t(c) * Block<Dim>::cells + n) * 2;
-    NodeValues<Real, Dim> former{};
-    if (remembers(w.round.task)) {
-        const Quad<Real> first = load_row(out), second = load_row(out + 1);
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) former.first[a] = first[a], former.second[a] = second[a];
-    }
-    int node[Dim];
 #pragma unroll
     for (int a = 0; a < Dim; ++a) node[a] = 4 * w.view.table.node_position[c][a] - w.origin + ((n >> (2 * a)) & 3);
     NodeMotion<Real, Dim> motion;
@@ -150,8 +163,8 @@ __device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w
             const auto gap_of = [&](int k) {
                 return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
-            return near &&
-                   touch_structures(w.contact, node, sums[0], w.round.dt, counting, w.quantum, gap_of, v, given);
+            return near && touch_structures(w.contact, node, sums[0], w.round.contact_time(), counting, w.quantum,
+                                            gap_of, v, given);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
@@ -159,7 +172,22 @@ __device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w
     if ((border || w.round.damping > Real(0)) && counting)
         for (int a = 0; a < Dim; ++a)
             impulse[a] = w.quantum.of(motion.impulse(sums[0], a) + (Contact ? given[a] : 0.0));
-    const NodeValues<Real, Dim> now = values_after(w.round.task, motion, former);
+    return values_after(w.round.task, motion, former);
+}
+
+template <int Width, bool Contact, bool Marks, bool Fluid, class Real, int Dim>
+__device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w, int c, int n, const Quad<Real>& sums,
+                                           const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
+    Quad<Real>* out = values_of_node(w.view, c, n);
+    NodeValues<Real, Dim> former{};
+    if (remembers(w.round.task)) {
+        const Quad<Real> first = load_row(out), second = load_row(out + 1);
+#pragma unroll
+        for (int a = 0; a < Dim; ++a) former.first[a] = first[a], former.second[a] = second[a];
+    }
+    int node[Dim];
+    const NodeValues<Real, Dim> now =
+        advance_node<Width, Contact, Real, Dim>(w, c, n, sums, force, former, counted, node, impulse);
     Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];

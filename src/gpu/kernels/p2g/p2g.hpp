@@ -20,6 +20,7 @@ template <class Real>
 struct MeanScale {
     Real cell;     ///< h [m]
     bool volumes;  ///< NodeMean::volume, else NodeMean::stress
+    bool of_grid;  ///< stresses act by their deviators (core/grid_pressure.hpp)
 };
 template <class Real, int Dim>
 using P2gMean = void (*)(const View<Real, Dim>&, const Chosen&, int grid_blocks, MeanScale<Real>, cudaStream_t);

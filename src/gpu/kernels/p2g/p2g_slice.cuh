@@ -108,12 +108,20 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
     }
     if constexpr (Force) {
         const Real scale = -p.core.volume() * context.inverse_cell, across = scale * w, tip = scale * slope;
+        Real mean = Real(0), less = Real(0);
+        if constexpr (Case::mean) {
+            mean = (p.core.stress(0) + p.core.stress(1) + p.core.stress(2)) * Real(1.0 / 3.0);
+            if (scales.of_grid) less = mean;
+        }
+        const auto stress = [&](int a, int b) {
+            const Real whole = p.core.stress(S::index(a, b));
+            return Case::mean && a == b ? whole - less : whole;
+        };
 #pragma unroll
         for (int q = 0; q < Case::dim; ++q)
-            add_sloped(x, y, tip * p.core.stress(S::index(q, last)), across * p.core.stress(S::index(q, 0)),
-                       across * p.core.stress(S::index(q, 1)), s.force[q]);
+            add_sloped(x, y, tip * stress(q, last), across * stress(q, 0), across * stress(q, 1), s.force[q]);
         if constexpr (Case::mean) {
-            Real pressure = (p.core.stress(0) + p.core.stress(1) + p.core.stress(2)) * Real(1.0 / 3.0) + resting;
+            Real pressure = mean + resting;
 #pragma unroll
             for (int a = 0; a < Case::dim; ++a) pressure += context.gravity_slope[a] * p.fraction(a);
             add_value(x, y, w * (scales.volumes ? p.core.volume() : p.core.mass() * pressure), s.mean);

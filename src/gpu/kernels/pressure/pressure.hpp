@@ -1,0 +1,97 @@
+#pragma once
+// The grid's pressure on the device (core/grid_pressure.hpp): cells of the chosen blocks, and nodes, for quadratic
+// splines. Particles take the result in gathers of their own (gpu/kernels/g2p/fluid.cuh).
+//
+// A substep is two launches: cells take what the velocities of the substep before make of them and give their nodes
+// what they push with; nodes sum that over the tiles around them. The geometry of cells that are not whole stays as
+// moments, 3^d reals, and what a node takes from it is found anew, axis by axis, for 16 cells at a time: a quarter of
+// the bytes of its factors. The order of all sums follows from the blocks alone.
+
+#include <cuda_runtime_api.h>
+
+#include "core/grid_pressure.hpp"
+#include "core/nodes.hpp"
+#include "core/structure_set.hpp"
+#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/view.hpp"
+#include "gpu/memory/array.hpp"
+
+namespace moraine::gpu {
+
+/// Pointers to it.
+template <class Real, int Dim>
+struct PressureView {
+    CellPressure<Real>* cell;         ///< [tile][cell]
+    CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
+    HeldNode<Real, Dim>* held;        ///< [node block][node]
+    Real* mean;                       ///< [node block][node]: of P + rho g.x of the cells around it [Pa]
+    const Real* bulk;                 ///< by body: K [Pa]
+};
+
+/// Of the cells and nodes of a block [bytes].
+template <class Real, int Dim>
+constexpr double pressure_bytes() {
+    return Block<Dim>::cells * double(sizeof(CellPressure<Real>) + sizeof(CellMoments<Real, Dim>) +
+                                      1.3 * (sizeof(HeldNode<Real, Dim>) + sizeof(Real)));
+}
+
+/// What stays through the substeps of a step.
+template <class Real, int Dim>
+class PressureState {
+  public:
+    /// bulk: by body.
+    void start(const Real* bulk, std::size_t bodies);
+    /// Capacity for an epoch.
+    void resize(std::size_t tiles, std::size_t node_blocks);
+    PressureView<Real, Dim> view() const;
+
+  private:
+    Array<CellPressure<Real>> cell_;
+    Array<CellMoments<Real, Dim>> moments_;
+    Array<HeldNode<Real, Dim>> held_;
+    Array<Real> mean_;
+    Array<Real> bulk_;
+};
+
+/// Nodes from the sums of particles: velocities, masses, what is held, e_i of the shifts in the last lane, light marks.
+template <class Real, int Dim>
+struct HoldWork {
+    View<Real, Dim> view;
+    PressureView<Real, Dim> pressure;
+    int origin;           ///< of the stencil
+    Real mass_cutoff;     ///< [kg]
+    Real inverse_volume;  ///< 1 / h^d [1/m3]
+    NodeCapacity<Real, Dim> capacity;
+    LightMarks<Real> marks;
+    ContactField<Dim> contact;  ///< count 0: there is no structure
+};
+template <class Real, int Dim>
+void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream);
+
+/// Cells of the chosen blocks. `blocks`: about how many there are.
+template <class Real, int Dim>
+void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
+                const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
+                cudaStream_t stream);
+
+/// What a launch over cells does.
+template <class Real>
+struct CellTask {
+    bool updates;     ///< takes the velocities of the substep before
+    Real dt;          ///< of it [s]
+    Real time;        ///< half of the time from the start of the step to its middle [s]
+    bool sums;        ///< writes the tiles of this substep
+    bool with_means;  ///< with what smooths pressures
+    Real damping;     ///< d [-]
+};
+template <class Real, int Dim>
+void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
+                   int blocks, const CellTask<Real>& task, cudaStream_t stream);
+
+/// Nodes after a substep. contact: null where the scene has no structures.
+template <class Real, int Dim>
+void solve_substep_nodes(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Stencil& stencil,
+                         const NodeRound<Real, Dim>& round, const Quantum& quantum, cudaStream_t stream,
+                         const ContactField<Dim>* contact, const GapTiles& gaps);
+
+}  // namespace moraine::gpu

@@ -1,0 +1,99 @@
+#pragma once
+// The kernels over nodes of gpu/kernels/pressure/pressure.hpp: a thread per node, as in gpu/kernels/nodes/nodes.cuh.
+
+#include "gpu/kernels/nodes/nodes.cuh"
+#include "gpu/kernels/pressure/pressure.hpp"
+
+namespace moraine::gpu {
+
+/// What substeps want of a node (core/nodes.hpp: SolveNodes::hold).
+template <class Real, int Dim>
+__device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
+                                          const Quad<Real>& force) {
+    const std::size_t at = std::size_t(c) * Block<Dim>::cells + std::size_t(n);
+    const Real inverse = sums[0] > w.mass_cutoff ? Real(1) / sums[0] : Real(0);
+    Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
+    HeldNode<Real, Dim> held;
+    int lowest[Dim], node[Dim];
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        first[a] = sums[1 + a] * inverse;
+        held.acceleration[a] = force[a] * inverse;
+        lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
+        node[a] = lowest[a] + ((n >> (2 * a)) & 3);
+    }
+    first[quad - 1] = sums[0];
+    held.filling = force[quad - 1] * w.inverse_volume;
+    second[quad - 1] = excess_of_node<3>(w.contact, w.capacity, lowest, node, held.filling);
+    Quad<Real>* out = values_of_node(w.view, c, n);
+    store_row(out, first);
+    store_row(out + 1, second);
+    w.pressure.held[at] = held;
+    w.pressure.mean[at] = Real(0);
+}
+
+template <class Real, int Dim>
+__global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __grid_constant__ HoldWork<Real, Dim> w) {
+    constexpr int cells = Block<Dim>::cells;
+    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
+    const int n = static_cast<int>(threadIdx.x) % cells;
+    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+    if (w.marks.of && c == 0 && n < light_counts) w.marks.count[n] = 0;
+    if (__all_sync(all_lanes, around.own == 0)) return;
+    Quad<Real> sums, force;
+    sum_tiles<Dim, 3>(w.view.grid.tiles, around, n, sums, force);
+    if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+    if (around.own != 0) hold_node(w, c, n, sums, force);
+}
+
+template <class Real, int Dim>
+struct SubstepWork : NodeWork<Real, Dim> {
+    PressureView<Real, Dim> pressure;
+};
+
+/// The sums of a substep as those of a step, (m, q) and f (core/nodes.hpp: SolveNodes::take_held), and what follows.
+template <bool First, bool Contact, class Real, int Dim>
+__device__ __forceinline__ void solve_substep_node(const SubstepWork<Real, Dim>& w, int c, int n,
+                                                   const Quad<Real>& means, const Quad<Real>& pushed, bool counted,
+                                                   ExactSum (&impulse)[Dim]) {
+    const std::size_t at = std::size_t(c) * Block<Dim>::cells + std::size_t(n);
+    Quad<Real>* out = values_of_node(w.view, c, n);
+    Quad<Real> first = load_row(out), second = load_row(out + 1);
+    const HeldNode<Real, Dim> held = w.pressure.held[at];
+    const Real m = first[quad - 1];
+    Quad<Real> sums = Quad<Real>::of(m, Real(0), Real(0), Real(0)), force = Quad<Real>::zero();
+    NodeValues<Real, Dim> former;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        former.first[a] = first[a], former.second[a] = second[a];
+        sums[1 + a] = m * first[a];
+        force[a] = pushed[a] + m * held.acceleration[a];
+    }
+    int node[Dim];
+    const NodeValues<Real, Dim> now =
+        advance_node<3, Contact, Real, Dim>(w, c, n, sums, force, former, counted, node, impulse);
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
+    store_row(out, first);
+    store_row(out + 1, second);
+    if constexpr (First)
+        if (w.round.with_means && means[1] > Real(0) && m > w.round.mass_cutoff)
+            w.pressure.mean[at] = means[0] / means[1];
+}
+
+template <class Real, int Dim, bool First, bool Contact>
+__global__ void __launch_bounds__(node_threads, 1) substep_kernel(const __grid_constant__ SubstepWork<Real, Dim> w) {
+    constexpr int cells = Block<Dim>::cells;
+    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
+    const int n = static_cast<int>(threadIdx.x) % cells;
+    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+    if (__all_sync(all_lanes, around.own == 0)) return;
+    Quad<Real> means, pushed;
+    constexpr TileQuads quads = First ? TileQuads::both : TileQuads::force;
+    const bool counted = sum_tiles<Dim, 3, quads>(w.view.grid.tiles, around, n, means, pushed);
+    ExactSum impulse[Dim];
+    if (around.own != 0) solve_substep_node<First, Contact>(w, c, n, means, pushed, counted, impulse);
+    fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+}
+
+}  // namespace moraine::gpu

@@ -1,0 +1,146 @@
+#include "io/terrain_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/input_error.hpp"
+#include "io/terrain_file.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr double most_nodes = 268435456;  // 2^28 under a domain: 2 GB on each rank
+constexpr std::int64_t margin = 3;        // nodes beyond the domain: what is further off moves b by less than 1 %
+
+void check_count(const NodeWindow& part, const std::string& path, const std::string& value) {
+    const double nodes = static_cast<double>(part.count[0]) * static_cast<double>(part.count[1]);
+    if (nodes > most_nodes)
+        refuse(path, fmt::format("{:.3g} {}s under the domain", nodes, value),
+               fmt::format("{:.3g} GB on each rank; at most {:.2g} fit", 8e-9 * nodes, most_nodes),
+               "Take a coarser model?");
+}
+
+/// Nodes of a model that the box needs.
+NodeWindow nodes_under(const Ground& all, const std::string& path, const PlanPoint& min, const PlanPoint& max) {
+    NodeWindow part{{0, 0}, {1, 1}};
+    for (std::size_t a = 0; a < (all.count[1] == 1 ? 1U : 2U); ++a) {
+        const double low = (min[a] - all.first[a]) / all.spacing, high = (max[a] - all.first[a]) / all.spacing;
+        const auto n = static_cast<double>(all.count[a]);
+        if (low < -0.5 - 1e-9 || high > n - 0.5 + 1e-9)
+            refuse(path,
+                   fmt::format("the model reaches from {:.10g} to {:.10g} along {}", all.first[a] - 0.5 * all.spacing,
+                               all.first[a] + (n - 0.5) * all.spacing, "xy"[a]),
+                   fmt::format("the domain from {:.10g} to {:.10g}", min[a], max[a]),
+                   "Shrink domain.min, domain.max, or take a larger model?");
+        part.first[a] = std::max<std::int64_t>(0, std::llround(std::floor(low)) - margin);
+        const std::int64_t last = std::min<std::int64_t>(all.count[a] - 1, std::llround(std::ceil(high)) + margin);
+        part.count[a] = last - part.first[a] + 1;
+        if (part.count[a] < 3)
+            refuse(path, fmt::format("the model has {} heights along {} there", part.count[a], "xy"[a]),
+                   "at least 3 are needed", "Take a finer model?");
+    }
+    check_count(part, path, "height");
+    return part;
+}
+
+/// Nodes of a raster that lie in the box or are next to it.
+NodeWindow nodes_within(const Ground& all, const std::string& path, const RasterUse& use, const PlanPoint& min,
+                        const PlanPoint& max) {
+    NodeWindow part;
+    for (std::size_t a = 0; a < 2; ++a) {
+        const double low = (min[a] - all.first[a]) / all.spacing, high = (max[a] - all.first[a]) / all.spacing;
+        const double last = static_cast<double>(all.count[a] - 1);
+        if (!(high > -0.5 && low < last + 0.5))
+            refuse(path,
+                   fmt::format("the {} reaches from {:.10g} to {:.10g} along {}", use.kind,
+                               all.first[a] - 0.5 * all.spacing, all.first[a] + (last + 0.5) * all.spacing, "xy"[a]),
+                   fmt::format("the domain from {:.10g} to {:.10g}", min[a], max[a]), "Is it of this place?");
+        part.first[a] = std::llround(std::floor(std::max(0.0, low)));
+        part.count[a] = std::llround(std::ceil(std::min(last, high))) - part.first[a] + 1;
+    }
+    check_count(part, path, use.value);
+    return part;
+}
+
+Ground part_of(const Ground& all, const NodeWindow& w) {
+    Ground part;
+    part.spacing = all.spacing;
+    part.crs = all.crs;
+    part.count = w.count;
+    for (std::size_t a = 0; a < 2; ++a) part.first[a] = all.first[a] + static_cast<double>(w.first[a]) * all.spacing;
+    for (std::int64_t j = 0; j < w.count[1]; ++j) {
+        const auto row = all.height.begin() + ((w.first[1] + j) * all.count[0] + w.first[0]);
+        part.height.insert(part.height.end(), row, row + w.count[0]);
+    }
+    return part;
+}
+
+void require_heights(const Ground& part, const std::string& path) {
+    for (std::int64_t j = 0; j < part.count[1]; ++j)
+        for (std::int64_t i = 0; i < part.count[0]; ++i)
+            if (std::isnan(part.height[static_cast<std::size_t>(j * part.count[0] + i)]))
+                refuse(path,
+                       fmt::format("no height at ({:.10g}, {:.10g})",
+                                   part.first[0] + static_cast<double>(i) * part.spacing,
+                                   part.first[1] + static_cast<double>(j) * part.spacing),
+                       fmt::format("the model has no data there, under the domain or within {} cells of it", margin),
+                       "Fill its gaps, or shrink the domain?");
+}
+
+Ground read_part(const std::string& path, const RasterUse& use, const std::function<NodeWindow(const Ground&)>& window,
+                 std::vector<std::string>& notices) {
+    if (!path.ends_with(".asc")) return read_gis_raster(path, use, window, notices);
+    Ground all = read_ascii_grid(path, use);
+    all.crs = crs_beside(path);
+    return part_of(all, window(all));
+}
+
+}  // namespace
+
+Ground cropped(const Ground& all, const std::string& path, const PlanPoint& min, const PlanPoint& max) {
+    Ground part = part_of(all, nodes_under(all, path, min, max));
+    require_heights(part, path);
+    part.fit();
+    return part;
+}
+
+Ground read_model(const std::string& path, const PlanPoint& min, const PlanPoint& max,
+                  std::vector<std::string>& notices) {
+    Ground part = read_part(
+        path, {}, [&](const Ground& all) { return nodes_under(all, path, min, max); }, notices);
+    require_heights(part, path);
+    part.fit();
+    return part;
+}
+
+Ground read_values(const std::string& path, const RasterUse& use, const Ground& model, const PlanPoint& min,
+                   const PlanPoint& max, std::vector<std::string>& notices) {
+    const auto window = [&](const Ground& all) {
+        if (!are_same_crs(all.crs, model.crs, min, max, 1e-3 * all.spacing))
+            refuse(path, fmt::format("the {} has another coordinate system than the model", use.kind),
+                   "rasters are not reprojected", "Reproject it by gdalwarp -t_srs?");
+        return nodes_within(all, path, use, min, max);
+    };
+    return read_part(path, use, window, notices);
+}
+
+std::vector<GisShape> read_areas(const std::string& path, const std::string& key, const std::string& crs,
+                                 std::vector<std::string>& notices) {
+    const bool json = path.ends_with(".geojson") || path.ends_with(".json");
+    if (path.ends_with(".csv") || (json && !has_gdal())) {
+        GisShape shape;
+        shape.points = read_polygon(path, key);
+        return {shape};
+    }
+    return read_gis_shapes(path, key, GisKind::polygon, crs, notices);
+}
+
+std::vector<GisShape> read_places(const std::string& path, const std::string& key, const std::string& crs,
+                                  std::vector<std::string>& notices) {
+    if (path.ends_with(".csv")) return read_points(path, key);
+    return read_gis_shapes(path, key, GisKind::point, crs, notices);
+}
+
+}  // namespace moraine

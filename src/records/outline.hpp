@@ -1,0 +1,23 @@
+#pragma once
+// Where a flow has been, as polygons: the 4-connected parts of the map cells that it reached, each an outer ring
+// (counter-clockwise) and its holes (clockwise), corners where the border turns. Rings touch themselves nowhere: cells
+// that share a corner only belong to two rings that meet there, as the formats of maps want it. The order follows
+// from the cells alone.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/gis_file.hpp"
+
+namespace moraine {
+
+/// `reached`: x fastest, y rising; corner i of the cells is at corner + i cell [m].
+std::vector<Rings> outline_of(const std::vector<bool>& reached, const std::array<std::int64_t, 2>& size,
+                              const std::array<double, 2>& corner, double cell);
+
+/// As GeoJSON, in the coordinates of the model.
+std::string outline_json(const std::vector<Rings>& polygons, double threshold);
+
+}  // namespace moraine

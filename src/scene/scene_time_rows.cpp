@@ -1,0 +1,79 @@
+// Keys of [time] and [rest]: how far a step goes, and when a run ends.
+#include "scene/scene_keys.hpp"
+
+namespace moraine {
+namespace {
+
+using enum KeyType;
+using S = Scene;
+using V = KeyValue;
+
+constexpr KeyRange above_zero{0, std::numeric_limits<double>::infinity(), true, false};
+
+const std::vector<KeyRow<Scene>> rows{
+    {{.table = "time",
+      .name = "end",
+      .unit = "s",
+      .range = {0, std::numeric_limits<double>::infinity()},
+      .meaning = "Simulated time."},
+     [](S& s, const V& v) { s.end = v.real; }},
+    {{.table = "time",
+      .name = "cfl",
+      .standard = "",
+      .range = {0, 1.5, true, false},
+      .meaning =
+          "dt = cfl h / (c + |v|), the least over all particles; left out: 0.8 of what is stable with the method "
+          "(docs/stability.md). Not together with dt."},
+     [](S& s, const V& v) { s.cfl = v.real; }},
+    {{.table = "time",
+      .name = "dt",
+      .unit = "s",
+      .standard = "",
+      .range = above_zero,
+      .meaning = "Fixed time step, instead of cfl."},
+     [](S& s, const V& v) { s.dt = v.real; }},
+
+    {{.table = "time",
+      .name = "stop",
+      .type = choice,
+      .standard = "\"end\"",
+      .choices = {"end", "rest"},
+      .meaning = "Rest: the run ends where nearly all has come to rest, by [rest], or at time.end if that is sooner."},
+     [](S& s, const V& v) { s.rest.stops = v.choice == 1; }},
+
+    {{.table = "rest",
+      .name = "displacement",
+      .unit = "cells",
+      .standard = "0.05",
+      .range = above_zero,
+      .meaning = "What has moved less in an interval has rested."},
+     [](S& s, const V& v) { s.rest.displacement = v.real; }},
+    {{.table = "rest",
+      .name = "interval",
+      .unit = "s",
+      .standard = "",
+      .range = above_zero,
+      .meaning = "Simulated time, ended by a step; left out: twice (domain.cell / |gravity|)^(1/2)."},
+     [](S& s, const V& v) { s.rest.interval = v.real; }},
+    {{.table = "rest",
+      .name = "intervals",
+      .type = integer,
+      .standard = "3",
+      .range = {1, 1e9},
+      .meaning = "In turn, in each of which so much has rested."},
+     [](S& s, const V& v) { s.rest.intervals = static_cast<int>(v.integer); }},
+    {{.table = "rest",
+      .name = "mass",
+      .standard = "0.999",
+      .range = {0, 1, true, false},
+      .meaning = "Share of the mass that must rest."},
+     [](S& s, const V& v) { s.rest.mass = v.real; }},
+};
+
+}  // namespace
+
+const std::vector<KeyRow<Scene>>& time_rows() {
+    return rows;
+}
+
+}  // namespace moraine
