@@ -105,7 +105,7 @@ def scene_file(case, level, runs):
 
 def run(case, variant, level, args, directory):
     """(command, what went wrong or "")"""
-    command = [args.program, "run", str(scene_file(case, level, args.runs)), "--output", str(directory), "--device", args.device, "--quiet"]
+    command = [args.program, "run", str(scene_file(case, level, args.runs)), "--output", str(directory), "--device", args.device, "--quiet", "--set", "time.stop=end"]
     for setting in [*case.sets(level), *variants(case)[variant], *args.sets]:
         command += ["--set", setting]
     print(" ".join(command), file=sys.stderr)
