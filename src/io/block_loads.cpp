@@ -17,11 +17,12 @@ struct FrameHead {
     std::int64_t step;
     double time;
     double lost;
+    std::int64_t exchanges;
     std::int64_t ranks;
     std::int64_t blocks;
     std::uint64_t hash;  ///< of all before it and of what follows
 };
-static_assert(sizeof(FrameHead) == 56);
+static_assert(sizeof(FrameHead) == 64);
 
 std::uint64_t hash_of(const LoadHeader& header) {
     return mix_bytes(0, reinterpret_cast<const std::byte*>(&header), offsetof(LoadHeader, hash));
@@ -40,6 +41,7 @@ std::vector<std::byte> bytes_of(const LoadFrame& frame) {
                    frame.step,
                    frame.time,
                    frame.lost,
+                   frame.exchanges,
                    static_cast<std::int64_t>(frame.seconds.size()),
                    static_cast<std::int64_t>(frame.rows.size()),
                    0};
@@ -135,6 +137,7 @@ bool BlockLoadReader::next(LoadFrame& frame) {
     frame.step = head.step;
     frame.time = head.time;
     frame.lost = head.lost;
+    frame.exchanges = head.exchanges;
     frame.seconds.resize(static_cast<std::size_t>(head.ranks));
     frame.rows.resize(static_cast<std::size_t>(head.blocks));
     const bool whole =

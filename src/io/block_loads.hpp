@@ -2,9 +2,9 @@
 // block_loads.bin: what every occupied block weighed and who held it, at the start and at each balance interval.
 //
 //   header   what a replay must know of the run: layout, message sizes, rules of balance; a hash over it
-//   frame    step, time, seconds lost to imbalance; of each rank its seconds per phase since the frame before (32
-//   bytes); of each block its
-//            key, particles and owner (16 bytes), in key order; a hash over all of it
+//   frame    step, time, seconds lost to imbalance, exchanges of the halo; of each rank its seconds per phase since the
+//            frame before (32 bytes); of each block its key, particles and owner (16 bytes), in key order; a hash over
+//            all of it
 //
 // Rank 0 writes, a frame by one write, so a killed run leaves whole frames and at most one torn frame at the end. A
 // reader refuses a torn or damaged frame; that whole frames are missing is told by balance.csv, which
@@ -26,13 +26,13 @@ namespace moraine {
 
 /// In the byte order of the machine that wrote it. Axes that the scene does not have: 1 block.
 struct LoadHeader {
-    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '3'};
+    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '4'};
     std::int32_t dimensions = 3;
     std::int32_t width = 3;                  ///< of the stencil [nodes]
     std::array<std::int32_t, 3> blocks{};    ///< of the domain
     std::array<std::int32_t, 3> periodic{};  ///< 0 or 1
-    std::int32_t real_bytes = 8;             ///< of a number of a node
-    std::int32_t halo_rounds = 1;            ///< exchanges per step
+    std::int32_t node_bytes = 40;            ///< of a node in a message of the halo
+    std::int32_t rounds = 1;                 ///< of the method (core/method.hpp)
     std::int32_t interval = 50;              ///< [steps] between imbalance checks
     std::int32_t axis = 0;                   ///< of slabs
     std::int32_t trigger = 0;                ///< Trigger as a number
@@ -61,6 +61,7 @@ struct LoadFrame {
     std::int64_t step = 0;
     double time = 0;                   ///< simulated [s]
     double lost = 0;                   ///< computing of the slowest rank less mean, summed over steps since then [s]
+    std::int64_t exchanges = 0;        ///< of the halo since the frame before: of rounds and of substeps
     std::vector<RankSeconds> seconds;  ///< of each rank, since the frame before
     std::vector<LoadRow> rows;         ///< in key order
 };

@@ -17,8 +17,9 @@ LoadHeader load_header(const Simulation<Real, Dim>& sim) {
     h.width = layout.width;
     h.blocks = layout.blocks;
     std::copy(layout.periodic.begin(), layout.periodic.end(), h.periodic.begin());
-    h.real_bytes = sizeof(Real);
-    h.halo_rounds = static_cast<std::int32_t>(sim.method().rounds.size());
+    const bool has_mean = sim.method().fluid() || sim.method().grid_bulk();
+    h.node_bytes = static_cast<std::int32_t>((node_sums<Dim> + (has_mean ? 1 : 0)) * sizeof(Real));
+    h.rounds = static_cast<std::int32_t>(sim.method().rounds.size());
     h.interval = scene.balance.interval;
     h.axis = scene.balance.axis;
     h.trigger = static_cast<std::int32_t>(scene.balance.trigger);
@@ -56,6 +57,8 @@ class LoadRecord {
         reported_ = sim_.phases().all();
         frame.lost = sim_.counts().seconds_lost - lost_;
         lost_ = sim_.counts().seconds_lost;
+        frame.exchanges = sim_.counts().exchanges - exchanges_;
+        exchanges_ = sim_.counts().exchanges;
         frame.seconds = comm_.all_gather(std::vector<RankSeconds>{mine});
         writer_.write(frame);
     }
@@ -66,6 +69,7 @@ class LoadRecord {
     BlockLoadWriter writer_;
     std::array<double, Phases::count> reported_{};  ///< seconds, as of the last frame
     double lost_ = 0;                               ///< the same
+    std::int64_t exchanges_ = 0;                    ///< the same
 };
 
 }  // namespace moraine

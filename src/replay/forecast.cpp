@@ -49,7 +49,7 @@ void Forecast::take_mark(const Loads& loads) {
 }
 
 /// `loads` are those that the owners of the interval have come to.
-void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps) {
+void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps, double exchanges) {
     const double imbalance = imbalance_, imbalance_time = imbalance_time_, slowest = slowest_, waiting = waiting_,
                  mean = mean_;
     const auto n = static_cast<double>(steps);
@@ -62,9 +62,9 @@ void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps) {
     result_.computing += n * (slowest + slowest_) / 2;
     result_.timing_noise += n * (waiting + waiting_) / 2;
     result_.ideal += n * (mean + mean_) / 2;
-    result_.sending += n * (model_.constant + model_.sending(halo_, ranks_));
+    result_.sending += n * (model_.constant + model_.sending(halo_, ranks_, exchanges));
     result_.tiles += static_cast<double>(halo_.tiles);
-    result_.bytes += n * model_.rounds * static_cast<double>(halo_.bytes);
+    result_.bytes += n * exchanges * static_cast<double>(halo_.bytes);
     result_.face_cut += static_cast<double>(halo_.face_cut);
     result_.neighbours_mean += halo_.neighbours_mean;
     result_.neighbours_max = std::max(result_.neighbours_max, halo_.neighbours_max);
@@ -122,14 +122,14 @@ void Forecast::check(Interval& now, const Carry& carry) {
         owners_ = carry.owners(owners_, now, layout_, *partitioner_);
         for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners_[b];
         const Loads loads = loads_of(blocks);
-        add_end_of_interval(loads, now.step - step_);
+        add_end_of_interval(loads, now.step - step_, now.exchanges);
         decide(blocks, loads, now.step);
     }
     step_ = now.step;
 }
 
-void Forecast::add_halo(const HaloSurroundings& around, int real_bytes) {
-    halo_ = around.halo(owners_, *partitioner_, ranks_, real_bytes);
+void Forecast::add_halo(const HaloSurroundings& around, int node_bytes) {
+    halo_ = around.halo(owners_, *partitioner_, ranks_, node_bytes);
 }
 
 }  // namespace moraine

@@ -48,7 +48,7 @@ class Forecast {
     void check(Interval& now, const Carry& carry);
 
     /// The halo until the next imbalance check, of the owners that check() found. Not collective.
-    void add_halo(const HaloSurroundings& around, int real_bytes);
+    void add_halo(const HaloSurroundings& around, int node_bytes);
 
     const Partitioner& partitioner() const { return *partitioner_; }
     const std::vector<std::int32_t>& owners() const { return owners_; }
@@ -60,7 +60,7 @@ class Forecast {
         LoadSummary weight;
     };
     Loads loads_of(const std::vector<BlockLoad>& blocks) const;
-    void add_end_of_interval(const Loads& loads, std::int64_t steps);
+    void add_end_of_interval(const Loads& loads, std::int64_t steps, double exchanges);
     void decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step);
     void take_mark(const Loads& loads);
 

@@ -35,21 +35,21 @@ std::int64_t nodes_of(std::uint32_t mask, int width) {
 /// Bytes of a tile's message by the offsets that need it.
 class TileBytes {
   public:
-    TileBytes(const Layout& layout, int real_bytes) : layout_(layout), real_bytes_(real_bytes) {}
+    TileBytes(const Layout& layout, int node_bytes) : layout_(layout), node_bytes_(node_bytes) {}
 
     std::int64_t operator()(std::uint32_t mask) {
         auto [it, fresh] = known_.try_emplace(mask, 0);
         if (fresh) {
             const bool flat = layout_.dimensions == 2;
             const std::int64_t nodes = flat ? nodes_of<2>(mask, layout_.width) : nodes_of<3>(mask, layout_.width);
-            it->second = 1 + nodes * (flat ? node_sums<2> : node_sums<3>)*real_bytes_;
+            it->second = 1 + nodes * node_bytes_;
         }
         return it->second;
     }
 
   private:
     const Layout& layout_;
-    int real_bytes_;
+    int node_bytes_;
     std::unordered_map<std::uint32_t, std::int64_t> known_;
 };
 
@@ -132,7 +132,7 @@ std::int32_t HaloSurroundings::look_up(Key key, int code) const {
 }
 
 HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
-                                    int real_bytes) const {
+                                    int node_bytes) const {
     std::vector<std::int32_t> empty_owner;
     empty_owner.reserve(apron_.size());
     for (std::size_t e = 0; e < apron_.size(); ++e) {
@@ -140,7 +140,7 @@ HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const 
         empty_owner.push_back(rank >= 0 ? rank : owners[inherits_from_[e]]);
     }
     HaloForecast halo;
-    TileBytes bytes_of(layout_, real_bytes);
+    TileBytes bytes_of(layout_, node_bytes);
     std::vector<std::int64_t> sent(static_cast<std::size_t>(ranks), 0);
     std::vector<std::uint64_t> pairs;
     const auto n = static_cast<std::int32_t>(blocks_.size());

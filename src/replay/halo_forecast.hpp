@@ -31,9 +31,9 @@ class HaloSurroundings {
     /// `blocks` must outlive it. Not collective.
     HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks);
 
-    /// `owners` of the blocks; `static_owner`: nothing, or the rank of a place. `real_bytes`: of a number of a node.
+    /// `owners` of the blocks; `static_owner`: nothing, or the rank of a place. `node_bytes`: of a node.
     HaloForecast halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
-                      int real_bytes) const;
+                      int node_bytes) const;
 
   private:
     std::int32_t at(std::size_t block, int code) const {

@@ -18,6 +18,7 @@ namespace moraine {
 
 struct Interval {
     std::int64_t step = 0;
+    double exchanges = 1;           ///< of the halo per step, since the imbalance check before
     std::vector<BlockLoad> blocks;  ///< in key order; each forecast sets their weights and owners
 };
 

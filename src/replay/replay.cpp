@@ -56,7 +56,7 @@ std::vector<ForecastResult> forecast_all(const ReplayOptions& options, const Rep
     record.each_check([&](Interval& now, const Carry& carry) {
         for (Forecast& forecast : forecasts) forecast.check(now, carry);
         const HaloSurroundings around(record.layout(), now.blocks);
-        for (Forecast& forecast : forecasts) forecast.add_halo(around, record.real_bytes());
+        for (Forecast& forecast : forecasts) forecast.add_halo(around, record.node_bytes());
     });
     std::vector<ForecastResult> results;
     for (const Forecast& forecast : forecasts) results.push_back(forecast.result());

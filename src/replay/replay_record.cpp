@@ -84,7 +84,6 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     for (const std::string& directory : options.calibrate) calibrate(directory);
     model_ = fit_.model(weights_);
     if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
-    model_.rounds = header_.halo_rounds;
     model_.network = {options.latency, options.bandwidth};
     model_.moves = {header_.moves[0], header_.moves[1]};
 }
@@ -96,8 +95,8 @@ void ReplayRecord::calibrate(const std::string& directory) {
     options.latency = options_.latency, options.bandwidth = options_.bandwidth;
     const ReplayRecord other(options);
     const LoadHeader& h = other.header_;
-    if (h.dimensions != header_.dimensions || h.width != header_.width || h.real_bytes != header_.real_bytes ||
-        h.halo_rounds != header_.halo_rounds || h.model != header_.model)
+    if (h.dimensions != header_.dimensions || h.width != header_.width || h.node_bytes != header_.node_bytes ||
+        h.rounds != header_.rounds || h.model != header_.model)
         throw InputError(
             fmt::format("--calibrate {} (its dimensions, precision, method or device are others than those "
                         "of {}). Leave it out?",
@@ -187,11 +186,10 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
         stepping += computing + exchange + seconds_of(s, {Phase::balance});
     }
     TimeModel network;
-    network.rounds = header_.halo_rounds;
     network.network = {options_.latency, options_.bandwidth};
     HaloForecast halo;
-    if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.real_bytes);
-    interval.sending = network.sending(halo, ranks);
+    if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.node_bytes);
+    interval.sending = network.sending(halo, ranks, static_cast<double>(frame.exchanges) / steps);
     interval.moves = moves_at_end(now, end, ranks);
     fit_.add(std::move(interval));
 
@@ -202,7 +200,7 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     ++measured_.intervals;
     measured_.imbalance_sum += steps * (at_begin + at_end) / 2;
     measured_.imbalance_max = std::max({measured_.imbalance_max, at_begin, at_end});
-    measured_.bytes += steps * header_.halo_rounds * static_cast<double>(halo.bytes);
+    measured_.bytes += static_cast<double>(frame.exchanges) * static_cast<double>(halo.bytes);
     measured_seconds_ += stepping / ranks;
 }
 
@@ -247,9 +245,14 @@ void ReplayRecord::each_check(const std::function<void(Interval& now, const Carr
     std::vector<Key> before;
     frame.step = -1;  // of the imbalance check before: nothing is read behind the last one
     int number = 0;
+    std::int64_t step = 0, exchanges = 0;  // of the one replayed before; since then
     while (frame.step < last_step_ && reader.next(frame)) {
+        exchanges += frame.exchanges;
         if (number++ % options_.every != 0 && frame.step != last_step_) continue;
         Interval now = refined(interval_of(frame));
+        now.exchanges =
+            static_cast<double>(exchanges) / static_cast<double>(std::max<std::int64_t>(1, now.step - step));
+        step = now.step, exchanges = 0;
         const Carry carry = before.empty() ? Carry{} : carry_between(layout_, before, now.blocks);
         f(now, carry);
         before = keys_of(now.blocks);

@@ -21,7 +21,7 @@ class ReplayRecord {
     const BalanceSpec& balance() const { return balance_; }  ///< of the run
     const CostModel& weights() const { return weights_; }
     const TimeModel& model() const { return model_; }
-    int real_bytes() const { return header_.real_bytes; }
+    int node_bytes() const { return header_.node_bytes; }
     std::int64_t last_step() const { return last_step_; }
     int checks() const { return checks_; }
     std::int64_t blocks_min() const { return blocks_min_; }

@@ -70,9 +70,9 @@ double TimeModel::waiting(std::span<const std::int64_t> particles, std::span<con
     return times.size() < 2 ? 0 : std::max(0.0, expected_maximum(times, timing_noise) - slowest(particles, blocks));
 }
 
-double TimeModel::sending(const HaloForecast& halo, int ranks) const {
+double TimeModel::sending(const HaloForecast& halo, int ranks, double exchanges) const {
     if (ranks == 1) return 0;
-    return rounds *
+    return exchanges *
                (network.latency * halo.neighbours_max + static_cast<double>(halo.busiest_bytes) / network.bandwidth) +
            network.latency * std::log2(ranks);
 }

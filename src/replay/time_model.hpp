@@ -1,7 +1,7 @@
 #pragma once
 // What a step costs on any number of ranks, from what the steps of a run cost. A model: its times are predictions.
 //
-//   step = E[max over ranks of t_r (1 + s x_r)] + c + rounds (latency k + bytes / bandwidth) + latency log2 P
+//   step = E[max over ranks of t_r (1 + s x_r)] + c + exchanges (latency k + bytes / bandwidth) + latency log2 P
 //   t_r  = (a + e) n_r + d b_r;   look: a constant;   a migration: f times what the planner reckons (planner.hpp)
 //
 // n_r, b_r: particles and blocks of rank r; k: neighbours, bytes: sent, of the busiest. a and d are fitted to computing
@@ -36,7 +36,6 @@ struct TimeModel {
     double timing_noise = 0;  ///< s
     double constant = 0;      ///< c [s]
     double check = 0;         ///< [s]
-    int rounds = 1;
     Network network;
     MoveModel moves = host_moves;  ///< what planners reckon with
     double moves_slower = 1;       ///< f
@@ -49,8 +48,8 @@ struct TimeModel {
     double slowest(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
     /// What timing noise adds to that [s per step].
     double waiting(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
-    /// [s per step]
-    double sending(const HaloForecast& halo, int ranks) const;
+    /// exchanges: of the halo per step [-]. [s per step]
+    double sending(const HaloForecast& halo, int ranks, double exchanges) const;
 };
 
 /// Intervals of one run or several, from which a model follows.
@@ -74,7 +73,7 @@ class ModelFit {
     void add(Interval interval) { intervals_.push_back(std::move(interval)); }
     void add(const ModelFit& other);
 
-    /// Without rounds, network and what planners reckon moves with. `prior`: the ratio of costs per particle and
+    /// Without network and what planners reckon moves with. `prior`: the ratio of costs per particle and
     /// block. Not collective.
     TimeModel model(const CostModel& prior) const;
 

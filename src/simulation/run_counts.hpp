@@ -21,6 +21,7 @@ struct RunCounts {
     double imbalance_max = 0;
     double imbalance_time_sum = 0;  ///< of measured compute time
     double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
+    std::int64_t exchanges = 0;     ///< of the halo: one in each round and substep; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
 

@@ -44,6 +44,7 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         if (round.nodes == NodeTask::hold) make_substeps();
         phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
+        ++counts_.exchanges;
     }
     phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
     report_pending_ = true;
@@ -63,6 +64,7 @@ void Simulation<Real, Dim>::make_substeps() {
         phases_.time(Phase::nodes, [&] { engine_->sum_interior_cells(substep); });
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_substep(substep, scales()); });
+        ++counts_.exchanges;
     }
 }
 

@@ -19,8 +19,12 @@ LoadHeader header() {
 
 LoadFrame frame(std::int64_t step) {
     const auto n = static_cast<std::uint32_t>(step);
-    return {
-        step, 0.5 * static_cast<double>(step), 0.25 * n, {{0.25f}, {0.5f}}, {{7, 10 + n, 0}, {9, 20, 1}, {12, n, 1}}};
+    return {step,
+            0.5 * static_cast<double>(step),
+            0.25 * n,
+            3 * step,
+            {{0.25f}, {0.5f}},
+            {{7, 10 + n, 0}, {9, 20, 1}, {12, n, 1}}};
 }
 
 void write_frames(const Comm& comm, const std::string& path, const std::vector<std::int64_t>& steps,
@@ -60,12 +64,13 @@ TEST_CASE("what was written is read back, 16 bytes a block and 32 a rank") {
     CHECK(f.step == 50);
     CHECK(f.time == 25);
     CHECK(f.lost == 12.5);
+    CHECK(f.exchanges == 150);
     CHECK(f.seconds[1][0] == 0.5f);
     CHECK(f.rows[2].key == 12);
     CHECK(f.rows[0].particles == 60);
     CHECK(f.rows[2].owner == 1);
     CHECK_FALSE(reader.next(f));
-    CHECK(std::filesystem::file_size(path) == 168 + 2 * (56 + 2 * 32 + 3 * 16));
+    CHECK(std::filesystem::file_size(path) == 168 + 2 * (64 + 2 * 32 + 3 * 16));
 }
 
 TEST_CASE("a file that is cut anywhere but between frames is refused, and the last whole step is named") {
@@ -78,10 +83,10 @@ TEST_CASE("a file that is cut anywhere but between frames is refused, and the la
         if (comm.is_root()) std::filesystem::resize_file(path, size);
         comm.barrier();
         const auto [steps, message] = read_steps(path);
-        const bool between = size == 168 || size == 336;
+        const bool between = size == 168 || size == 344;
         CHECK((message.find("is truncated or damaged") != std::string::npos) == !between);
-        CHECK(steps == (size >= 336 ? Steps{0} : Steps{}));
-        if (size > 336) CHECK(message.find("--last-step 0?") != std::string::npos);
+        CHECK(steps == (size >= 344 ? Steps{0} : Steps{}));
+        if (size > 344) CHECK(message.find("--last-step 0?") != std::string::npos);
         if (size < 13) break;
     }
 }

@@ -11,7 +11,8 @@ import moraine
 from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
 
 SCENE = INPUTS / "slurry_runout.toml"
-END = 0.02 if moraine.SLOW else 0.1
+END = 0.05 if moraine.SLOW else 0.1
+STEP = 0.006  # above the longest of the scene [s]
 PHASES = ("p2g", "nodes", "g2p", "halo", "agree", "migrate", "balance", "output")
 
 SUMMARY = {
@@ -30,7 +31,7 @@ BALANCE = "step time_s particles_min particles_mean particles_max imbalance bloc
 
 class Outputs(moraine.ProgramTest):
     def run_slurry(self, *words, ranks=3, **keys):
-        words += tuple(sets(time__end=END, output__interval=END / 5, **keys))
+        words += tuple(sets(**({"time__end": END, "output__interval": END / 5} | keys)))
         return self.run_scene(SCENE, f"out-{len(list(self.folder.iterdir()))}", *words, ranks=ranks)
 
     def test_summary_has_every_promised_key(self):
@@ -60,7 +61,7 @@ class Outputs(moraine.ProgramTest):
 
     def test_numbers_of_a_summary_agree(self):
         found = summary(self.run_slurry())
-        self.assertTrue(END <= found["simulated_time_s"] < END + 0.001)
+        self.assertTrue(END <= found["simulated_time_s"] < END + STEP)
         self.assertAlmostEqual(found["mass_kg"], 10 * 5 * 1500.0, places=6)
         self.assertTrue(1 <= found["imbalance_mean"] <= found["imbalance_max"] * (1 + 1e-12) < 1.1, found)
         self.assertGreaterEqual(found["imbalance_time_mean"], 1)
@@ -97,12 +98,14 @@ class Outputs(moraine.ProgramTest):
         data = (recorded / "block_loads.bin").read_bytes()
         rows, at, seen, lost = table(recorded, "balance.csv"), 168, [], 0
         while at < len(data):
-            mark, step, _, loses, ranks, blocks, _ = struct.unpack_from("<8sqddqqQ", data, at)
-            at += 56 + 32 * ranks
+            mark, step, _, loses, exchanges, ranks, blocks, _ = struct.unpack_from("<8sqddqqqQ", data, at)
+            at += 64 + 32 * ranks
             loads = [struct.unpack_from("<QIi", data, at + 16 * b) for b in range(blocks)]
             at += 16 * blocks
             self.assertEqual((mark, ranks, sum(load[1] for load in loads)), (b"interval", 3, 20000))
             self.assertEqual(sorted({load[2] for load in loads}), [0, 1, 2])
+            steps = step - (seen[-1][0] if seen else 0)
+            self.assertTrue(3 * steps <= exchanges <= 11 * steps, (step, exchanges))  # one, and one in each substep
             seen.append((step, blocks))
             lost += loses
         self.assertEqual(seen[1:], [(row["step"], row["blocks"]) for row in rows])
@@ -121,7 +124,7 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual(len(rows), 6)
         unit = 75000 * math.sqrt(9.81 * 5)  # M v_ref
         for k, row in enumerate(rows):
-            self.assertTrue(k * END / 5 <= row["time_s"] < k * END / 5 + 0.001)
+            self.assertTrue(k * END / 5 <= row["time_s"] < k * END / 5 + STEP)
             self.assertEqual((row["mass_kg"], row["particles"], row["lost_particles"]), (75000, 20000, 0))
             for axis in "xy":
                 self.assertLess(abs(row[f"momentum_error_{axis}_kg_m_s"]), 1e-12 * unit)
@@ -134,7 +137,8 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual(rows[-1]["front_m"], last["front_m"])
 
     def test_energy_that_is_unaccounted_for_is_a_few_percent_of_what_the_fall_frees(self):
-        first, *_, last = table(self.run_slurry(), "history.csv")
+        # To 0.2 s: until then substeps damp the wave that runs in from the face that is free at once, 0.05 % of the energy.
+        first, *_, last = table(self.run_slurry(time__end=0.2), "history.csv")
         freed = first["potential_J"] - last["potential_J"] + first["strain_J"]
         self.assertGreater(freed, 0)
         self.assertLess(abs(last["unaccounted_J"]), 0.05 * freed)

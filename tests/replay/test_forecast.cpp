@@ -59,7 +59,7 @@ ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals
     Forecast f(spec, l, weights, ranks, m, relabelled);
     for (std::size_t k = 0; k < intervals.size(); ++k) {
         f.check(intervals[k], carries[k]);
-        f.add_halo(HaloSurroundings(l, intervals[k].blocks), 8);
+        f.add_halo(HaloSurroundings(l, intervals[k].blocks), 40);
     }
     return f.result();
 }

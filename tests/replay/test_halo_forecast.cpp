@@ -55,8 +55,8 @@ void forecast_is_what_tables_say() {
         std::vector<BlockLoad> blocks;
         for (const OccupiedBlock& b : world.occupied) blocks.push_back({b.key, 1, 1, b.owner});
         const auto partitioner = make_partitioner(BalanceSpec{}, layout, world.ranks);
-        const HaloForecast found =
-            HaloSurroundings(layout, blocks).halo(present_owners(blocks), *partitioner, world.ranks, 8);
+        const HaloForecast found = HaloSurroundings(layout, blocks)
+                                       .halo(present_owners(blocks), *partitioner, world.ranks, node_sums<Dim> * 8);
         const HaloForecast expected = halo_of_tables(world);
         CHECK(found.tiles == expected.tiles);
         CHECK(found.bytes == expected.bytes);
@@ -81,7 +81,7 @@ TEST_CASE("a face between two ranks is cut once, an edge or a corner is not a fa
         for (std::int32_t x = 0; x < 2; ++x) blocks.push_back({Morton<3>::encode({x, y, 0}), 1, 1, x});
     const auto partitioner = make_partitioner(BalanceSpec{}, layout, 2);
     const HaloSurroundings around(layout, blocks);
-    CHECK(around.halo(present_owners(blocks), *partitioner, 2, 8).face_cut == 2);
+    CHECK(around.halo(present_owners(blocks), *partitioner, 2, 40).face_cut == 2);
     const std::vector<std::int32_t> alone(4, 0);
-    CHECK(around.halo(alone, *partitioner, 2, 8).tiles == 0);
+    CHECK(around.halo(alone, *partitioner, 2, 40).tiles == 0);
 }

@@ -128,13 +128,12 @@ TEST_CASE("the largest of n equal normal variables is as far above their mean as
     CHECK(expected_maximum({}, 0.2) == 0);
 }
 
-TEST_CASE("sending costs latency and bytes of the busiest rank in each round, one rank sends nothing") {
+TEST_CASE("sending costs latency and bytes of the busiest rank in each exchange, one rank sends nothing") {
     TimeModel m;
-    m.rounds = 2;
     m.network = {1e-6, 1e9};
     HaloForecast halo;
     halo.neighbours_max = 5;
     halo.busiest_bytes = 3000;
-    CHECK(ratio(m.sending(halo, 16), 2 * (5e-6 + 3e-6) + 4e-6) == doctest::Approx(1));
-    CHECK(m.sending(halo, 1) == 0);
+    CHECK(ratio(m.sending(halo, 16, 2), 2 * (5e-6 + 3e-6) + 4e-6) == doctest::Approx(1));
+    CHECK(m.sending(halo, 1, 2) == 0);
 }
