@@ -9,6 +9,7 @@
 
 #include "core/courant.hpp"
 #include "core/error.hpp"
+#include "core/grid_pressure.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_file.hpp"
@@ -63,6 +64,7 @@ class Reader {
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         check_scene(scene_, places_);
         if (admit) admit(scene_);
         check_particles(scene_, places_);

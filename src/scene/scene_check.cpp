@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/material/laws.hpp"
 #include "core/method.hpp"
@@ -98,6 +99,29 @@ void check_fluid_terms(const Scene& scene, const Places& places) {
     }
 }
 
+/// What keeps a scene from substeps.
+struct Hindrance {
+    std::string key, what;
+    const char *why, *help;
+};
+
+std::optional<Hindrance> substeps_hindered_by(const Scene& scene) {
+    for (const MaterialSpec& m : scene.materials)
+        if (m.volumetric != Volumetric::grid)
+            return Hindrance{"numerics.substeps", "material." + m.name, "a material has its pressure on particles",
+                             "Use volumetric = \"grid\" for all?"};
+    if (scene.dt > 0) return Hindrance{"numerics.substeps", "time.dt", "the step follows from speeds", "Use time.cfl?"};
+    for (const StructureSpec& s : scene.structures)
+        if (s.motion.kind == StructureMotion::free)
+            return Hindrance{"numerics.substeps", fmt::format("structure.{}, which is free", s.name),
+                             "structures move once in a step", "Remove it?"};
+    for (const MaterialSpec& m : scene.materials)
+        if (poisson_ratio(m) < 0.45)
+            return Hindrance{"material." + m.name + ".poisson", "this Poisson's ratio",
+                             "below 0.45 shear is nearly as fast as pressure", "Remove it?"};
+    return std::nullopt;
+}
+
 /// What the pressure on the grid's cells is for, and what its substeps need.
 void check_grid_pressure(const Scene& scene, const Places& places) {
     for (const MaterialSpec& m : scene.materials) {
@@ -114,29 +138,15 @@ void check_grid_pressure(const Scene& scene, const Places& places) {
             refuse(places.of(key), what + " with this stress_update or transfer",
                    "pressures and velocities go on together, once", "Use stress_update = \"usl\" and no fmpm?");
     }
-    const auto of_grid = [](const MaterialSpec& m) { return m.volumetric == Volumetric::grid; };
-    const bool all = std::all_of(scene.materials.begin(), scene.materials.end(), of_grid);
     for (const MaterialSpec& m : scene.materials)
-        if (uses_grid_pressure(scene) && !of_grid(m) && has_fluid_terms(m))
+        if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid && has_fluid_terms(m))
             refuse(places.of("material." + m.name),
                    "material." + m.name + " smooths or shifts without volumetric = \"grid\"",
                    "beside one whose pressure is the grid's", "Use it for both?");
     if (scene.substeps == 1) return;
-    const std::string substeps = fmt::format("numerics.substeps = {}", scene.substeps);
-    if (!all)
-        refuse(places.of("numerics.substeps"), substeps, "a material has its pressure on particles",
-               "Use volumetric = \"grid\" for all?");
-    if (scene.dt > 0)
-        refuse(places.of("numerics.substeps"), substeps + " with time.dt", "the step follows from speeds",
-               "Use time.cfl?");
-    for (const StructureSpec& s : scene.structures)
-        if (s.motion.kind == StructureMotion::free)
-            refuse(places.of("numerics.substeps"), fmt::format("{} with structure.{}, which is free", substeps, s.name),
-                   "structures move once in a step", "Remove it?");
-    for (const MaterialSpec& m : scene.materials)
-        if (poisson_ratio(m) < 0.45)
-            refuse(places.of("material." + m.name + ".poisson"), substeps + " with this Poisson's ratio",
-                   "below 0.45 shear is nearly as fast as pressure", "Remove it?");
+    if (const std::optional<Hindrance> found = substeps_hindered_by(scene))
+        refuse(places.of(found->key), fmt::format("numerics.substeps = {} with {}", scene.substeps, found->what),
+               found->why, found->help);
 }
 
 void check_names(const std::string& key, const std::vector<std::string>& names, const std::vector<std::string>& valid,
@@ -173,6 +183,10 @@ void check_starts(const Scene& scene, const Places& places) {
 }
 
 }  // namespace
+
+bool bears_substeps(const Scene& scene) {
+    return !substeps_hindered_by(scene);
+}
 
 void check_scene(const Scene& scene, const Places& places) {
     check_domain(scene, places);

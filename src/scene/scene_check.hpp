@@ -12,6 +12,12 @@ inline std::string path_of(const BodySpec& body) {
     return (body.shape == BodyShape::layer ? "release." : "body.") + body.name;
 }
 
+/// numerics.substeps = "auto", until all of the scene is read.
+inline constexpr int substeps_by_scene = 0;
+
+/// Whether a scene can have substeps (core/grid_pressure.hpp).
+bool bears_substeps(const Scene& scene);
+
 /// Domain, walls, transfer, balance, output, bodies and time: all but the particles. Throws InputError. Not collective.
 void check_scene(const Scene& scene, const Places& places);
 

@@ -108,6 +108,8 @@ std::string type_text(const SceneKey& key) {
             return "a number" + unit + " or a string";
         case KeyType::integer:
             return "a whole number" + unit;
+        case KeyType::integer_or_choice:
+            return listed(in_quotes(key.choices)) + ", or a whole number" + unit;
         case KeyType::vector:
             return "one number for each dimension" + unit;
         case KeyType::pair:

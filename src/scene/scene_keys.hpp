@@ -24,15 +24,16 @@ enum class KeyType {
     choice,  ///< one of `choices`
     real,    ///< also written as a whole number
     real_or_text,
-    integer,   ///< whole number
-    vector,    ///< as many numbers as the scene has dimensions
-    pair,      ///< two numbers, rising
-    per_axis,  ///< a whole number, or one for each dimension
-    axes,      ///< list of "x", "y", "z"
-    words,     ///< list of strings
-    points,    ///< list of [x, y], at least three
-    list,      ///< list of numbers
-    truth,     ///< true or false
+    integer,            ///< whole number
+    integer_or_choice,  ///< whole number, or one of `choices`
+    vector,             ///< as many numbers as the scene has dimensions
+    pair,               ///< two numbers, rising
+    per_axis,           ///< a whole number, or one for each dimension
+    axes,               ///< list of "x", "y", "z"
+    words,              ///< list of strings
+    points,             ///< list of [x, y], at least three
+    list,               ///< list of numbers
+    truth,              ///< true or false
 };
 
 struct KeyRange {
@@ -53,8 +54,9 @@ struct SceneKey {
     std::string unit = "-";
     std::optional<std::string> standard = {};  ///< default as TOML; none: required; empty: may be absent
     KeyRange range = {};
-    std::vector<std::string> choices = {};  ///< choice: all; words: all, or empty where the scene decides
-    std::vector<std::string> only = {};     ///< values of the table's selector that use the key; empty: all
+    std::vector<std::string> choices =
+        {};  ///< choice, integer_or_choice: all; words: all, or empty where the scene decides
+    std::vector<std::string> only = {};  ///< values of the table's selector that use the key; empty: all
     std::string meaning = {};
 
     bool required() const { return !standard; }
@@ -63,7 +65,7 @@ struct SceneKey {
 /// A value of the file, checked against its key; the members that its type names are set.
 struct KeyValue {
     std::string text;                           ///< text, name, choice
-    int choice = -1;                            ///< choice: position in the list
+    int choice = -1;                            ///< choice, or -1 of a number: position in the list
     double real = 0;                            ///< real
     std::int64_t integer = 0;                   ///< integer
     bool truth = false;                         ///< truth

@@ -1,4 +1,6 @@
 // Keys of the tables that are written once: the scene itself, its domain, numerics, balance, output, run.
+#include "core/grid_pressure.hpp"
+#include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -88,12 +90,13 @@ const std::vector<KeyRow<Scene>> rows{
      [](S& s, const V& v) { s.order = static_cast<int>(v.integer); }},
     {{.table = "numerics",
       .name = "substeps",
-      .type = integer,
+      .type = integer_or_choice,
       .standard = "1",
-      .range = {1, 10},
+      .range = {1, most_substeps},
+      .choices = {"auto"},
       .meaning = "Most steps of pressure and node velocity in one of the particles, for fluids with volumetric = "
-                 "\"grid\": as many as the flow's own speed allows."},
-     [](S& s, const V& v) { s.substeps = static_cast<int>(v.integer); }},
+                 "\"grid\": as many as the flow's own speed allows. auto: 10 where the scene can have them, else 1."},
+     [](S& s, const V& v) { s.substeps = v.choice == 0 ? substeps_by_scene : static_cast<int>(v.integer); }},
     {{.table = "numerics",
       .name = "stress_update",
       .type = choice,

@@ -69,6 +69,8 @@ Named type_of(const SceneKey& key) {
             return {{"anyOf", List{number, Named{{"type", "string"}}}}};
         case KeyType::integer:
             return number_of("integer", key.range);
+        case KeyType::integer_or_choice:
+            return {{"anyOf", List{number_of("integer", key.range), strings_of(key.choices)}}};
         case KeyType::vector:
             return list_of(number, 2, 3);
         case KeyType::pair:

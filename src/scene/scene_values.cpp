@@ -32,7 +32,8 @@ std::string without_quotes(const toml::node& node) {
 }
 
 [[noreturn]] void refuse_type(const toml::node& node, const KeyContext& c) {
-    const bool number = c.key.type == KeyType::real || c.key.type == KeyType::integer;
+    const bool number =
+        c.key.type == KeyType::real || c.key.type == KeyType::integer || c.key.type == KeyType::integer_or_choice;
     const std::string bare = number ? without_quotes(node) : "";
     const std::string help = !bare.empty() ? fmt::format("Did you mean {}, without quotes?", bare)
                              : c.key.standard && !c.key.standard->empty()
@@ -87,6 +88,15 @@ void real_or_text(const toml::node& node, const KeyContext& c, KeyValue& value) 
         value.text = string(node, c);
     else
         value.real = real(node, c);
+}
+
+void integer_or_choice(const toml::node& node, const KeyContext& c, KeyValue& value) {
+    const std::vector<std::string>& words = c.key.choices;
+    const auto word = std::find(words.begin(), words.end(), node.value_or(std::string()));
+    if (word == words.end())
+        value.integer = integer(node, c);
+    else
+        value.choice = static_cast<int>(word - words.begin());
 }
 
 std::string name(const toml::node& node, const KeyContext& c) {
@@ -189,6 +199,9 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             break;
         case KeyType::integer:
             value.integer = integer(node, c);
+            break;
+        case KeyType::integer_or_choice:
+            integer_or_choice(node, c, value);
             break;
         case KeyType::vector:
             value.numbers = numbers(node, c, c.dimensions);

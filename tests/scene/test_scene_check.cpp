@@ -178,6 +178,19 @@ TEST_CASE("an affine transfer with linear shapes is refused") {
     CHECK(said_about(good_scene, {"numerics.shape=gimp", "numerics.transfer=apic"}).empty());
 }
 
+TEST_CASE("substeps by the scene are ten where it can have them, and else one") {
+    const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
+    const auto substeps = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> sets{"numerics.substeps=auto", "material.clay.volumetric=grid"};
+        sets.insert(sets.end(), more.begin(), more.end());
+        return read_text(mud, sets).substeps;
+    };
+    CHECK(substeps({}) == 10);
+    CHECK(substeps({"material.clay.poisson=0.4"}) == 1);
+    CHECK(substeps({"material.clay.volumetric=particle"}) == 1);
+    says(said_about(mud, {"numerics.substeps=most"}), "must be \"auto\", or a whole number");
+}
+
 TEST_CASE(
     "the grid's pressure is for fluids, and its substeps for nearly incompressible ones without free structures") {
     const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
