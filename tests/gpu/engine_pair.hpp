@@ -6,6 +6,7 @@
 #include <map>
 
 #include "app/device.hpp"
+#include "particle_pressures.hpp"
 #include "sample_scenes.hpp"
 #include "scene/read_scene.hpp"
 #include "simulation/diagnostics.hpp"
@@ -128,8 +129,10 @@ inline void compare(const Scene& scene, int steps, double tolerance) {
         single ? compare_runs<float, 3>(scene, steps, tolerance) : compare_runs<double, 3>(scene, steps, tolerance);
 }
 
+/// A slurry's pressures are its particles' unless `sets` says otherwise.
 inline Scene input(const std::string& name, const std::vector<std::string>& sets) {
-    return read_scene(std::string(MORAINE_INPUTS) + "/" + name + ".toml", sets);
+    return read_scene(std::string(MORAINE_INPUTS) + "/" + name + ".toml",
+                      name.starts_with("slurry") ? particle_pressures(sets) : sets);
 }
 
 }  // namespace moraine::test

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "particle_pressures.hpp"
 #include "predict/capacity.hpp"
 #include "scene/scene_text.hpp"
 
@@ -16,7 +17,7 @@ const std::string slurry = inputs_folder() + "/slurry_runout_3d.toml";
 /// What is said of the 3-D slurry, by FLIP, with cells of `cell` on a machine; empty if it fits.
 std::string said(const std::string& cell, const Machine& machine) {
     try {
-        read_scene(slurry, {"domain.cell=" + cell, "numerics.transfer=flip"},
+        read_scene(slurry, test::particle_pressures({"domain.cell=" + cell, "numerics.transfer=flip"}),
                    [&](const Scene& s) { check_capacity(s, machine); });
     } catch (const InputError& e) {
         const std::string message = e.what();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/check_report.hpp"
+#include "particle_pressures.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_text.hpp"
 
@@ -20,10 +21,10 @@ TEST_CASE("the prediction counts particles and mass exactly, and occupied blocks
 TEST_CASE("the prediction's step is that of the wave and the speed of the start, or fixed") {
     const double c = std::sqrt(2.5e5 * 0.505 / (1.495 * 0.01) / 1500);
     const std::string path = inputs_folder() + "/slurry_runout.toml";
-    const Prediction p = predict(read_scene(path, {"body.reservoir.velocity=[3.0, 4.0]"}));
+    const Prediction p = predict(read_scene(path, test::particle_pressures({"body.reservoir.velocity=[3.0, 4.0]"})));
     CHECK(p.dt == doctest::Approx(0.8 * 0.86 * 0.1 / (c + 5)));
     CHECK(p.steps == std::ceil(20 / p.dt));
-    CHECK(predict(read_scene(path, {"time.dt=1e-3"})).steps == 20000);
+    CHECK(predict(read_scene(path, test::particle_pressures({"time.dt=1e-3"}))).steps == 20000);
 }
 
 TEST_CASE("a periodic axis has no block beyond its end") {
@@ -39,7 +40,7 @@ TEST_CASE("a periodic axis has no block beyond its end") {
 TEST_CASE("memory follows particles, precision and ranks") {
     const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
     const std::string cell = "domain.cell=0.2", flip = "numerics.transfer=flip";
-    const Scene scene = read_scene(path, {cell, flip, "balance.interval=10"});
+    const Scene scene = read_scene(path, test::particle_pressures({cell, flip, "balance.interval=10"}));
     const Prediction p = predict(scene);
     const double one = bytes_per_rank(scene, p, 1);
     // position, velocity, stress, volume, mass, ln J; id, body, list; the law's scalars
@@ -48,12 +49,13 @@ TEST_CASE("memory follows particles, precision and ranks") {
     const double quarter = bytes_per_rank(scene, p, 4);  // and the apron of a smaller share
     CHECK(quarter > one / 4);
     CHECK(quarter < 1.1 * one / 4);
-    const Scene apic = read_scene(path, {cell});
+    const Scene apic = read_scene(path, test::particle_pressures({cell}));
     CHECK(bytes_per_rank(apic, p, 1) - one == doctest::Approx(72.0 * static_cast<double>(p.particles)));
-    const Scene held = read_scene(path, {cell, flip, "output.asynchronous=on", "output.every=2"});
+    const Scene held =
+        read_scene(path, test::particle_pressures({cell, flip, "output.asynchronous=on", "output.every=2"}));
     const double output = predict_output(held, p).row_bytes * static_cast<double>(p.particles) / 2;
     CHECK(bytes_per_rank(held, p, 1) - one == doctest::Approx(output).epsilon(1e-4));
-    const Scene single = read_scene(path, {cell, flip, "numerics.precision=single"});
+    const Scene single = read_scene(path, test::particle_pressures({cell, flip, "numerics.precision=single"}));
     CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
 }
 
@@ -94,8 +96,9 @@ TEST_CASE("beside devices the host's memory follows blocks where a lattice is ma
 
 TEST_CASE("outputs are predicted by their bytes, times and steps between") {
     const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
-    const Scene scene = read_scene(path, {"output.fields=[\"velocity\"]", "output.precision=single", "output.labels=[]",
-                                          "output.interval=0.3", "output.every=10", "time.end=1.0", "time.dt=1e-3"});
+    const Scene scene = read_scene(
+        path, test::particle_pressures({"output.fields=[\"velocity\"]", "output.precision=single", "output.labels=[]",
+                                        "output.interval=0.3", "output.every=10", "time.end=1.0", "time.dt=1e-3"}));
     const OutputPrediction o = predict_output(scene, predict(scene));
     CHECK(o.row_bytes == 24);
     CHECK(o.particles == std::ceil(static_cast<double>(predict(scene).particles) / 10));

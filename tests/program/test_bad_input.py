@@ -106,17 +106,18 @@ particle_shifting = 0.1
                                 "material.jelly.volumetric=cell", says=["material.jelly.volumetric", "devices do not"],
                                 on=(None,))
 
-    def test_devices_do_not_have_the_pressure_on_cells(self):
-        mud = """volumetric = "grid"
+    def test_devices_have_the_pressure_on_cells_for_all_materials_or_none(self):
+        mud = """[[material]]
+name = "mud"
 law = "newtonian"
 density = 1000.0
 young = 1.0e5
 poisson = 0.49
 viscosity = 1.0
+volumetric = "grid"
 [[body]]"""
-        head, rest = SMALL_SCENE.split("[[body]]", 1)
-        scene = self.write(head.split("law =")[0] + mud + rest)
-        self.assert_refused("run", scene, "--device", "cuda", says=["material.jelly.volumetric", "--device cpu"], on=(None,))
+        scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
+        self.assert_refused("run", scene, "--device", "cuda", says=["material.jelly", "--device cpu"], on=(None,))
 
     def test_wrong_words_on_the_command_line_are_named(self):
         scene = self.write(SMALL_SCENE)

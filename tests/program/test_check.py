@@ -56,7 +56,7 @@ class Check(moraine.ProgramTest):
     def test_its_bytes_of_outputs_are_those_of_the_file(self):
         scene = INPUTS / "slurry_runout.toml"
         for more in ({}, {"output__precision": "single", "output__labels": "[]", "output__fields": '["velocity"]'}):
-            keys = sets(time__end=0.02, output__interval=0.005, **more)
+            keys = sets(time__end=0.1, output__interval=0.025, **more)
             directory = self.run_scene(scene, f"out-{len(more)}", *keys)
             row, times = (int(word) for word in re.search(
                 r"(?m)^output +(\d+) bytes a particle: [\d.]+ MB at each of (\d+) times, ", self.report(scene, *keys)).groups())

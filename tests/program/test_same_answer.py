@@ -79,7 +79,7 @@ class SameAnswer(moraine.ProgramTest):
         return sum(s["migrated_particles"] for s in summaries if s["partitioner"] == partitioner)
 
     def test_slurry_runout_in_double_precision(self):
-        keys = sets(time__end=0.02 if moraine.SLOW else 0.1, output__interval=0.05)
+        keys = sets(time__end=0.06 if moraine.SLOW else 0.2, output__interval=0.05)
         cases = [(1, "morton", 1), (1, "morton", 2), (2, "shuffle", 2)]
         cases += [(ranks, partitioner, 1) for ranks in (2, 3, 4) for partitioner in ("morton", "slabs", "shuffle")]
         found = self.compare(INPUTS / "slurry_runout.toml", keys, cases)
@@ -88,13 +88,13 @@ class SameAnswer(moraine.ProgramTest):
         self.assertGreater(min(s["repartitions"] for s in found if s["partitioner"] == "shuffle"), 0)
 
     def test_slurry_runout_in_single_precision(self):
-        keys = sets(time__end=0.02 if moraine.SLOW else 0.1, numerics__precision="single")
+        keys = sets(time__end=0.06 if moraine.SLOW else 0.2, numerics__precision="single")
         cases = [(1, "morton", 1), (2, "slabs", 2), (3, "shuffle", 1), (4, "morton", 1)]
         found = self.compare(INPUTS / "slurry_runout.toml", keys, cases)
         self.assertEqual({s["precision"] for s in found}, {"single"})
 
     def test_slurry_runout_3d_in_both_precisions(self):
-        keys = sets(domain__cell=0.4 if moraine.SLOW else 0.2, time__end=0.03)
+        keys = sets(domain__cell=0.4 if moraine.SLOW else 0.2, time__end=0.2)
         cases = [(1, "morton", 2), (2, "morton", 1), (3, "slabs", 1), (4, "shuffle", 1)]
         double = self.compare(INPUTS / "slurry_runout_3d.toml", keys, cases)
         keys += sets(numerics__precision="single")
@@ -102,7 +102,7 @@ class SameAnswer(moraine.ProgramTest):
         self.assertNotEqual(single[0]["state_hash"], double[0]["state_hash"])
 
     def test_slurry_runout_3d_under_every_partitioner(self):
-        keys = sets(domain__cell=0.4, domain__max="[8.0, 8.0, 6.0]", time__end=0.01 if moraine.SLOW else 0.04)
+        keys = sets(domain__cell=0.4, domain__max="[8.0, 8.0, 6.0]", time__end=0.1 if moraine.SLOW else 0.3)
         names = [name for name in (*DYNAMIC, *STATIC) if built(name)]
         cases = [(1, "morton", 1)] + [(2 + turn % 3, name, 1) for turn, name in enumerate(names)]
         found = self.compare(INPUTS / "slurry_runout_3d.toml", keys, cases)
