@@ -1,5 +1,5 @@
 #pragma once
-// What benchmark_stability measures: cases S1 to S22 of the verification plan, each a function that reports one line
+// What benchmark_stability measures: cases S1 to S24 of the verification plan, each a function that reports one line
 // per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
 
 #include <fmt/format.h>
@@ -88,5 +88,6 @@ void keep_accounts(const Wanted& wanted, const Report& report);
 void vary_steps(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 void run_thin(const Wanted& wanted, const Report& report);
+void run_fluids(const Wanted& wanted, const Report& report);
 
 }  // namespace moraine

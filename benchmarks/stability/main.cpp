@@ -86,6 +86,11 @@ constexpr StabilityCase cases[] = {
      "thin random scenes (films, sprays, drops, fronts over steps), 2000 steps of the whole default length: no fault, "
      "no lost particle, momentum to 1e-10 of M c, no energy growth",
      run_thin},
+    {"S24",
+     "random scenes of fluids whose pressure is the grid's, in up to 10 substeps (blocks, films, sprays, corners, "
+     "splashes, tanks), 2000 steps of the whole default length: no fault, no lost particle, momentum to 1e-10 of M c, "
+     "no energy growth",
+     run_fluids},
 };
 
 struct Options {

@@ -1,9 +1,11 @@
-// S22: random scenes at a random share of the program's own step. S23: thin ones at the whole of it.
+// S22: random scenes at a random share of the program's own step. S23: thin ones at the whole of it, S24: fluids whose
+// pressure is the grid's.
 
 #include <fmt/format.h>
 
 #include "method_name.hpp"
 #include "stability/cases.hpp"
+#include "verification/fluid_scene.hpp"
 #include "verification/random_run.hpp"
 #include "verification/thin_scene.hpp"
 
@@ -21,6 +23,12 @@ std::string description_of(const Scene& scene) {
     return fmt::format("{}-D {}, {}, cfl {:.3g}{}{}", scene.dimensions,
                        method_name(scene.shape, scene.transfer, scene.stress_update), laws, scene.cfl,
                        scene.boundary_spline ? "" : ", plain ghosts", scene.structures.empty() ? "" : ", structure");
+}
+
+std::string grid_pressure_of(const Scene& scene) {
+    const MaterialSpec& m = scene.materials[0];
+    return fmt::format("nu {:.5g}, {} substeps, smoothing {:.2g}, shifts {:.2g}", poisson_ratio(m), scene.substeps,
+                       m.pressure_smoothing, m.particle_shifting);
 }
 
 Verdict judge(const Scene& scene, int length, Kinetic kinetic) {
@@ -62,6 +70,16 @@ void run_thin(const Wanted& wanted, const Report& report) {
         if (!wanted.names(description)) continue;
         scene.limits_light_nodes = !wanted.free;
         report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
+    }
+}
+
+void run_fluids(const Wanted& wanted, const Report& report) {
+    for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
+        const auto number = static_cast<std::uint64_t>(n);
+        const Scene scene = fluid_scene(number);
+        const std::string description = fmt::format("scene {}: {}, {}, {}", n, name_of(fluid_kind(number)),
+                                                    description_of(scene), grid_pressure_of(scene));
+        if (wanted.names(description)) report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
     }
 }
 

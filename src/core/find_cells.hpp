@@ -142,7 +142,10 @@ struct CellFinder {
         cell.source /= cell.volume * cell.volume;
         if (!(cell.bulk > Real(0)) || cell.whole || !(weight > Real(0))) return;  // a hole, or no light node
         const Real bounded = bounded_bulk<Dim>(cell.bulk, cell.volume, weight, dt, damping);
-        cell.pressure *= bounded / cell.bulk;
+        const Real share = bounded / cell.bulk;
+        cell.loose = share < Real(1);
+        if (cell.loose) cell.head += (share - Real(1)) * cell.pressure;
+        cell.pressure *= share;
         cell.bulk = bounded;
     }
 

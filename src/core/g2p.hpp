@@ -161,7 +161,7 @@ struct GridToParticles {
             if (stiffness) limit_acceleration(s, n, nodes, light, g);
             if (gather & gather_velocity) take_velocity(s, g);
             if (gather & gather_gradient) {
-                if (fluid && (!shifting || grid_bulk)) smooth(s, n, light.base, g);
+                if (fluid && (!shifting || grid_bulk)) smooth(block, c, s, n, light.base, g);
                 scratch.gradient[filled] = increment_of(g);
                 if (grid_bulk) take_cell(block, c, s, scratch.gradient[filled], out);
                 if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
@@ -314,6 +314,10 @@ struct GridToParticles {
         });
     }
 
+    MORAINE_HD const CellPressure<Real>& cell_of(int block, int c) const {
+        return cells.cell[std::size_t(grid.tile_of[block]) * Block<Dim>::cells + std::size_t(c)];
+    }
+
     /// The volumetric part of the step is that of the cell.
     MORAINE_HD void take_cell(int block, int c, std::uint32_t s, Mat<Real, Dim>& dL, BlockOutcome& out) const {
         Real square = Real(0);
@@ -321,8 +325,7 @@ struct GridToParticles {
         if (double(square) > out.square_speed) out.square_speed = double(square);
         const Real bulk = grid_bulk[p.body[s]];
         if (!(bulk > Real(0))) return;
-        const std::size_t at = std::size_t(grid.tile_of[block]) * Block<Dim>::cells + std::size_t(c);
-        const Real increment = cells.cell[at].increment, step = bulk * increment;
+        const Real increment = taken_increment(cell_of(block, c)), step = bulk * increment;
         const Real before = p.stress[s].trace() * Real(1.0 / 3.0);
         out.work += double(p.volume[s]) * double(before + Real(0.5) * step) * double(increment);
         for (int a = 0; a < 3; ++a) p.stress[s][a] += step;
@@ -331,11 +334,16 @@ struct GridToParticles {
         p.ln_J[s] += increment - cubic;
     }
 
-    MORAINE_HD void smooth(std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
+    MORAINE_HD void smooth(int block, int c, std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
         const FluidTerms<Real>& of = fluid[p.body[s]];
         if (!(of.smoothing > Real(0))) return;
+        Real borne = Real(1);
+        if (grid_bulk) {
+            const CellPressure<Real>& cell = cell_of(block, c);
+            borne = borne_share(cell.loose ? cell.bulk : Real(0), grid_bulk[p.body[s]]);
+        }
         const Real pressure = g.change[quad - 1] - gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f);
-        smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s]);
+        smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s], borne);
     }
 
     /// Adds the shift of a particle in cell c to the velocity that moves it.

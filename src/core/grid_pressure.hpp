@@ -25,6 +25,11 @@
 // by how much the largest eigenvalue of cells that share light nodes exceeds that of one alone: at most 2.7 in 2-D and
 // 3.7 in 3-D for blocks, thinned at random to 7 % of their particles (docs/adr/0009).
 //
+// Where the modulus is bounded the cell is loose: its particles' K dl_c at the end is more than the grid felt, K_c
+// dl_c. In compression that keeps their volume; of expansion they take nothing beyond P_c = 0, because the grid cannot
+// bear such a tension (S24: particles left through walls). Smoothing compares the pressure that cells bear, K_c / K
+// P_p: at rest it is hydrostatic, and P_p itself is not, so that smoothing of P_p lifted pools.
+//
 // Geometry is kept as moments: sum_p V_p s^a with powers up to 2 per axis say all of G_ic for the quadratic spline, s
 // in [-1/2, 1/2) from the cell's node. Cells belong to blocks and blocks to tiles, so that the force of the cells goes
 // to the nodes by the same sums and messages as that of the particles, in an order that depends on blocks alone.
@@ -64,8 +69,9 @@ struct CellPressure {
     Real increment;  ///< dl_c so far [-]
     Real bulk;       ///< K_c [Pa]
     Real source;     ///< tr(L L) at the start [1/s2]
-    Real head;       ///< mean P_p + rho g . x of its centroid at the start [Pa] (pressure_smoothing.hpp)
+    Real head;       ///< what it bears of the mean P_p, + rho g . x of its centroid, at the start [Pa]
     bool whole;      ///< away from walls and full: its nodes' factors are those of whole_cell()
+    bool loose;      ///< K_c < K: particles take no tension from it, and smooth what it bears
 };
 
 /// Powers of s of one axis.
@@ -214,6 +220,21 @@ MORAINE_HD Real bounded_bulk(Real bulk, Real volume, Real weight, double dt, dou
     constexpr double shared = Dim == 2 ? 2.75 : 4;
     const Real most = Real(1.8 * 1.8 / (shared * dt * dt * (1 + 2 * damping))) * volume / weight;
     return bulk < most ? bulk : most;
+}
+
+/// What particles take of a cell's increment of ln J: of a loose one nothing that expands them into tension.
+template <class Real>
+MORAINE_HD Real taken_increment(const CellPressure<Real>& cell) {
+    if (!cell.loose || !(cell.increment > Real(0))) return cell.increment;
+    const Real tension = cell.pressure / cell.bulk;  // as a strain, at the end
+    if (!(tension > Real(0))) return cell.increment;
+    return tension < cell.increment ? cell.increment - tension : Real(0);
+}
+
+/// Of a particle's pressure, the share that its cell bears: K_c / K. loose: K_c where the cell is loose, else 0.
+template <class Real>
+MORAINE_HD Real borne_share(Real loose, Real bulk) {
+    return loose > Real(0) ? loose / bulk : Real(1);
 }
 
 /// The strain increment of a step whose volumetric part the cell has: dL with the same H = dL (I + dL/2)^-1 but for its

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "core/courant.hpp"
+#include "core/find_cells.hpp"
 #include "core/grid_pressure.hpp"
 #include "core/method.hpp"
 
@@ -113,6 +114,46 @@ TEST_CASE("the modulus falls with the square of the substep, and only where node
     CHECK(one < 1e6);
     CHECK(half == doctest::Approx(4 * one));
     CHECK(bounded_bulk<2>(1e6, 0.1, 10.0, 1e-3, 0.5) == doctest::Approx(one / 2));
+}
+
+TEST_CASE_TEMPLATE("a cell whose modulus is bounded is loose, and bears its share of the pressure in its head", Real,
+                   float, double) {
+    CellFinder<Real, 2> finder{};
+    finder.dt = 1e-3;
+    for (bool light : {false, true}) {
+        CAPTURE(light);
+        CellPressure<Real> cell{};
+        cell.volume = Real(0.1), cell.pressure = Real(-2000), cell.bulk = Real(1e6);
+        cell.head = cell.pressure + Real(500);
+        finder.close_cell(zero_mat<Real, 2>(), light ? Real(10) : Real(1e-6), cell);
+        CHECK(cell.loose == light);
+        const double share = double(cell.bulk) / 1e6;
+        CHECK((share < 0.2) == light);
+        CHECK(double(cell.pressure) == doctest::Approx(-2000 * share));
+        CHECK(double(cell.head) == doctest::Approx(-2000 * share + 500));
+        CHECK(borne_share(cell.loose ? cell.bulk : Real(0), Real(1e6)) == doctest::Approx(share));
+    }
+    static_assert(sizeof(CellPressure<double>) == 64);
+}
+
+TEST_CASE("particles take no tension from a loose cell") {
+    CellPressure<double> cell{};
+    cell.bulk = 100;
+    const auto taken = [&](double start, double increment) {
+        cell.increment = increment;
+        cell.pressure = cell.bulk * (start + increment);
+        return taken_increment(cell);
+    };
+    for (bool loose : {false, true}) {
+        CAPTURE(loose);
+        cell.loose = loose;
+        CHECK(taken(-0.5, -0.25) == -0.25);
+        CHECK(taken(-0.5, 0.25) == 0.25);
+        CHECK(taken(-0.125, 0.5) == (loose ? 0.125 : 0.5));  // to zero
+        CHECK(taken(0, 0.5) == (loose ? 0 : 0.5));
+        CHECK(taken(0.5, 0.25) == (loose ? 0 : 0.25));
+        CHECK(taken(0.5, -0.25) == -0.25);
+    }
 }
 
 TEST_CASE_TEMPLATE("an isochoric increment keeps deviator and rotation, and takes the volume", Mat3, Mat<double, 3>,

@@ -193,12 +193,13 @@ __device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const MeansG
 
 /// Takes this thread's particle's share of the pressure around it into its rows.
 template <class Real, int Dim>
-__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p) {
+__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p,
+                                       Real borne = Real(1)) {
     if (!(of.smoothing > Real(0))) return;
     Sym<Real, Dim> stress{};
 #pragma unroll
     for (int a = 0; a < 3; ++a) stress[a] = p.stress(a);
-    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J());
+    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J(), borne);
 #pragma unroll
     for (int a = 0; a < 3; ++a) p.stress(a) = stress[a];
 }
@@ -212,7 +213,8 @@ template <class Real, int Dim, int Width>
 struct PressureShared : FluidShared<Real, Dim, Width> {
     FluidTile<Real, Dim, Width> means;
     Real pressure[Team<Dim>::threads];
-    Real increment[Block<Dim>::cells];  ///< of ln J
+    Real increment[Block<Dim>::cells];  ///< of ln J, that particles take
+    Real loose[Block<Dim>::cells];      ///< K_c of a loose cell, else 0 [Pa]
 };
 template <class Real, int Dim, int Width, FluidGrid Fluid>
 using FluidSharedOf =
@@ -229,7 +231,10 @@ __device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const Fluid
                                            PressureShared<Real, Dim, Shape::width>& shared) {
     constexpr int cells = Block<Dim>::cells;
     const CellPressure<Real>* cell = g.cell + std::size_t(v.grid.tile_of[block]) * std::size_t(cells);
-    for (int c = Team<Dim>::rank(); c < cells; c += Team<Dim>::threads) shared.increment[c] = cell[c].increment;
+    for (int c = Team<Dim>::rank(); c < cells; c += Team<Dim>::threads) {
+        shared.increment[c] = taken_increment(cell[c]);
+        shared.loose[c] = cell[c].loose ? cell[c].bulk : Real(0);
+    }
     fill_fluid_tile<Shape>(v, block, shared.means,
                            [&](int n) { return g.mean[stored_tile_node<Shape::width>(v.table, v.grid, block, n)]; });
     load_fluid_tile<Shape>(v, block, shared.tile);

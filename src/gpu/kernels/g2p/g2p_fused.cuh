@@ -97,11 +97,12 @@ struct FusedGather {
         if constexpr (of_grid) {
             const Real square = square_speed(p);
             if (square > tally.square_speed) tally.square_speed = square;
-            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p);
             CoreRows<Real, Dim> before;  // where it was
             before.row[p.place] = shared.rows.take(half, T::rank(), p.place);
-            power += take_cell(g.bulk[0], shared.fluid.increment[number_of<4, Real, Dim>(place_of<Real, Dim>(before))],
-                               p, dL);
+            const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(before));
+            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p,
+                   borne_share(shared.fluid.loose[cell], g.bulk[0]));
+            power += take_cell(g.bulk[0], shared.fluid.increment[cell], p, dL);
         } else if constexpr (fluid) {
             if (!g.fluid.shifts) smooth(g.fluid.all, g.dt, shared.fluid.own[0][T::rank()], p);
         }

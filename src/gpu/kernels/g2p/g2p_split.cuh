@@ -150,9 +150,11 @@ struct SplitGather {
         p.row[p.place] = at;
         const Real square = square_speed(p);
         if (square > tally.square_speed) tally.square_speed = square;
-        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p);
-        const Real increment = shared.fluid.increment[number_of<4, Real, Dim>(place_of<Real, Dim>(p))];
-        const double work = take_cell(g.bulk[v.p.body[s]], increment, p, dL);
+        const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
+        const Real bulk = g.bulk[v.p.body[s]];
+        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p,
+               borne_share(shared.fluid.loose[cell], bulk));
+        const double work = take_cell(bulk, shared.fluid.increment[cell], p, dL);
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);
         if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
         return work;
