@@ -208,7 +208,6 @@ void Driver<Real, Dim>::output() {
         history_->row(row.values());
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        if (maps_) maps_->write(directory_);
         if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
@@ -234,6 +233,7 @@ void Driver<Real, Dim>::checkpoint() {
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
               rest_ ? rest_->stored() : std::vector<std::int64_t>{}});
+        if (maps_) maps_->write(directory_);
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();

@@ -276,6 +276,23 @@ class Terrain(moraine.ProgramTest):
                       self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
         self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
 
+    def test_maps_are_written_with_checkpoints_and_at_the_end(self):
+        begin = lambda output, **keys: moraine.Job("run", self.scene, "--output", self.folder / output, "--device", "cpu",
+                                                   *sets(time__end=1e6, output__interval=0.01, **keys), ranks=1)
+        job = begin("outputs")
+        try:
+            history = job.wait_for(self.folder, "outputs/history.csv")
+            while len(history.read_text().splitlines()) < 5:
+                self.assertIsNone(job.started.poll())
+            self.assertFalse((self.folder / "outputs/maps").exists())
+        finally:
+            job.stop()
+        job = begin("checkpoints", output__checkpoint_interval=0.05)
+        try:
+            job.wait_for(self.folder, "checkpoints/maps/outline.*")
+        finally:
+            job.stop()
+
     def test_debris_stays_over_the_ground_and_leaves_by_open_sides(self):
         directory = self.run_scene(self.scene, "out", *sets(time__end=4, domain__max="[12.0, 12.0, 16.0]"))
         self.assertGreater(summary(directory)["lost_particles"], 50)
