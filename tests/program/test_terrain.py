@@ -293,6 +293,17 @@ class Terrain(moraine.ProgramTest):
         finally:
             job.stop()
 
+    def test_overwrite_removes_the_maps_of_the_run_before(self):
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        (directory / "maps" / "notes.txt").write_text("mine")
+        for name in ("max_depth.asc", "arrival.tif", "outline.geojson"):
+            (directory / "maps" / name).write_text("old")
+        (directory / "gauges.csv").write_text("old")
+        self.run_scene(self.scene, "run", "--overwrite", *sets(time__end=0, hazard__maps='["deposit"]'))
+        ends = ("deposit.tif", "outline.gpkg") if GDAL else ("deposit.asc", "outline.geojson")
+        self.assertEqual(sorted(path.name for path in (directory / "maps").iterdir()), sorted([*ends, "notes.txt"]))
+        self.assertFalse((directory / "gauges.csv").exists())
+
     def test_debris_stays_over_the_ground_and_leaves_by_open_sides(self):
         directory = self.run_scene(self.scene, "out", *sets(time__end=4, domain__max="[12.0, 12.0, 16.0]"))
         self.assertGreater(summary(directory)["lost_particles"], 50)
