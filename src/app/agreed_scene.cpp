@@ -93,6 +93,7 @@ std::vector<Common> tables_of(const Scene& scene) {
                               "Have all hosts one version of PROJ and its data?"});
     }
     add(scene.hazard.gauges_file);
+    add(scene.hazard.sections_file);
     return tables;
 }
 

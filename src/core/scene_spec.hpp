@@ -167,6 +167,12 @@ struct GaugeSpec {
     double x = 0, y = 0;  ///< [m]
 };
 
+/// A line in plan; what goes over it to its left is counted (records/section_flow.hpp).
+struct SectionSpec {
+    std::string name;
+    std::vector<std::array<double, 2>> points;  ///< [m]
+};
+
 /// Maps of a run over terrain (records/hazard_maps.hpp).
 struct HazardSpec {
     double cell = 0;         ///< side of a cell of the maps [m]; 0: none
@@ -174,6 +180,8 @@ struct HazardSpec {
     std::vector<std::string> maps;
     std::string gauges_file;
     std::vector<GaugeSpec> gauges;
+    std::string sections_file;
+    std::vector<SectionSpec> sections;
 };
 
 struct BalanceSpec {

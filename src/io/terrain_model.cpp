@@ -143,4 +143,17 @@ std::vector<GisShape> read_places(const std::string& path, const std::string& ke
     return read_gis_shapes(path, key, GisKind::point, crs, notices);
 }
 
+std::vector<GisShape> read_lines(const std::string& path, const std::string& key, const std::string& crs,
+                                 std::vector<std::string>& notices) {
+    const bool json = path.ends_with(".geojson") || path.ends_with(".json");
+    if (json && !has_gdal()) return {read_line(path, key)};
+    if (!path.ends_with(".csv")) return read_gis_shapes(path, key, GisKind::line, crs, notices);
+    std::vector<GisShape> lines;
+    for (const GisShape& point : read_points(path, key)) {
+        if (lines.empty() || lines.back().name != point.name) lines.push_back({{}, point.name, {}});
+        lines.back().points.push_back(point.points[0]);
+    }
+    return lines;
+}
+
 }  // namespace moraine

@@ -32,4 +32,8 @@ std::vector<GisShape> read_areas(const std::string& path, const std::string& key
 std::vector<GisShape> read_places(const std::string& path, const std::string& key, const std::string& crs,
                                   std::vector<std::string>& notices);
 
+/// Lines with their names, in the coordinates of the model. Throws InputError.
+std::vector<GisShape> read_lines(const std::string& path, const std::string& key, const std::string& crs,
+                                 std::vector<std::string>& notices);
+
 }  // namespace moraine

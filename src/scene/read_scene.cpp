@@ -60,6 +60,7 @@ class Reader {
             read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
             check_hazard(scene_, places_);
             load_gauges(scene_, places_);
+            load_sections(scene_, places_);
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });

@@ -17,6 +17,9 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
 /// Reads the gauges of [hazard]. Throws InputError.
 void load_gauges(Scene& scene, const Places& places);
 
+/// Reads the sections of [hazard]. Throws InputError.
+void load_sections(Scene& scene, const Places& places);
+
 /// What holds between [hazard] and the rest. Throws InputError.
 void check_hazard(const Scene& scene, const Places& places);
 

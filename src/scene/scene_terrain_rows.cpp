@@ -124,6 +124,14 @@ const std::vector<KeyRow<Scene>> hazards{
       .meaning = "Places in plan: a .csv with a header name,x,y or, by GDAL, points with an attribute name. Depth, "
                  "speed and pressure of their map cells at every sample go into gauges.csv; relative to the scene."},
      [](Scene& s, const V& v) { s.hazard.gauges_file = v.text; }},
+    {{.table = "hazard",
+      .name = "sections",
+      .type = text,
+      .standard = "",
+      .meaning = "Lines in plan: a .csv with a header name,x,y and a row per point, a .geojson or, by GDAL, a "
+                 "GeoPackage or other; the attribute name is optional. Discharge, volume and mass that went over each "
+                 "line to its left go into sections.csv at every sample; relative to the scene."},
+     [](Scene& s, const V& v) { s.hazard.sections_file = v.text; }},
 };
 
 }  // namespace

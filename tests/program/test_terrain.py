@@ -276,6 +276,55 @@ class Terrain(moraine.ProgramTest):
                       self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
         self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
 
+    SECTIONS = "name,x,y\nneck,7,10\nneck,7.5,5\nneck,7,2\nback,9,2\nback,9,10\n"
+
+    def test_what_goes_over_sections_is_the_same_on_any_ranks_and_after_a_restart(self):
+        self.write(self.SECTIONS, "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"'))
+        one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
+        text = (one / "sections.csv").read_bytes()
+        rows = moraine.table(one, "sections.csv")
+        self.assertGreater(rows[-1]["neck_volume_m3"], 2.0)
+        self.assertLess(rows[-1]["back_volume_m3"], 0)
+        volume = 0
+        for last, row in zip(rows, rows[1:]):
+            volume += (row["time_s"] - last["time_s"]) * row["neck_discharge_m3_s"]
+            self.assertAlmostEqual(volume, row["neck_volume_m3"], places=6)
+        for ranks in (2, 3):
+            many = self.run_scene(self.scene, f"r{ranks}", "--partitioner", "shuffle",
+                                  *sets(balance__trigger="every", balance__interval=20), ranks=ranks)
+            self.assertEqual((many / "sections.csv").read_bytes(), text)
+        self.run_scene(self.scene, "one", "--restart", checkpoints(one)[0], ranks=2)
+        self.assertEqual((one / "sections.csv").read_bytes(), text)
+        wrong = lambda lines: self.refused("name,x,y\n" + lines, "lines.csv")
+        self.assertIn("section neck has a point at (7, 99) (outside the domain)", wrong("neck,7,99\nneck,7,2\n"))
+        self.assertIn("section neck has 1 points", wrong("neck,7,9\n"))
+        self.assertIn("it is there twice", wrong("a,7,9\na,7,2\nb,8,9\nb,8,2\na,9,9\na,9,2\n"))
+        self.assertIn("hazard.sections has no lines", wrong(""))
+
+    def test_the_volume_over_a_section_is_that_of_the_particles_beyond_it(self):
+        self.write(grid(at=lambda x, y: 4.0), "valley.asc")
+        self.write("name,x,y\nneck,8,11\nneck,8,1\n", "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"').replace(
+            "thickness = 1.0", "thickness = 1.0\nvelocity = [5.0, 0.0, 0.0]").replace(
+            'law = "voellmy", friction = 0.2, xi = 500.0', 'law = "smooth"').replace("-9.81", "0.0"))
+        directory = self.run_scene(self.scene, "slides", *sets(time__end=0.7))
+        deposit = read_map(directory, "deposit")
+        beyond = sum(sum(row[8:]) for row in deposit)
+        self.assertGreater(beyond, 1)
+        self.assertLess(beyond, 0.9 * total(deposit))
+        row = moraine.table(directory, "sections.csv")[-1]
+        self.assertAlmostEqual(row["neck_volume_m3"] / beyond, 1, delta=1e-6)
+        self.assertAlmostEqual(row["neck_mass_kg"] / (1800 * beyond), 1, delta=1e-6)
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_sections_may_be_lines_of_a_geojson(self):
+        self.write(json.dumps({"type": "Feature", "properties": {}, "geometry": {
+            "type": "LineString", "coordinates": [[7, 10], [7, 2]]}}), "lines.geojson")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.geojson"'))
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0.2))
+        self.assertIn("section-1_discharge_m3_s", moraine.table(directory, "sections.csv")[0])
+
     def test_maps_are_written_with_checkpoints_and_at_the_end(self):
         begin = lambda output, **keys: moraine.Job("run", self.scene, "--output", self.folder / output, "--device", "cpu",
                                                    *sets(time__end=1e6, output__interval=0.01, **keys), ranks=1)
@@ -298,11 +347,11 @@ class Terrain(moraine.ProgramTest):
         (directory / "maps" / "notes.txt").write_text("mine")
         for name in ("max_depth.asc", "arrival.tif", "outline.geojson"):
             (directory / "maps" / name).write_text("old")
-        (directory / "gauges.csv").write_text("old")
+        (directory / "sections.csv").write_text("old")
         self.run_scene(self.scene, "run", "--overwrite", *sets(time__end=0, hazard__maps='["deposit"]'))
         ends = ("deposit.tif", "outline.gpkg") if GDAL else ("deposit.asc", "outline.geojson")
         self.assertEqual(sorted(path.name for path in (directory / "maps").iterdir()), sorted([*ends, "notes.txt"]))
-        self.assertFalse((directory / "gauges.csv").exists())
+        self.assertFalse((directory / "sections.csv").exists())
 
     def test_debris_stays_over_the_ground_and_leaves_by_open_sides(self):
         directory = self.run_scene(self.scene, "out", *sets(time__end=4, domain__max="[12.0, 12.0, 16.0]"))
