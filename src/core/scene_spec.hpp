@@ -129,6 +129,8 @@ struct StructureSpec {
     std::string file;                           ///< ground: path, absolute or relative to the scene
     std::shared_ptr<const Ground> ground;
     std::string friction_file, xi_file, su_file;  ///< ground: rasters
+    std::string crop_file;                        ///< ground: polygon around which the domain is laid
+    double smooth = 0;                            ///< ground: least radius of curvature wanted [m]; 0: as it is
     InterfaceLaw law = InterfaceLaw::smooth;
     double friction = 0;  ///< coulomb, voellmy: mu [-]
     double alpha = 0;     ///< undrained: share of su [-]

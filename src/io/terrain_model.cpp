@@ -108,8 +108,21 @@ Ground cropped(const Ground& all, const std::string& path, const PlanPoint& min,
 
 Ground read_model(const std::string& path, const PlanPoint& min, const PlanPoint& max,
                   std::vector<std::string>& notices) {
-    Ground part = read_part(
-        path, {}, [&](const Ground& all) { return nodes_under(all, path, min, max); }, notices);
+    return read_model(
+        path,
+        [&](const Ground&) {
+            return PlanBox{min, max};
+        },
+        notices);
+}
+
+Ground read_model(const std::string& path, const std::function<PlanBox(const Ground&)>& under,
+                  std::vector<std::string>& notices) {
+    const auto window = [&](const Ground& all) {
+        const PlanBox box = under(all);
+        return nodes_under(all, path, box[0], box[1]);
+    };
+    Ground part = read_part(path, {}, window, notices);
     require_heights(part, path);
     part.fit();
     return part;

@@ -276,6 +276,61 @@ class Terrain(moraine.ProgramTest):
                       self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
         self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
 
+    DOMAIN = "min = [0.0, 0.0, 0.0]\nmax = [24.0, 12.0, 16.0]\n"
+
+    def test_a_domain_that_is_left_out_is_that_of_the_model(self):
+        said = self.run_scene(self.scene, "said")
+        self.write(SCENE.replace(self.DOMAIN, ""))
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"domain     from 0 0 -3.5 to 24 12 21.5 m")
+        left_out = self.run_scene(self.scene, "left_out", *sets(output__checkpoint_interval=0.5))
+        for name in ("max_depth", "deposit"):
+            for one, other in zip(read_map(said, name), read_map(left_out, name)):
+                for a, b in zip(one, other):
+                    self.assertAlmostEqual(a, b, places=6)
+        self.assertEqual(summary(left_out)["lost_particles"], 0)
+        again = self.run_scene(self.scene, "again", "--restart", checkpoints(left_out)[0], ranks=2)
+        self.assertEqual(summary(again)["state_hash"], summary(left_out)["state_hash"])
+        self.assertIn("domain.max is missing (domain.min is there)",
+                      self.changed(self.DOMAIN, "min = [0.0, 0.0, 0.0]\n"))
+        plain = SCENE[:SCENE.index("[terrain]")] + SCENE[SCENE.index("[[material]]"):SCENE.index("[[release]]")]
+        self.assertIn("domain.min is missing", self.refused(plain.replace(self.DOMAIN, "")))
+
+    def test_a_crop_lays_the_domain_around_its_polygon(self):
+        self.write("x,y\n1.2,2.1\n10.9,3\n8,10.7\n", "crop.csv")
+        cropped = SCENE.replace(self.DOMAIN, "").replace("[hazard]", 'crop = "crop.csv"\n[hazard]')
+        self.write(cropped)
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn("domain     from 1 2 ", ended.out)
+        self.assertRegex(ended.out, r" to 11 11 \S+ m\n")
+        directory = self.run_scene(self.scene, "run")
+        self.assertEqual((len(read_map(directory, "deposit")), len(read_map(directory, "deposit")[0])), (9, 10))
+        self.assertIn("terrain.crop is not used (domain.min and domain.max say where the domain is)",
+                      self.refused(SCENE.replace("[hazard]", 'crop = "crop.csv"\n[hazard]')))
+        self.write(cropped)
+        self.assertIn("crop.csv: the crop reaches from 1.2 to 40 along x (the model from -1 to 25)",
+                      self.refused("x,y\n1.2,2\n40,3\n8,10\n", "crop.csv"))
+        self.assertIn("has a corner at", self.refused("x,y\n12,2\n20,3\n18,10\n", "crop.csv"))
+        self.assertIn("no such file", self.refused(cropped.replace("crop.csv", "absent.csv")))
+
+    def test_a_ground_that_bends_sharply_is_told_and_smoothed(self):
+        self.write(grid(25, 13, 1.0, lambda x, y: max(0, 8 - x) + 1), "valley.asc")
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertRegex(ended.out, r"least radius of curvature 0\.\d+ m\nwarning    that is less than 5 cells: .+terrain.smooth = 2.5,")
+        smooth = SCENE.replace("[hazard]", "smooth = 4.0\n[hazard]")
+        self.write(smooth)
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"valley.asc: smoothed from a least radius of curvature of 0\S+ m to 4\S* m; heights")
+        self.assertNotIn("warning", ended.out)
+        one = self.run_scene(self.scene, "one", *sets(time__end=0.5))
+        two = self.run_scene(self.scene, "two", *sets(time__end=0.5), ranks=2)
+        self.assertEqual(summary(one)["state_hash"], summary(two)["state_hash"])
+        self.assertIn("terrain.smooth = 0", self.refused(smooth.replace("smooth = 4.0", "smooth = 0.0")))
+        self.assertIn("cannot be brought there", self.refused(smooth.replace("smooth = 4.0", "smooth = 1e9")))
+
     SECTIONS = "name,x,y\nneck,7,10\nneck,7.5,5\nneck,7,2\nback,9,2\nback,9,10\n"
 
     def test_what_goes_over_sections_is_the_same_on_any_ranks_and_after_a_restart(self):
