@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes inputs/valley.asc, valley_release.csv and valley_gauges.csv: a steep head, a channel that bends, and a plain.
+"""Makes inputs/valley.asc, valley_release.csv, valley_gauges.csv and valley_sections.csv: a steep head, a channel that
+bends, and a plain.
 
     python3 inputs/make_valley.py
 
@@ -30,6 +31,7 @@ def main():
     corners = [(12, 55), (22, 53), (36, 58), (40, 66), (36, 76), (24, 76), (13, 68)]
     (here / "valley_release.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in corners))
     (here / "valley_gauges.csv").write_text("name,x,y\nhead,30,66\nchannel,50,68\n")
+    (here / "valley_sections.csv").write_text("name,x,y\nneck,56,85\nneck,56,50\n")
 
 
 if __name__ == "__main__":

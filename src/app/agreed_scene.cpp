@@ -85,7 +85,7 @@ std::vector<Common> tables_of(const Scene& scene) {
     };
     for (const StructureSpec& s : scene.structures)
         if (s.ground)
-            for (const std::string& file : {s.file, s.friction_file, s.xi_file, s.su_file}) add(file);
+            for (const std::string& file : {s.file, s.friction_file, s.xi_file, s.su_file, s.crop_file}) add(file);
     for (const BodySpec& body : scene.bodies) {
         if (body.shape == BodyShape::table || body.shape == BodyShape::layer) add(body.file), add(body.thickness_file);
         if (body.shape == BodyShape::layer)
@@ -93,6 +93,7 @@ std::vector<Common> tables_of(const Scene& scene) {
                               "Have all hosts one version of PROJ and its data?"});
     }
     add(scene.hazard.gauges_file);
+    add(scene.hazard.sections_file);
     return tables;
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/courant.hpp"
-#include "core/ground.hpp"
+#include "core/ground_curvature.hpp"
 #include "core/rest_interval.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_keys.hpp"
@@ -19,11 +19,29 @@ std::string bytes_text(double bytes) {
     return fmt::format("{:.2f} GB", bytes / 1e9);
 }
 
-/// "terrain    200 x 100 heights, 5 m apart, from 812.3 to 1520 m, voellmy"; of the part that the domain needs.
-std::string terrain_line(const Ground& ground, const std::string& law) {
+/// "terrain    200 x 100 heights, 5 m apart, from 812.3 to 1520 m, voellmy", and how sharply it bends; of the part that
+/// the domain needs.
+std::string terrain_lines(const Scene& scene, const Ground& ground, const std::string& law) {
     const auto [low, high] = std::minmax_element(ground.height.begin(), ground.height.end());
-    return fmt::format("terrain    {} x {} heights, {:.6g} m apart, from {:.4g} to {:.4g} m, {}\n", ground.count[0],
-                       ground.count[1], ground.spacing, *low, *high, law);
+    std::string text = fmt::format("terrain    {} x {} heights, {:.6g} m apart, from {:.4g} to {:.4g} m, {}\n",
+                                   ground.count[0], ground.count[1], ground.spacing, *low, *high, law);
+    const double radius = least_radius(ground), wanted = 5 * scene.cell;
+    if (radius > 1e4 * scene.cell) return text;
+    text += fmt::format("           least radius of curvature {:.3g} m\n", radius);
+    if (radius < wanted)
+        text += fmt::format(
+            "warning    that is less than 5 cells: soil may jump over it or rest on its edge. "
+            "terrain.smooth = {:.6g}, or a smaller domain.cell?\n",
+            wanted);
+    return text;
+}
+
+/// "domain     from 0 0 -8 to 260 120 96 m", where the scene leaves it to the terrain.
+std::string domain_line(const Scene& scene) {
+    const auto corner = [&](const Triple& x) {
+        return fmt::format("{:.10g} {:.10g}{}", x[0], x[1], scene.dimensions == 3 ? fmt::format(" {:.10g}", x[2]) : "");
+    };
+    return fmt::format("domain     from {} to {} m\n", corner(scene.min), corner(scene.max));
 }
 
 /// "structure  pipe: sphere, velocity, rough"
@@ -36,7 +54,7 @@ std::string structure_lines(const Scene& scene) {
     std::string text;
     for (const StructureSpec& s : scene.structures) {
         const std::string law = word("structure.contact", "law", static_cast<int>(s.law));
-        text += s.ground ? terrain_line(*s.ground, law)
+        text += s.ground ? domain_line(scene) + terrain_lines(scene, *s.ground, law)
                          : fmt::format("structure  {}: {}, {}, {}\n", s.name,
                                        word("structure", "shape", static_cast<int>(s.shape)),
                                        word("structure.motion", "kind", static_cast<int>(s.motion.kind)), law);

@@ -53,6 +53,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       device_message_(device.message),
       sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {
     if (scene.hazard.cell > 0) maps_ = std::make_unique<HazardMaps>(scene, comm);
+    if (!scene.hazard.sections.empty()) flow_ = std::make_unique<SectionFlow>(scene, comm);
     if (scene.rest.stops) rest_ = std::make_unique<RestWatch<Dim>>(scene, comm);
 }
 
@@ -88,6 +89,7 @@ void Driver<Real, Dim>::begin() {
         history_row = records.history_row;
         if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
         if (maps_ && !maps_->restore(records.maps)) file.refuse("no run has its maps");
+        if (flow_ && !flow_->restore(records.sections)) file.refuse("no run has its sections");
         if (rest_ && !records.rest.empty() && !rest_->restore(records.rest)) file.refuse("no run rests so");
     } else {
         sim_.seed();
@@ -128,6 +130,7 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
         structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
     if (!scene_.hazard.gauges.empty())
         gauges_ = std::make_unique<CsvLog>(comm_, directory_ + "/gauges.csv", maps_->gauge_columns(), resume);
+    if (flow_) sections_ = std::make_unique<CsvLog>(comm_, directory_ + "/sections.csv", flow_->columns(), resume);
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume ? std::optional(sim_.clock().step) : std::nullopt);
@@ -208,7 +211,6 @@ void Driver<Real, Dim>::output() {
         history_->row(row.values());
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        if (maps_) maps_->write(directory_);
         if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
     });
     last_output_step_ = sim_.clock().step;
@@ -233,7 +235,9 @@ void Driver<Real, Dim>::checkpoint() {
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
-              rest_ ? rest_->stored() : std::vector<std::int64_t>{}});
+              rest_ ? rest_->stored() : std::vector<std::int64_t>{},
+              flow_ ? flow_->stored() : std::vector<std::int64_t>{}});
+        if (maps_) maps_->write(directory_);
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -251,13 +255,21 @@ void Driver<Real, Dim>::sample_maps() {
     if constexpr (Dim == 3) {
         if (!maps_) return;
         sim_.bin();
-        sim_.phases().time(Phase::output, [&] { maps_->sample(sim_); });
         const RunClock<Dim>& clock = sim_.clock();
-        if (!gauges_ || clock.step == last_gauges_step_) return;
-        std::vector<double> row{static_cast<double>(clock.step), clock.time};
-        row.insert(row.end(), maps_->gauge_values().begin(), maps_->gauge_values().end());
-        gauges_->row(row);
-        last_gauges_step_ = clock.step;
+        const auto append = [&](CsvLog& table, const std::vector<double>& values) {
+            std::vector<double> row{static_cast<double>(clock.step), clock.time};
+            row.insert(row.end(), values.begin(), values.end());
+            table.row(row);
+        };
+        sim_.phases().time(Phase::output, [&] {
+            maps_->sample(sim_);
+            if (clock.step == last_sample_step_) return;
+            if (gauges_) append(*gauges_, maps_->gauge_values());
+            if (!flow_) return;
+            flow_->sample(sim_);
+            append(*sections_, flow_->values());
+        });
+        last_sample_step_ = clock.step;
     }
 }
 

@@ -18,6 +18,7 @@
 #include "records/hazard_maps.hpp"
 #include "records/load_record.hpp"
 #include "records/run_health.hpp"
+#include "records/section_flow.hpp"
 #include "records/time_series.hpp"
 #include "simulation/rest_watch.hpp"
 #include "simulation/simulation.hpp"
@@ -55,11 +56,12 @@ class Driver {
     std::string directory_, device_message_;
     RunLock lock_;  ///< of the directory; rank 0's
     Simulation<Real, Dim> sim_;
-    std::unique_ptr<CsvLog> history_, balance_, structures_, gauges_;  ///< the last two: where there are any
-    std::unique_ptr<LoadRecord<Real, Dim>> loads_;                     ///< none unless the scene asks for it
-    std::unique_ptr<HazardMaps> maps_;                                 ///< none unless the scene asks for them
-    std::unique_ptr<RestWatch<Dim>> rest_;                             ///< none unless the scene is to end at rest
-    std::unique_ptr<ParticleSeries> series_;                           ///< none: --no-particles
+    std::unique_ptr<CsvLog> history_, balance_, structures_, gauges_, sections_;  ///< the last three: if there are any
+    std::unique_ptr<LoadRecord<Real, Dim>> loads_;                                ///< none unless the scene asks for it
+    std::unique_ptr<HazardMaps> maps_;        ///< none unless the scene asks for them
+    std::unique_ptr<SectionFlow> flow_;       ///< none unless the scene has sections
+    std::unique_ptr<RestWatch<Dim>> rest_;    ///< none unless the scene is to end at rest
+    std::unique_ptr<ParticleSeries> series_;  ///< none: --no-particles
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;
     std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made
@@ -69,7 +71,7 @@ class Driver {
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
     std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
-    std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1, last_gauges_step_ = -1;
+    std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1, last_sample_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv
     std::array<double, Phases::count> reported_seconds_{};
     std::int64_t reported_halo_ = 0;

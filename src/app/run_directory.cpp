@@ -11,6 +11,7 @@
 
 #include "core/error.hpp"
 #include "io/disk_file.hpp"
+#include "scene/scene_keys.hpp"
 
 namespace moraine {
 
@@ -29,7 +30,7 @@ bool tells_of_run(const std::string& name) {
 
 bool is_made_by_run(const std::string& name) {
     return tells_of_run(name) || name == "balance.csv" || name == "scene.json" || name == "block_loads.bin" ||
-           name == "replay.csv";
+           name == "replay.csv" || name == "structures.csv" || name == "gauges.csv" || name == "sections.csv";
 }
 
 /// A file that a run was writing when it was killed.
@@ -78,11 +79,20 @@ void check(const fs::path& path, RunClaim claim) {
     }
 }
 
+/// A file of the folder maps that a run made.
+bool is_map(const std::string& name) {
+    const std::vector<std::string>& maps = hazard_map_names();
+    const fs::path file = name;
+    const std::string end = file.extension().string(), stem = file.stem().string();
+    if (end == ".partial") return is_map(stem);
+    if (stem == "outline") return end == ".gpkg" || end == ".geojson";
+    return (end == ".tif" || end == ".asc") && std::find(maps.begin(), maps.end(), stem) != maps.end();
+}
+
 /// What a run before left of its maps.
 void remove_maps(const fs::path& path) {
     if (!fs::is_directory(path / "maps")) return;
-    for (const auto& file : files_of_run(path / "maps", [](const std::string& name) { return name.ends_with(".asc"); }))
-        fs::remove(file);
+    for (const auto& file : files_of_run(path / "maps", is_map)) fs::remove(file);
     std::error_code not_empty;
     fs::remove(path / "maps", not_empty);
 }

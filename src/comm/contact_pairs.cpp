@@ -12,6 +12,8 @@ bool ContactPairs<Dim>::make(const EpochTables<Dim>& tables, const ContactField<
     structures_ = field.count;
     const auto own = tables.own.size(), count = static_cast<std::size_t>(structures_);
     tile_of_.resize((own + tables.ghost.size()) * count);
+    const bool grounded = count > 0 && field.structure[0].shape == StructureShape::ground;
+    bounds_.resize(grounded ? own + tables.ghost.size() : 0);
     Host::launch(static_cast<std::int64_t>(own + tables.ghost.size()), [&](int block) {
         const auto b = static_cast<std::size_t>(block);
         Vec<std::int32_t, Dim> at;
@@ -23,6 +25,9 @@ bool ContactPairs<Dim>::make(const EpochTables<Dim>& tables, const ContactField<
         }
         for (std::size_t k = 0; k < count; ++k)
             tile_of_[b * count + k] = is_near_block(field, field.structure[k], at) ? 0 : -1;
+        if (!grounded || tile_of_[b * count] < 0) return;
+        bounds_[b] = bound_of_block(field, field.structure[0], at);
+        if (bounds_[b].is_clear_block(2 * field.cell)) tile_of_[b * count] = -1;
     });
     tiles_ = 0;
     for (std::int32_t& tile : tile_of_)

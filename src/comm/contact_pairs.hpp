@@ -4,7 +4,8 @@
 // Nearness follows from the place of the block and that of the structure alone, which all ranks know: the two sides of
 // a message number the same tiles without a word. Blocks and structures that rest keep their pairs for the epoch;
 // where a structure moves they are made anew in each step. Empty blocks have pairs too, so nothing depends on who is
-// where.
+// where. With them goes the plane over the ground under each block (core/ground_bound.hpp), and blocks that are wholly
+// out of its reach have no pair.
 
 #include <vector>
 
@@ -26,6 +27,8 @@ class ContactPairs {
     const std::vector<ContactPair>& interior() const { return interior_; }
     const std::vector<std::int32_t>& tile_of() const { return tile_of_; }  ///< (own + ghosts) x structures
     std::size_t tiles() const { return tiles_; }
+    /// By block, of own ones first; null: there is no ground.
+    const GroundBound<Dim>* bounds() const { return bounds_.empty() ? nullptr : bounds_.data(); }
     int structures() const { return structures_; }
 
     /// Tiles of a block, of own ones first, then of ghosts.
@@ -43,6 +46,7 @@ class ContactPairs {
     int structures_ = 0;
     std::size_t tiles_ = 0;
     std::vector<std::int32_t> tile_of_;
+    std::vector<GroundBound<Dim>> bounds_;
     std::vector<ContactPair> boundary_, interior_;
 };
 

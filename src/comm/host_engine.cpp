@@ -110,10 +110,11 @@ void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std:
     const TransferCall<Real, Dim> call = transfer_call(blocks);
     const auto count = static_cast<std::int64_t>(pairs.size());
     if (finding_)
-        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
-                                                  static_cast<int>(count), call.particles.id, &buried_});
+        Host::launch(count,
+                     LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
+                                           static_cast<int>(count), call.particles.id, &buried_, pairs_.bounds()});
     method_.kernels.p2g(call, method_.cell);
-    if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count});
+    if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
 }
 
 template <class Real, int Dim>

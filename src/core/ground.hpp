@@ -50,10 +50,9 @@ struct GroundPoint {
 
 /// Of the three control points around t [nodes]; `first`: the lowest of them.
 MORAINE_HD void ground_weights(double t, int count, int& first, double* w, double* dw) {
-    using std::floor;
     const double last = count - 0.5;
     t = t < -0.5 ? -0.5 : (t > last ? last : t);
-    first = static_cast<int>(floor(t + 0.5));
+    first = static_cast<int>(t + 0.5);  // not negative: towards zero is down
     if (first > count - 1) first = count - 1;
     const double f = t - first, below = 0.5 - f, above = 0.5 + f;
     w[0] = 0.5 * below * below, w[1] = 0.75 - f * f, w[2] = 0.5 * above * above;

@@ -54,6 +54,7 @@ struct GapCall {
     NodeGap* tiles;
     const ContactPair* pairs;
     std::int64_t count;
+    const GroundBound<Dim>* bounds = nullptr;  ///< by block; null: there is no ground
 };
 
 template <class Real, int Dim>

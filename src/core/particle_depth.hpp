@@ -24,10 +24,12 @@ inline constexpr double put_inside = 1.0;     ///< depth from which particles ar
 /// deep in the ground that it is left where it is.
 template <class Real, int Dim>
 MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& position,
-                            Vec<Coordinate<Real>, Dim>& u, bool* buried = nullptr) {
+                            Vec<Coordinate<Real>, Dim>& u, bool* buried = nullptr,
+                            const GroundBound<Dim>* bound = nullptr) {
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(position[a], u[a]) - f.offset);
     x = image_near(f, s, x);
+    if (bound && bound->is_over(x)) return false;
 #if !defined(__CUDA_ARCH__)  // most soil is above the ground: that takes one look at its height
     if (s.shape == StructureShape::ground && distance_bound(s, f.corners, x) > 0) return false;
 #endif
@@ -70,14 +72,17 @@ struct LimitDepth {
     int count;
     const std::uint64_t* id = nullptr;
     Buried<Dim>* buried = nullptr;
+    const GroundBound<Dim>* bounds = nullptr;  ///< by block; null: there is no ground
 
     void operator()(int k) const {
         const std::int32_t block = pairs[k].block;
         each_of_block(pairs, count, k, [&](int structure) {
+            const Structure<Dim>& felt = field.structure[structure];
+            const GroundBound<Dim>* bound = bounds && felt.shape == StructureShape::ground ? bounds + block : nullptr;
             for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i) {
                 bool deep = false;
                 const std::uint32_t s = list.slot[i];
-                limit_depth<Real, Dim>(field, field.structure[structure], table.position[block], place[s], &deep);
+                limit_depth<Real, Dim>(field, felt, table.position[block], place[s], &deep, bound);
                 if (deep && buried) note(table.position[block], s);
             }
         });

@@ -16,6 +16,7 @@
 
 #include "core/contact_field.hpp"
 #include "core/gap_tiles.hpp"
+#include "core/ground_bound.hpp"
 #include "core/stencil.hpp"
 
 namespace moraine {
@@ -42,6 +43,20 @@ MORAINE_HD bool is_near_block(const ContactField<Dim>& f, const Structure<Dim>& 
     return distance_bound(s, f.corners, node_place(f, s, lowest, 2 - f.offset)) < reach;
 }
 
+/// The plane over the ground under a block; none where its particles are at two ends of the domain.
+template <int Dim>
+GroundBound<Dim> bound_of_block(const ContactField<Dim>& f, const Structure<Dim>& s,
+                                const Vec<std::int32_t, Dim>& position) {
+    int ends[2][Dim];
+    for (int a = 0; a < Dim; ++a) ends[0][a] = 4 * position[a], ends[1][a] = ends[0][a] + 4;
+    const Vec<double, Dim> low = node_place(f, s, ends[0], -f.offset), high = node_place(f, s, ends[1], -f.offset);
+    const Vec<double, Dim> middle = node_place(f, s, ends[0], 2 - f.offset);
+    GroundBound<Dim> bound = bound_ground(s, f.corners, middle, 2 * f.cell, particle_reach * f.cell);
+    for (int a = 0; a < Dim; ++a)
+        if (!(high[a] - low[a] > 3 * f.cell)) bound.top = 1e300;
+    return bound;
+}
+
 /// Of one particle: what it tells the nodes that it reaches.
 struct ParticleGap {
     std::int32_t gap;  ///< fixed point; NodeGap::none: too far
@@ -58,11 +73,14 @@ MORAINE_HD double side_of(double volume) {
 
 template <class Real, int Dim>
 MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
-                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
+                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J,
+                              const GroundBound<Dim>* bound = nullptr) {
     using std::exp;
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(block[a], u[a]) - f.offset);
-    const double d = surface(s, f.corners, image_near(f, s, x)).distance / f.cell;
+    x = image_near(f, s, x);
+    if (bound && bound->is_clear(x)) return {NodeGap::none, 0};
+    const double d = surface(s, f.corners, x).distance / f.cell;
     if (!(d < particle_reach)) return {NodeGap::none, 0};
     const double size = side_of<Dim>(double(volume)) / f.cell;
     const double lies = ramp(d / size, lying_below, lying_above);
@@ -106,19 +124,23 @@ struct ParticlesToGaps {
     ContactField<Dim> field;
     NodeGap* tiles;
     const ContactPair* chosen;
+    const GroundBound<Dim>* bounds = nullptr;  ///< by block; null: there is no ground
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch&) const {
         const ContactPair& pair = chosen[item];
         if (list.count(pair.block) == 0) return;
         const Vec<std::int32_t, Dim>& block = table.position[pair.block];
+        const Structure<Dim>& structure = field.structure[pair.structure];
+        const GroundBound<Dim>* bound =
+            bounds && structure.shape == StructureShape::ground ? bounds + pair.block : nullptr;
         NodeGap* tile = tiles + std::size_t(pair.tile) * tile_nodes;
         team.each(tile_nodes, [&](int n) { tile[n] = NodeGap{}; });
         team.sync();
         for (std::uint32_t k = list.first[pair.block]; k < list.first[pair.block + 1]; ++k) {
             const std::uint32_t s = list.slot[k];
             const ParticleGap own =
-                gap_of<Real, Dim>(field, field.structure[pair.structure], block, p.position[s], p.volume[s], p.ln_J[s]);
+                gap_of<Real, Dim>(field, structure, block, p.position[s], p.volume[s], p.ln_J[s], bound);
             if (own.gap == NodeGap::none) continue;
             Vec<Real, Dim> half = zero_vec<Real, Dim>();
             if constexpr (Shape::sized)

@@ -129,6 +129,8 @@ struct StructureSpec {
     std::string file;                           ///< ground: path, absolute or relative to the scene
     std::shared_ptr<const Ground> ground;
     std::string friction_file, xi_file, su_file;  ///< ground: rasters
+    std::string crop_file;                        ///< ground: polygon around which the domain is laid
+    double smooth = 0;                            ///< ground: least radius of curvature wanted [m]; 0: as it is
     InterfaceLaw law = InterfaceLaw::smooth;
     double friction = 0;  ///< coulomb, voellmy: mu [-]
     double alpha = 0;     ///< undrained: share of su [-]
@@ -167,6 +169,12 @@ struct GaugeSpec {
     double x = 0, y = 0;  ///< [m]
 };
 
+/// A line in plan; what goes over it to its left is counted (records/section_flow.hpp).
+struct SectionSpec {
+    std::string name;
+    std::vector<std::array<double, 2>> points;  ///< [m]
+};
+
 /// Maps of a run over terrain (records/hazard_maps.hpp).
 struct HazardSpec {
     double cell = 0;         ///< side of a cell of the maps [m]; 0: none
@@ -174,6 +182,8 @@ struct HazardSpec {
     std::vector<std::string> maps;
     std::string gauges_file;
     std::vector<GaugeSpec> gauges;
+    std::string sections_file;
+    std::vector<SectionSpec> sections;
 };
 
 struct BalanceSpec {

@@ -209,15 +209,17 @@ std::array<double, 2> point_of(const std::string& text, std::size_t& at, const s
     return {words.number(*x, "x"), words.number(*y, "y")};
 }
 
-/// The outer ring of the one geometry of a GeoJSON.
-std::vector<std::array<double, 2>> ring_of(const std::string& path, const std::string& name) {
-    const std::string text = text_of(path, "area", name.c_str());
+/// The outer ring of the one polygon of a GeoJSON, or its one line. `what`: area or section.
+std::vector<std::array<double, 2>> points_of(const std::string& path, const std::string& name, const char* what,
+                                             const std::string& type) {
+    const std::string text = text_of(path, what, name.c_str());
     const std::string key = "\"coordinates\"";
     const std::size_t first = text.find(key);
-    if (first == std::string::npos || text.find("Polygon\"") == std::string::npos)
-        refuse(path, "no polygon was found", "a geometry of type Polygon is needed", "Is it the GeoJSON of an area?");
+    if (first == std::string::npos || text.find(type + "\"") == std::string::npos)
+        refuse(path, fmt::format("no {} was found", type == "Polygon" ? "polygon" : "line"),
+               fmt::format("a geometry of type {} is needed", type), fmt::format("Is it the GeoJSON of the {}?", what));
     if (text.find(key, first + 1) != std::string::npos)
-        refuse(path, "more than one geometry", "without GDAL an area is one polygon", "Give each a file?");
+        refuse(path, "more than one geometry", "without GDAL one is read", "Give each a file, or write them as .csv?");
     std::vector<std::array<double, 2>> ring;
     std::size_t at = text.find('[', first);
     const auto inner = [&] { return at < text.size() ? text.find_first_not_of(" \t\r\n[", at) : at; };
@@ -235,12 +237,18 @@ std::vector<std::array<double, 2>> read_polygon(const std::string& path, const s
     const bool csv = path.ends_with(".csv");
     if (!csv && !path.ends_with(".geojson") && !path.ends_with(".json"))
         refuse(path, "unknown kind of area", "must be .csv or .geojson", "Convert or rename it?");
-    auto ring = csv ? read_pairs(path, "area", key.c_str(), "x", "y") : ring_of(path, key);
+    auto ring = csv ? read_pairs(path, "area", key.c_str(), "x", "y") : points_of(path, key, "area", "Polygon");
     if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
     if (ring.size() < 3)
         refuse(path, fmt::format("the polygon has {} corners", ring.size()), "at least 3 are needed",
                "Is the file complete?");
     return ring;
+}
+
+GisShape read_line(const std::string& path, const std::string& key) {
+    GisShape line;
+    line.points = points_of(path, key, "section", "LineString");
+    return line;
 }
 
 std::vector<GisShape> read_points(const std::string& path, const std::string& key) {

@@ -5,7 +5,8 @@
 //             wanted; then the heights [m], rows from north to south. A height is that of the middle of its cell.
 //   .csv      profile: a header line x,z (z is up also where a scene in 2-D calls it y) and rows at even distances;
 //             polygon: a header line x,y and a row per corner; points: a header line name,x,y
-//   .geojson  polygon: the outer ring of the first Polygon (or MultiPolygon of one), in the coordinates of the model
+//   .geojson  polygon: the outer ring of the first Polygon (or MultiPolygon of one), in the coordinates of the model;
+//             line: the LineString
 //
 // Nothing is reprojected here: all must be in metres and in the coordinates of the scene (io/gis_file.hpp reads other
 // formats). Not collective.
@@ -28,5 +29,8 @@ std::vector<std::array<double, 2>> read_polygon(const std::string& path, const s
 
 /// Points with their names. Throws InputError.
 std::vector<GisShape> read_points(const std::string& path, const std::string& key);
+
+/// The one line of a GeoJSON, without its name. Throws InputError.
+GisShape read_line(const std::string& path, const std::string& key);
 
 }  // namespace moraine

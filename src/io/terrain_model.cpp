@@ -108,8 +108,21 @@ Ground cropped(const Ground& all, const std::string& path, const PlanPoint& min,
 
 Ground read_model(const std::string& path, const PlanPoint& min, const PlanPoint& max,
                   std::vector<std::string>& notices) {
-    Ground part = read_part(
-        path, {}, [&](const Ground& all) { return nodes_under(all, path, min, max); }, notices);
+    return read_model(
+        path,
+        [&](const Ground&) {
+            return PlanBox{min, max};
+        },
+        notices);
+}
+
+Ground read_model(const std::string& path, const std::function<PlanBox(const Ground&)>& under,
+                  std::vector<std::string>& notices) {
+    const auto window = [&](const Ground& all) {
+        const PlanBox box = under(all);
+        return nodes_under(all, path, box[0], box[1]);
+    };
+    Ground part = read_part(path, {}, window, notices);
     require_heights(part, path);
     part.fit();
     return part;
@@ -141,6 +154,19 @@ std::vector<GisShape> read_places(const std::string& path, const std::string& ke
                                   std::vector<std::string>& notices) {
     if (path.ends_with(".csv")) return read_points(path, key);
     return read_gis_shapes(path, key, GisKind::point, crs, notices);
+}
+
+std::vector<GisShape> read_lines(const std::string& path, const std::string& key, const std::string& crs,
+                                 std::vector<std::string>& notices) {
+    const bool json = path.ends_with(".geojson") || path.ends_with(".json");
+    if (json && !has_gdal()) return {read_line(path, key)};
+    if (!path.ends_with(".csv")) return read_gis_shapes(path, key, GisKind::line, crs, notices);
+    std::vector<GisShape> lines;
+    for (const GisShape& point : read_points(path, key)) {
+        if (lines.empty() || lines.back().name != point.name) lines.push_back({{}, point.name, {}});
+        lines.back().points.push_back(point.points[0]);
+    }
+    return lines;
 }
 
 }  // namespace moraine

@@ -16,6 +16,13 @@ using PlanPoint = std::array<double, 2>;
 Ground read_model(const std::string& path, const PlanPoint& min, const PlanPoint& max,
                   std::vector<std::string>& notices);
 
+/// A box in plan: its lower and its upper corner.
+using PlanBox = std::array<PlanPoint, 2>;
+
+/// The same of a box that `under` lays by place, size and CRS of the model.
+Ground read_model(const std::string& path, const std::function<PlanBox(const Ground&)>& under,
+                  std::vector<std::string>& notices);
+
 /// The same of a model in memory; `path` is what messages name.
 Ground cropped(const Ground& all, const std::string& path, const PlanPoint& min, const PlanPoint& max);
 
@@ -31,5 +38,9 @@ std::vector<GisShape> read_areas(const std::string& path, const std::string& key
 /// Places with their names, in the coordinates of the model. Throws InputError.
 std::vector<GisShape> read_places(const std::string& path, const std::string& key, const std::string& crs,
                                   std::vector<std::string>& notices);
+
+/// Lines with their names, in the coordinates of the model. Throws InputError.
+std::vector<GisShape> read_lines(const std::string& path, const std::string& key, const std::string& crs,
+                                 std::vector<std::string>& notices);
 
 }  // namespace moraine

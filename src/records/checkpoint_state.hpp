@@ -193,12 +193,13 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
 }
 
 /// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and
-/// RunHealth::stored(), the maps so far, and who rests.
+/// RunHealth::stored(), the maps so far, who rests, and what went over the sections.
 struct SavedRecords {
     std::string history_row;
     std::vector<double> health;
-    std::vector<double> maps = {};        ///< HazardMaps::stored(); empty: none
-    std::vector<std::int64_t> rest = {};  ///< RestWatch::stored(); empty: none
+    std::vector<double> maps = {};            ///< HazardMaps::stored(); empty: none
+    std::vector<std::int64_t> rest = {};      ///< RestWatch::stored(); empty: none
+    std::vector<std::int64_t> sections = {};  ///< SectionFlow::stored(); empty: none
 };
 
 /// Binned state only; after conclude().
@@ -209,6 +210,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     header["health"] = records.health;
     if (!records.maps.empty()) header["maps"] = records.maps;
     if (!records.rest.empty()) header["rest"] = records.rest;
+    if (!records.sections.empty()) header["sections"] = records.sections;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -237,6 +239,7 @@ inline SavedRecords saved_records(const CheckpointReader& file) {
     take("health", records.health);
     take("maps", records.maps);
     take("rest", records.rest);
+    take("sections", records.sections);
     return records;
 }
 

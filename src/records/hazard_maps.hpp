@@ -9,7 +9,7 @@
 // A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
 // freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole
 // numbers, and ranks that share a column add theirs before anything is compared: one answer on any number of ranks. A
-// checkpoint keeps the maps. The files are written at outputs and at the end, and beside them the outline of the
+// checkpoint keeps the maps. The files are written with checkpoints and at the end, and beside them the outline of the
 // columns whose largest depth has reached the threshold (records/outline.hpp).
 
 #include <array>

@@ -47,6 +47,7 @@ class Reader {
             const auto& rows = name == "time" || name == "rest" ? time_rows() : scene_rows();
             read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
         }
+        check_domain_is_said();
         if (places_.has("time.cfl") && places_.has("time.dt"))
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
                    "Remove one of them?");
@@ -61,10 +62,12 @@ class Reader {
             read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
             check_hazard(scene_, places_);
             load_gauges(scene_, places_);
+            load_sections(scene_, places_);
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
+        if (!places_.has("domain.min")) lay_height(scene_);
         check_scene(scene_, places_);
         if (admit) admit(scene_);
         check_particles(scene_, places_);
@@ -78,6 +81,18 @@ class Reader {
     const toml::table* section_table(const toml::table& parent, const std::string& name) {
         const toml::node* node = parent.get(name);
         return node ? node->as_table() : nullptr;  // refuse_unknown_keys has seen to the type
+    }
+
+    /// Over terrain a domain may be left out, as a whole.
+    void check_domain_is_said() const {
+        const bool min = places_.has("domain.min"), max = places_.has("domain.max");
+        const toml::node* terrain = root_.get("terrain");
+        if ((min && max) || (!min && !max && terrain)) return;
+        const std::string missing = min ? "max" : "min";
+        refuse(places_.has("domain") ? places_.of("domain") : file_, fmt::format("domain.{} is missing", missing),
+               min || max ? fmt::format("domain.{} is there", min ? "min" : "max")
+                          : "must be one number for each dimension [m]; only over terrain the domain may be left out",
+               fmt::format("Add {} = ... to this table?", missing));
     }
 
     template <class F>

@@ -29,23 +29,59 @@ void check_hazard(const Scene& scene, const Places& places) {
                    suggest(name, valid));
 }
 
+namespace {
+
+/// Names are columns of a table. `what`: gauge or section.
+void check_name(const std::string& path, const char* what, const std::string& name, std::set<std::string>& names) {
+    const bool good = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+    });
+    if (!good || !names.insert(name).second)
+        refuse(path, fmt::format("a {} of the name {}", what, quote(name)),
+               good ? "it is there twice" : "a name has at most 64 letters, digits, _ and -", "Rename it?");
+}
+
+void check_inside(const Scene& scene, const std::string& path, const std::string& what,
+                  const std::array<double, 2>& p) {
+    if (!(p[0] >= scene.min[0] && p[0] <= scene.max[0] && p[1] >= scene.min[1] && p[1] <= scene.max[1]))
+        refuse(path, fmt::format("{} ({:.10g}, {:.10g})", what, p[0], p[1]), "outside the domain",
+               "Is it in the coordinates of the model?");
+}
+
+}  // namespace
+
+void load_sections(Scene& scene, const Places& places) {
+    if (scene.hazard.sections_file.empty()) return;
+    const std::string path = path_of_file(scene, scene.hazard.sections_file);
+    std::set<std::string> names;
+    std::size_t number = 0;
+    for (const GisShape& line : read_lines(path, "hazard.sections", scene.structures[0].ground->crs, scene.notices)) {
+        SectionSpec section{line.name, {}};
+        ++number;
+        if (section.name.empty()) section.name = fmt::format("section-{}", number);
+        check_name(path, "section", section.name, names);
+        for (const auto& p : line.points) {
+            check_inside(scene, path, fmt::format("section {} has a point at", section.name), p);
+            if (section.points.empty() || section.points.back() != p) section.points.push_back(p);
+        }
+        if (section.points.size() < 2)
+            refuse(path, fmt::format("section {} has {} points", section.name, section.points.size()),
+                   "at least 2 that differ are needed", "Is the file complete?");
+        scene.hazard.sections.push_back(std::move(section));
+    }
+    if (scene.hazard.sections.empty())
+        refuse(places.of("hazard.sections"), "hazard.sections has no lines", path, "Remove the key?");
+}
+
 void load_gauges(Scene& scene, const Places& places) {
     if (scene.hazard.gauges_file.empty()) return;
     const std::string path = path_of_file(scene, scene.hazard.gauges_file);
     std::set<std::string> names;
     for (const GisShape& place : read_places(path, "hazard.gauges", scene.structures[0].ground->crs, scene.notices)) {
-        const std::string& name = place.name;
-        const bool good = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
-            return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
-        });
-        if (!good || !names.insert(name).second)
-            refuse(path, fmt::format("a gauge of the name {}", quote(name)),
-                   good ? "it is there twice" : "a name has at most 64 letters, digits, _ and -", "Rename it?");
+        check_name(path, "gauge", place.name, names);
         const auto [x, y] = place.points[0];
-        if (!(x >= scene.min[0] && x <= scene.max[0] && y >= scene.min[1] && y <= scene.max[1]))
-            refuse(path, fmt::format("gauge {} is at ({:.10g}, {:.10g})", name, x, y), "outside the domain",
-                   "Is it in the coordinates of the model?");
-        scene.hazard.gauges.push_back({name, x, y});
+        check_inside(scene, path, fmt::format("gauge {} is at", place.name), {x, y});
+        scene.hazard.gauges.push_back({place.name, x, y});
     }
     if (scene.hazard.gauges.empty())
         refuse(places.of("hazard.gauges"), "hazard.gauges has no places", path, "Remove the key?");

@@ -152,6 +152,8 @@ Entries scene_identity(const Scene& scene) {
     add_structures(all, scene);
     if (scene.hazard.cell > 0) add(all, "hazard.cell", scene.hazard.cell);
     if (scene.hazard.cell > 0) add(all, "hazard.threshold", scene.hazard.threshold);
+    for (const SectionSpec& section : scene.hazard.sections)
+        add(all, "hazard.sections." + section.name, section.points);
     return all;
 }
 

@@ -20,13 +20,25 @@ std::string key_of(const Scene& scene) {
 }
 
 /// The part of the model that the domain needs.
-Ground ground_under(Scene& scene, const std::string& path, const Places& places) {
-    const PlanPoint min{scene.min[0], scene.min[1]}, max{scene.max[0], scene.max[1]};
-    if (scene.dimensions == 3) return read_model(path, min, max, scene.notices);
+Ground ground_under(Scene& scene, const StructureSpec& spec, const std::string& path, const Places& places) {
+    const auto under = [&](const Ground& all) {
+        if (!places.has("domain.min")) lay_domain(scene, spec, all, places);
+        return PlanBox{{{scene.min[0], scene.min[1]}, {scene.max[0], scene.max[1]}}};
+    };
+    if (scene.dimensions == 3) return read_model(path, under, scene.notices);
     if (!path.ends_with(".csv"))
         refuse(places.of(key_of(scene)), fmt::format("{} = {}", key_of(scene), quote(path)),
                "a profile is a table of x,z in a .csv", "Convert or rename it?");
-    return cropped(read_profile(path), path, min, max);
+    const Ground all = read_profile(path);
+    const PlanBox box = under(all);
+    return cropped(all, path, box[0], box[1]);
+}
+
+void check_crop(const Scene& scene, const StructureSpec& spec, const Places& places) {
+    if (spec.crop_file.empty() || (scene.dimensions == 3 && !places.has("domain.min"))) return;
+    refuse(places.of("terrain.crop"), "terrain.crop is not used",
+           scene.dimensions == 2 ? "the scene has 2 dimensions" : "domain.min and domain.max say where the domain is",
+           "Remove one of them?");
 }
 
 /// Values of a raster at the nodes of the ground; `otherwise` where it knows none.
@@ -100,10 +112,12 @@ void load_ground(Scene& scene, StructureSpec& spec, const Places& places) {
                fmt::format("Add {} = ... to this table?", key.substr(8)));
     spec.name = "terrain";
     spec.shape = StructureShape::ground;
+    check_crop(scene, spec, places);
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
-        if (!(scene.max[a] > scene.min[a])) return;  // check_scene() refuses it
+        if (places.has("domain.min") && !(scene.max[a] > scene.min[a])) return;  // check_scene() refuses it
     const std::string path = path_of_file(scene, spec.file);
-    auto ground = std::make_shared<Ground>(ground_under(scene, path, places));
+    auto ground = std::make_shared<Ground>(ground_under(scene, spec, path, places));
+    smooth_model(scene, spec, path, *ground, places);
     load_bed(scene, spec, *ground, places);
     spec.ground = ground;
     for (std::size_t a = 0; a + 1 < static_cast<std::size_t>(scene.dimensions); ++a) {

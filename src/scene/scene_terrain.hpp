@@ -7,8 +7,19 @@
 
 namespace moraine {
 
-/// Reads the model that the spec names, of the part that the domain needs, and rasters of the bed. Throws InputError.
+/// Reads the model that the spec names, of the part that the domain needs, and rasters of the bed; a domain that the
+/// scene does not say is laid in plan. Throws InputError.
 void load_ground(Scene& scene, StructureSpec& spec, const Places& places);
+
+/// Lays a domain in plan over the model, or over terrain.crop. Throws InputError.
+void lay_domain(Scene& scene, const StructureSpec& spec, const Ground& all, const Places& places);
+
+/// And in height, by the ground and the bodies on it.
+void lay_height(Scene& scene);
+
+/// Does what terrain.smooth asks for. Throws InputError.
+void smooth_model(Scene& scene, const StructureSpec& spec, const std::string& path, Ground& ground,
+                  const Places& places);
 
 /// Reads the polygons of a release: one body for each, of its name, or NAME-1, NAME-2, ... The terrain is
 /// scene.structures[0]. Throws InputError.
@@ -16,6 +27,9 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
 
 /// Reads the gauges of [hazard]. Throws InputError.
 void load_gauges(Scene& scene, const Places& places);
+
+/// Reads the sections of [hazard]. Throws InputError.
+void load_sections(Scene& scene, const Places& places);
 
 /// What holds between [hazard] and the rest. Throws InputError.
 void check_hazard(const Scene& scene, const Places& places);

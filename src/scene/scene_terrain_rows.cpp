@@ -44,6 +44,22 @@ const std::vector<KeyRow<StructureSpec>> terrain{
       .meaning = "A raster of contact.su [Pa], of law undrained, as friction."},
      [](S& s, const V& v) { s.su_file = v.text; }},
     {{.table = "terrain",
+      .name = "crop",
+      .type = text,
+      .standard = "",
+      .meaning = "Polygons in plan, as area of a release: the domain is the box around them, in whole cells, in place "
+                 "of domain.min and domain.max."},
+     [](S& s, const V& v) { s.crop_file = v.text; }},
+    {{.table = "terrain",
+      .name = "smooth",
+      .unit = "m",
+      .standard = "",
+      .range = {0, std::numeric_limits<double>::infinity(), true, false},
+      .meaning =
+          "Least radius of curvature wanted: where the model bends more sharply its heights are relaxed. Below 5 "
+          "cells check warns; left out: as it is."},
+     [](S& s, const V& v) { s.smooth = v.real; }},
+    {{.table = "terrain",
       .name = "clear",
       .type = truth,
       .standard = "false",
@@ -124,6 +140,14 @@ const std::vector<KeyRow<Scene>> hazards{
       .meaning = "Places in plan: a .csv with a header name,x,y or, by GDAL, points with an attribute name. Depth, "
                  "speed and pressure of their map cells at every sample go into gauges.csv; relative to the scene."},
      [](Scene& s, const V& v) { s.hazard.gauges_file = v.text; }},
+    {{.table = "hazard",
+      .name = "sections",
+      .type = text,
+      .standard = "",
+      .meaning = "Lines in plan: a .csv with a header name,x,y and a row per point, a .geojson or, by GDAL, a "
+                 "GeoPackage or other; the attribute name is optional. Discharge, volume and mass that went over each "
+                 "line to its left go into sections.csv at every sample; relative to the scene."},
+     [](Scene& s, const V& v) { s.hazard.sections_file = v.text; }},
 };
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/structure.hpp"
+#include "core/ground_bound.hpp"
 
 using namespace moraine;
 
@@ -98,4 +98,49 @@ TEST_CASE("what is far from the ground gets a bound that no distance undercuts a
         const Vec<double, 3> on{{y[0], y[1], ground_at<3>(g.table.data(), y).height}};
         CHECK(std::fabs(bound(x)) <= magnitude(x - on) + 1e-12);
     }
+}
+
+TEST_CASE("what a block's plane says of a point is true of its distance, and on smooth ground it says much") {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (double roughness : {0.0, 0.05, 0.3, 1.5}) {
+        const Ground g = ground_of(60, 0.5, false, [&](double x, double y) {
+            return 3 + 0.4 * x - 0.2 * y + roughness * (std::sin(1.1 * x + y) + 0.2 * unit(random));
+        });
+        Structure<3> s{};
+        s.shape = StructureShape::ground;
+        s.radius = reach;
+        const double cell = 1, half = 2;
+        int over = 0, away = 0, truly_over = 0, truly_away = 0;
+        for (int k = 0; k < 400; ++k) {
+            const Vec<double, 3> foot{{10 + 8 * unit(random), 16 + 8 * unit(random), 0}};
+            Vec<double, 3> middle = foot;
+            middle[2] = ground_at<3>(g.table.data(), foot).height + 4 * unit(random);
+            const GroundBound<3> bound = bound_ground(s, g.table.data(), middle, half, 1.5 * cell);
+            for (int n = 0; n < 20; ++n) {
+                Vec<double, 3> x;
+                for (int a = 0; a < 3; ++a) x[a] = middle[a] + half * unit(random);
+                const double gap = x[2] - ground_at<3>(g.table.data(), x).height;
+                const double distance = ground_surface<3>(g.table.data(), s.radius, x).distance;
+                over += bound.is_over(x), truly_over += gap > 0;
+                away += bound.is_clear(x), truly_away += distance >= 1.5 * cell;
+                if (bound.is_over(x)) REQUIRE(gap > 0);
+                if (bound.is_clear(x) || bound.is_clear_block(half)) REQUIRE(distance >= 1.5 * cell);
+            }
+        }
+        CAPTURE(roughness);
+        if (roughness < 0.1) CHECK(over > 0.8 * truly_over);
+        if (roughness == 0) CHECK(away > 0.95 * truly_away);
+        if (roughness < 0.1) CHECK(away > 0.5 * truly_away);
+    }
+}
+
+TEST_CASE("beyond the model a block's plane says nothing") {
+    const Ground g = ground_of(20, 0.5, false, [](double x, double) { return x; });
+    Structure<3> s{};
+    s.shape = StructureShape::ground;
+    s.radius = reach;
+    const GroundBound<3> bound = bound_ground<3>(s, g.table.data(), {{-3.0, 6.0, 40.0}}, 2.0, 1.5);
+    CHECK_FALSE(bound.is_over({{-3.0, 6.0, 40.0}}));
+    CHECK_FALSE(bound.is_clear_block(2.0));
 }

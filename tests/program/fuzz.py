@@ -143,6 +143,7 @@ class Fuzzer:
             shutil.copy(INPUTS / "valley.asc", place)
             shutil.copy(INPUTS / "valley_release.csv", place)
             shutil.copy(INPUTS / "valley_gauges.csv", place)
+            shutil.copy(INPUTS / "valley_sections.csv", place)
         (place / "s.toml").write_text(text, errors="surrogateescape")
         return self.ask(["check", "s.toml"], place)[1]
 

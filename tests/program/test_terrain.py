@@ -90,7 +90,7 @@ class Terrain(moraine.ProgramTest):
 
     def maps(self, directory):
         return {path.name: path.read_bytes() for path in sorted((directory / "maps").iterdir())
-                if path.suffix != ".gpkg"} | {"outline": self.outline(directory)}
+                if path.stem != "outline"} | {"outline": self.outline(directory)}
 
     def outline(self, directory):
         """The geometry: a GeoPackage also says when it was made."""
@@ -275,6 +275,137 @@ class Terrain(moraine.ProgramTest):
         self.assertIn("gauge road is at (99, 1) (outside the domain)",
                       self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
         self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
+
+    DOMAIN = "min = [0.0, 0.0, 0.0]\nmax = [24.0, 12.0, 16.0]\n"
+
+    def test_a_domain_that_is_left_out_is_that_of_the_model(self):
+        said = self.run_scene(self.scene, "said")
+        self.write(SCENE.replace(self.DOMAIN, ""))
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"domain     from 0 0 -3.5 to 24 12 21.5 m")
+        left_out = self.run_scene(self.scene, "left_out", *sets(output__checkpoint_interval=0.5))
+        for name in ("max_depth", "deposit"):
+            for one, other in zip(read_map(said, name), read_map(left_out, name)):
+                for a, b in zip(one, other):
+                    self.assertAlmostEqual(a, b, places=6)
+        self.assertEqual(summary(left_out)["lost_particles"], 0)
+        again = self.run_scene(self.scene, "again", "--restart", checkpoints(left_out)[0], ranks=2)
+        self.assertEqual(summary(again)["state_hash"], summary(left_out)["state_hash"])
+        self.assertIn("domain.max is missing (domain.min is there)",
+                      self.changed(self.DOMAIN, "min = [0.0, 0.0, 0.0]\n"))
+        plain = SCENE[:SCENE.index("[terrain]")] + SCENE[SCENE.index("[[material]]"):SCENE.index("[[release]]")]
+        self.assertIn("domain.min is missing", self.refused(plain.replace(self.DOMAIN, "")))
+
+    def test_a_crop_lays_the_domain_around_its_polygon(self):
+        self.write("x,y\n1.2,2.1\n10.9,3\n8,10.7\n", "crop.csv")
+        cropped = SCENE.replace(self.DOMAIN, "").replace("[hazard]", 'crop = "crop.csv"\n[hazard]')
+        self.write(cropped)
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn("domain     from 1 2 ", ended.out)
+        self.assertRegex(ended.out, r" to 11 11 \S+ m\n")
+        directory = self.run_scene(self.scene, "run")
+        self.assertEqual((len(read_map(directory, "deposit")), len(read_map(directory, "deposit")[0])), (9, 10))
+        self.assertIn("terrain.crop is not used (domain.min and domain.max say where the domain is)",
+                      self.refused(SCENE.replace("[hazard]", 'crop = "crop.csv"\n[hazard]')))
+        self.write(cropped)
+        self.assertIn("crop.csv: the crop reaches from 1.2 to 40 along x (the model from -1 to 25)",
+                      self.refused("x,y\n1.2,2\n40,3\n8,10\n", "crop.csv"))
+        self.assertIn("has a corner at", self.refused("x,y\n12,2\n20,3\n18,10\n", "crop.csv"))
+        self.assertIn("no such file", self.refused(cropped.replace("crop.csv", "absent.csv")))
+
+    def test_a_ground_that_bends_sharply_is_told_and_smoothed(self):
+        self.write(grid(25, 13, 1.0, lambda x, y: max(0, 8 - x) + 1), "valley.asc")
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertRegex(ended.out, r"least radius of curvature 0\.\d+ m\nwarning    that is less than 5 cells: .+terrain.smooth = 2.5,")
+        smooth = SCENE.replace("[hazard]", "smooth = 4.0\n[hazard]")
+        self.write(smooth)
+        ended = call("check", self.scene, "--device", "cpu")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"valley.asc: smoothed from a least radius of curvature of 0\S+ m to 4\S* m; heights")
+        self.assertNotIn("warning", ended.out)
+        one = self.run_scene(self.scene, "one", *sets(time__end=0.5))
+        two = self.run_scene(self.scene, "two", *sets(time__end=0.5), ranks=2)
+        self.assertEqual(summary(one)["state_hash"], summary(two)["state_hash"])
+        self.assertIn("terrain.smooth = 0", self.refused(smooth.replace("smooth = 4.0", "smooth = 0.0")))
+        self.assertIn("cannot be brought there", self.refused(smooth.replace("smooth = 4.0", "smooth = 1e9")))
+
+    SECTIONS = "name,x,y\nneck,7,10\nneck,7.5,5\nneck,7,2\nback,9,2\nback,9,10\n"
+
+    def test_what_goes_over_sections_is_the_same_on_any_ranks_and_after_a_restart(self):
+        self.write(self.SECTIONS, "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"'))
+        one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
+        text = (one / "sections.csv").read_bytes()
+        rows = moraine.table(one, "sections.csv")
+        self.assertGreater(rows[-1]["neck_volume_m3"], 2.0)
+        self.assertLess(rows[-1]["back_volume_m3"], 0)
+        volume = 0
+        for last, row in zip(rows, rows[1:]):
+            volume += (row["time_s"] - last["time_s"]) * row["neck_discharge_m3_s"]
+            self.assertAlmostEqual(volume, row["neck_volume_m3"], places=6)
+        for ranks in (2, 3):
+            many = self.run_scene(self.scene, f"r{ranks}", "--partitioner", "shuffle",
+                                  *sets(balance__trigger="every", balance__interval=20), ranks=ranks)
+            self.assertEqual((many / "sections.csv").read_bytes(), text)
+        self.run_scene(self.scene, "one", "--restart", checkpoints(one)[0], ranks=2)
+        self.assertEqual((one / "sections.csv").read_bytes(), text)
+        wrong = lambda lines: self.refused("name,x,y\n" + lines, "lines.csv")
+        self.assertIn("section neck has a point at (7, 99) (outside the domain)", wrong("neck,7,99\nneck,7,2\n"))
+        self.assertIn("section neck has 1 points", wrong("neck,7,9\n"))
+        self.assertIn("it is there twice", wrong("a,7,9\na,7,2\nb,8,9\nb,8,2\na,9,9\na,9,2\n"))
+        self.assertIn("hazard.sections has no lines", wrong(""))
+
+    def test_the_volume_over_a_section_is_that_of_the_particles_beyond_it(self):
+        self.write(grid(at=lambda x, y: 4.0), "valley.asc")
+        self.write("name,x,y\nneck,8,11\nneck,8,1\n", "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"').replace(
+            "thickness = 1.0", "thickness = 1.0\nvelocity = [5.0, 0.0, 0.0]").replace(
+            'law = "voellmy", friction = 0.2, xi = 500.0', 'law = "smooth"').replace("-9.81", "0.0"))
+        directory = self.run_scene(self.scene, "slides", *sets(time__end=0.7))
+        deposit = read_map(directory, "deposit")
+        beyond = sum(sum(row[8:]) for row in deposit)
+        self.assertGreater(beyond, 1)
+        self.assertLess(beyond, 0.9 * total(deposit))
+        row = moraine.table(directory, "sections.csv")[-1]
+        self.assertAlmostEqual(row["neck_volume_m3"] / beyond, 1, delta=1e-6)
+        self.assertAlmostEqual(row["neck_mass_kg"] / (1800 * beyond), 1, delta=1e-6)
+
+    def test_sections_may_be_lines_of_a_geojson(self):
+        self.write(json.dumps({"type": "Feature", "properties": {}, "geometry": {
+            "type": "LineString", "coordinates": [[7, 10], [7, 2]]}}), "lines.geojson")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.geojson"'))
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0.2))
+        self.assertIn("section-1_discharge_m3_s", moraine.table(directory, "sections.csv")[0])
+
+    def test_maps_are_written_with_checkpoints_and_at_the_end(self):
+        begin = lambda output, **keys: moraine.Job("run", self.scene, "--output", self.folder / output, "--device", "cpu",
+                                                   *sets(time__end=1e6, output__interval=0.01, **keys), ranks=1)
+        job = begin("outputs")
+        try:
+            history = job.wait_for(self.folder, "outputs/history.csv")
+            while len(history.read_text().splitlines()) < 5:
+                self.assertIsNone(job.started.poll())
+            self.assertFalse((self.folder / "outputs/maps").exists())
+        finally:
+            job.stop()
+        job = begin("checkpoints", output__checkpoint_interval=0.05)
+        try:
+            job.wait_for(self.folder, "checkpoints/maps/outline.*")
+        finally:
+            job.stop()
+
+    def test_overwrite_removes_the_maps_of_the_run_before(self):
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        (directory / "maps" / "notes.txt").write_text("mine")
+        for name in ("max_depth.asc", "arrival.tif", "outline.geojson"):
+            (directory / "maps" / name).write_text("old")
+        (directory / "sections.csv").write_text("old")
+        self.run_scene(self.scene, "run", "--overwrite", *sets(time__end=0, hazard__maps='["deposit"]'))
+        ends = ("deposit.tif", "outline.gpkg") if GDAL else ("deposit.asc", "outline.geojson")
+        self.assertEqual(sorted(path.name for path in (directory / "maps").iterdir()), sorted([*ends, "notes.txt"]))
+        self.assertFalse((directory / "sections.csv").exists())
 
     def test_debris_stays_over_the_ground_and_leaves_by_open_sides(self):
         directory = self.run_scene(self.scene, "out", *sets(time__end=4, domain__max="[12.0, 12.0, 16.0]"))

@@ -72,7 +72,7 @@ class Reference {
 
 /// What stands for another key that the scene has.
 bool shown_as_comment(const SceneKey& key) {
-    return key.name == "dt" || key.name == "profile";
+    return key.name == "dt" || key.name == "profile" || key.name == "crop";
 }
 
 }  // namespace
