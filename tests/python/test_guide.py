@@ -22,7 +22,8 @@ def text_of(page):
 def anchors_of(page):
     """As browsers and repositories name the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", text_of(page), re.MULTILINE)
-    return {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.lower()).strip()) for heading in headings}
+    named = set(re.findall(r'<a id="([^"]+)"></a>', page.read_text()))
+    return named | {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.lower()).strip()) for heading in headings}
 
 
 class Guide(PackageTest):
