@@ -106,6 +106,16 @@ class Rules(unittest.TestCase):
                 self.assertLess(len(page.read_text().splitlines()), 200)
                 self.assertLessEqual(max(map(len, prose_of(page))), 500)
 
+    def test_the_change_log_has_releases_of_short_entries(self):
+        lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
+        self.assertGreaterEqual(sum(line.startswith("## ") for line in lines), 2)
+        self.assertLess(len(lines), 200)
+        entries = [line for line in lines if line.startswith("* ")]
+        self.assertGreater(len(entries), 50)
+        for line in lines:
+            self.assertLessEqual(len(line), 230, line)
+            self.assertTrue(not line or line[0] != " ", "an entry is one line: " + line)
+
     def test_generated_pages_speak_of_problems_by_plain_names(self):
         """Codes stand in commands, between backquotes, and behind links."""
         sys.path.insert(0, str(ROOT / "benchmarks"))
