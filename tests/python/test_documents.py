@@ -105,6 +105,7 @@ class Rules(unittest.TestCase):
             with self.subTest(str(page.relative_to(ROOT))):
                 self.assertLess(len(page.read_text().splitlines()), 200)
                 self.assertLessEqual(max(map(len, prose_of(page))), 500)
+                self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:")
 
     def test_the_change_log_has_releases_of_short_entries(self):
         lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
