@@ -6,6 +6,7 @@ not a number or at least 1 (100 %). Times to an error are interpolated on log-lo
 import math
 
 import figure
+import plain_names
 
 B0 = "gimp FLIP USL"
 DEFAULT = "quadratic APIC USL @0.688"  # the program's, at its own step
@@ -151,12 +152,13 @@ def second_norms(lines):
 
 
 def case_page(case, words, lines):
-    text = [f"# {case}: {words}", "", f"![{case}]({case}.svg)", ""]
+    text = [f"# {plain_names.title(case)}", "", f"Problem: {words}.", "", f"![{case}]({case}.svg)", ""]
     text += ["In double; what the columns are: [results.md](results.md).", ""] + table(lines, "double")
     best = [x for x in lines if x["precision"] == "double"]
     text += ["", "Pareto front in double:", "", "| configuration | cells | processor s | error |", "|---|---|---|---|"]
     text += [f"| {x['configuration']} | {x['cells']} | {x['processor_s']:.2g} | {x['error']:.1e} |" for x in front(best)]
-    return "\n".join(text + precisions(lines) + failures(lines) + second_norms(lines)).rstrip() + "\n"
+    text += precisions(lines) + failures(lines) + second_norms(lines) + ["", f"Repeat: `benchmarks/accuracy/run {case}`."]
+    return plain_names.in_words("\n".join(text).rstrip() + "\n")
 
 
 def summary_row(case, words, lines):
@@ -194,7 +196,7 @@ def results(lines, words):
              "* p: order over the last two levels. `B0 / this`: how many times sooner than B0 the error is reached; `-`: not on these levels.",
              "* All take dt = 0.3 h/c, those with @ that share of h/c.",
              "* With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
-    return "\n".join(text).rstrip() + "\n"
+    return plain_names.in_words("\n".join(text).rstrip() + "\n")
 
 
 def style(name):

@@ -1,5 +1,6 @@
 """What the lines of benchmark_stability say together, as Markdown and as a map of the stable steps."""
 import figure
+import plain_names
 
 LIMIT = "least adrift"
 RANDOM = ("S22", "S23", "S24")
@@ -73,18 +74,19 @@ def results(lines, words):
         mine = [x for x in lines if x["case"] == case]
         if mine:
             text.append(summary_row(case, about, mine))
-    return "\n".join(text + [
+    return plain_names.in_words("\n".join(text + [
         "", f"{machines}; commit {commits}. `-`: no goal.", "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
         "makes this page, a page of each case, the map of S1 and [results.jsonl](results.jsonl), which has every line. Hours on one core. S5 and S11 are taken from "
         "[accuracy](../accuracy/results.md).", "",
-        f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n"
+        f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n")
 
 
 def case_page(case, about, lines):
-    text = [f"# {case}", "", *[f"{part[:1].upper()}{part[1:]}.\n" for part in about.replace("; goal", "\ngoal").splitlines()]]
+    text = [f"# {plain_names.title(case)}", "", *[f"{part[:1].upper()}{part[1:]}.\n" for part in about.replace("; goal", "\ngoal").splitlines()]]
     if case == "S1":
-        text += ["![S1](S1.svg)", ""]
-    return "\n".join(text + ["`-`: not measured. All cases: [results.md](results.md).", ""] + (random_scenes(lines) if case in RANDOM else table(lines))) + "\n"
+        text += ["![Largest stable steps](S1.svg)", ""]
+    text += [f"`-`: not measured. All cases: [results.md](results.md). Repeat: `benchmarks/stability/run {case}`.", "", *(random_scenes(lines) if case in RANDOM else table(lines))]
+    return plain_names.in_words("\n".join(text) + "\n")
 
 
 def plot(lines, path):

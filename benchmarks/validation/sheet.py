@@ -2,8 +2,9 @@
 import collections
 
 import figure
+import plain_names
 
-Row = collections.namedtuple("Row", "what value goal met")  # met: True, False, or None where nothing is asked
+Row = collections.namedtuple("Row", "what value goal met")  # met: True, False, or None where there is no goal
 Plot = collections.namedtuple("Plot", "name title x y lines log")  # lines: (label, x, y, style)
 
 
@@ -43,9 +44,10 @@ def case_page(name, case, lines):
     """Scene, norms and reasons, plots, and every run."""
     title, _, rest = case.__doc__.partition("\n")
     plots = case.plots(ladders(lines))
-    text = [f"# {name}: {title}", "", rest.strip(), ""] + [f"![{p.title}]({name}-{p.name}.svg)" for p in plots]
-    text += ["", "Goals met and missed: [results.md](results.md)."]
-    return "\n".join(text + ["", *level_table(case, lines)]) + "\n", plots
+    text = [f"# {title}", "", rest.strip(), ""] + [f"![{p.title}]({name}-{p.name}.svg)" for p in plots]
+    text += ["", "## Goals", "", *goal_table(case.rows(ladders(lines))), "", "## All runs", "", *level_table(case, lines)]
+    text += ["", f"Repeat: `benchmarks/validation/run {name}`. All cases: [results.md](results.md)."]
+    return plain_names.in_words("\n".join(text) + "\n"), plots
 
 
 def summary_row(name, case, rows):
@@ -63,8 +65,8 @@ def machines(lines):
 
 
 def write(lines, cases, folder):
-    """results.md: how many goals each case meets, and all of them; CASE.md and its plots."""
-    summary, goals, drawn = [], [], []
+    """results.md: how many goals each case meets; CASE.md: all of them, and its plots."""
+    summary, drawn = [], []
     for name, case in cases.items():
         mine = [x for x in lines if x["case"] == name]
         if not mine:
@@ -72,16 +74,14 @@ def write(lines, cases, folder):
         text, plots = case_page(name, case, mine)
         (folder / f"{name}.md").write_text(text)
         drawn += [(folder / f"{name}-{p.name}.svg", p) for p in plots]
-        rows = case.rows(ladders(mine))
-        summary.append(summary_row(name, case, rows))
-        goals += [f"## {name}: {case.__doc__.splitlines()[0]}", "", *goal_table(rows), ""]
+        summary.append(summary_row(name, case, case.rows(ladders(mine))))
     text = ["# Validation", "", "Refinement studies of whole scenes, run as a user would run them, against published and exact references.", "",
             "| case | what | goals met |", "|---|---|---|", *summary, "", "Measured on: " + machines(lines) + ".", "",
             "Wall times are of whole runs with their output, on a host that may have been shared, many side by side on one GPU.", "",
             "## Repeat", "", "    benchmarks/validation/run CASE ... [--device cuda]", "",
-            "writes a line per run, with its command, to [results.jsonl](results.jsonl), this page, and a page of each case with its reasons, plots and runs. "
+            "writes a line per run, with its command, to [results.jsonl](results.jsonl), this page, and a page of each case with its goals met and missed, reasons, plots and runs. "
             "[cases/](cases/) say how figures and goals are made of them.", ""]
-    (folder / "results.md").write_text("\n".join(text + goals).rstrip() + "\n")
+    (folder / "results.md").write_text(plain_names.in_words("\n".join(text).rstrip() + "\n"))
     draw(drawn)
 
 

@@ -4,6 +4,7 @@ import importlib.util
 import pathlib
 
 import ladder
+import plain_names
 import records
 import sheet
 
@@ -156,4 +157,4 @@ def pages(tests):
     texts = {"results.md": text}
     for name, (title, about, part, more) in found.items():
         texts[f"{name}.md"] = [f"# {title}: {met_of(part)} met", "", about, "", *table(part), *([""] + more if more else [])]
-    return {name: "\n".join(text).rstrip() + "\n" for name, text in texts.items()}
+    return {name: plain_names.in_words("\n".join(text).rstrip() + "\n") for name, text in texts.items()}

@@ -41,7 +41,9 @@ class Validation(moraine.ProgramTest):
         lines = [slurry_line(n, 60 - 8 * (25 / n)**1.5) for n in (25, 50, 100)]
         made = self.folder / "made.jsonl"
         made.write_text("".join(json.dumps(line) + "\n" for line in lines))
-        text = (self.validation("page", "--add", str(made)) / "results.md").read_text()
+        pages = self.validation("page", "--add", str(made))
+        self.assertIn("| [slurry](slurry.md) | Runout of a Bingham slurry after a dam break | 3 of 5 |", (pages / "results.md").read_text())
+        text = (pages / "slurry.md").read_text()
         self.assertIn("| FLIP: order of the runout, H0/25 to H0/100 | 1.50 | >= 0.8 | met |", text)
         error = 100 * (-8 * 0.5**1.5) / 50
         self.assertIn(f"| FLIP: runout at H0/50 against the Richardson value | {error:+.2f} % | 1 % | **missed** |", text)

@@ -21,6 +21,7 @@ except ImportError:
     NO_MATPLOTLIB = True
 
 PAGE = ROOT / "docs/python.md"
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md")), *sorted((ROOT / "benchmarks").rglob("*.md"))]
 
 
 class Documents(PackageTest):
@@ -85,3 +86,42 @@ class Documents(PackageTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(re.findall(r"^ *\d+ Pa +\d+\.\d+ m", done.stdout, re.MULTILINE)), 3, done.stdout)
         self.assertTrue((place / "runs/compare_runouts/fronts.png").exists())
+
+
+def prose_of(page):
+    """Paragraphs and entries of lists, without code and tables."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for paragraph in re.split(r"\n\s*\n", text):
+        for entry in re.split(r"\n(?=\s*(?:[*-]|\d+\.) )", paragraph):
+            lines = [line for line in entry.splitlines() if not line.lstrip().startswith("|")]
+            yield " ".join(" ".join(lines).split())
+
+
+class Rules(unittest.TestCase):
+    def test_pages_and_paragraphs_are_short(self):
+        self.assertGreater(len(PAGES), 90)
+        for page in PAGES:
+            with self.subTest(str(page.relative_to(ROOT))):
+                self.assertLess(len(page.read_text().splitlines()), 200)
+                self.assertLessEqual(max(map(len, prose_of(page))), 500)
+                self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:")
+
+    def test_the_change_log_has_releases_of_short_entries(self):
+        lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
+        self.assertGreaterEqual(sum(line.startswith("## ") for line in lines), 2)
+        self.assertLess(len(lines), 200)
+        entries = [line for line in lines if line.startswith("* ")]
+        self.assertGreater(len(entries), 50)
+        for line in lines:
+            self.assertLessEqual(len(line), 230, line)
+            self.assertTrue(not line or line[0] != " ", "an entry is one line: " + line)
+
+    def test_pages_speak_of_problems_by_plain_names(self):
+        """Codes stand in commands, between backquotes, and behind links."""
+        sys.path.insert(0, str(ROOT / "benchmarks"))
+        self.addCleanup(sys.path.remove, str(ROOT / "benchmarks"))
+        names = importlib.import_module("plain_names")
+        for page in PAGES:
+            with self.subTest(str(page.relative_to(ROOT))):
+                self.assertEqual(page.read_text(), names.in_words(page.read_text()))
+        self.assertEqual(names.in_words("S6 and [E1](E1.md): `run S6`"), "energy over many periods and [vibrating bar](E1.md): `run S6`")

@@ -8,7 +8,7 @@ import subprocess
 import moraine
 from runs_for_tests import ROOT, PackageTest, folder, program
 
-PAGES = sorted((ROOT / "docs/guide").glob("*.md")) + sorted((ROOT / "docs/theory").glob("*.md")) + [ROOT / "docs/gallery.md"]
+PAGES = sorted((ROOT / "docs/guide").rglob("*.md")) + sorted((ROOT / "docs/theory").glob("*.md")) + [ROOT / "docs/gallery.md"]
 
 
 def blocks_of(page):
@@ -22,7 +22,8 @@ def text_of(page):
 def anchors_of(page):
     """As browsers and repositories name the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", text_of(page), re.MULTILINE)
-    return {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.lower()).strip()) for heading in headings}
+    named = set(re.findall(r'<a id="([^"]+)"></a>', page.read_text()))
+    return named | {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.lower()).strip()) for heading in headings}
 
 
 class Guide(PackageTest):
@@ -66,7 +67,7 @@ class Guide(PackageTest):
         for page in PAGES:
             for kind, text in blocks_of(page):
                 for words in re.findall(r"build/release/moraine (?:run|check|converge) (inputs/\S+)([^\n]*)", text if not kind else ""):
-                    keys = re.findall(r"--set (\S+)", words[1])
+                    keys = [key.strip("'") for key in re.findall(r"--set (\S+)", words[1])]
                     done = subprocess.run([program.PROGRAM, "check", str(ROOT / words[0]), "--device", "cpu", *(w for key in keys for w in ("--set", key))],
                                           capture_output=True, text=True)
                     self.assertEqual(done.returncode, 0, f"{page.name}: {words}: {done.stderr}")

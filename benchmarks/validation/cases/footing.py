@@ -1,4 +1,4 @@
-"""E14, Prandtl's strip footing
+"""Prandtl's strip footing
 
 Half model of 4 B x 3 B, weightless Tresca clay, E = 1000 su, nu = 0.495, footing with alpha = 1 (`inputs/strip_footing.toml`), APIC.
 

@@ -1,4 +1,4 @@
-"""R8, collapse of a column of sand, aspect ratio a = H / L0 from 0.5 to 10
+"""Collapse of a column of sand, aspect ratio a = H / L0 from 0.5 to 10
 
 L0 = 0.1 m, plane strain, to 6 (H/g)^(1/2), APIC (`inputs/granular_column.toml`); grains of 1 mm whose friction in simple shear is 0.6 (repose at
 31 degrees): `mu-i` rises to 0.86 with the rate of shear, `drucker-prager` does not.

@@ -1,4 +1,4 @@
-"""R4, Huppert's viscous gravity current
+"""Huppert's viscous gravity current
 
 0.1 m x 0.1 m of fluid with nu = 0.005 m2/s over a rough bed (`inputs/viscous_current.toml`), to 30 s. Theory (Huppert 1982, plane, fixed area q):
 x_N = 1.41124 (g q^3 / (3 nu))^(1/5) (t + t0)^(1/5), once thin and slow.

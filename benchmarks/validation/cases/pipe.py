@@ -1,4 +1,4 @@
-"""SEED-2, penetration of a pipe into the sea bed
+"""Penetration of a pipe into the sea bed
 
 Half model of 5 D x 5 D, weightless Tresca clay, E = 500 su, nu = 0.49, pushed at 0.05 m/s (`inputs/pipe_penetration.toml`), APIC. rough: at most
 alpha su = su on its surface.

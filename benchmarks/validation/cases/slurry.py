@@ -1,12 +1,12 @@
-"""SEED-1a, runout of a Bingham slurry after a dam break
+"""Runout of a Bingham slurry after a dam break
 
 10 m x 5 m behind a gate that is gone at t = 0, tau_y / (rho g H0) = 0.0068, plane strain, to 30 s (`inputs/slurry_runout.toml`).
 
 * Runout: front less 10 m; `front` is front_m of history.csv (last column of cells with a quarter of a cell's volume, so whole cells), `front 99.5 %`
   has 0.5 % of the volume ahead, which is smooth in h: order, Richardson value and GCI are of it.
 * Noise: rms of p - rho g (h(x) - y) over rho g H0 at rest, raw of all particles, and of the means of cells. Creep: what the front does from 20 to 30 s.
-* E_h: L1 of the final depth against the arrest of Liu and Mei 1989, h^2 = 2 b (X - x) with b = tau_y / (rho g) (R6a), and with the extensional stress of
-  the next order, h = pi b/2 + ((pi b/2)^2 + 2 b (X - x))^(1/2) (R6c); both leave inertia out, which carries this flow much further, so no goal is put
+* E_h: L1 of the final depth against the arrest of Liu and Mei 1989, h^2 = 2 b (X - x) with b = tau_y / (rho g), and with the extensional stress of
+  the next order, h = pi b/2 + ((pi b/2)^2 + 2 b (X - x))^(1/2); both leave inertia out, which carries this flow much further, so no goal is put
   to them.
 
 Grid: pressures on cells, `volumetric = "grid"` with `numerics.substeps = 1` or `10`, and both cures ([ADR 9](../../docs/adr/0009-grid-pressure.md)): what the shipped scene has,
@@ -121,7 +121,7 @@ def plots(ladders):
     x = numpy.linspace(0, 80, 201)
     front = [(f"{v} H0/{z['level']}", *z["curves"]["front"], "-") for v, zs in ladders.items() for z in zs]
     depth = [(f"{v} H0/{z['level']}", *z["curves"]["depth"], "-") for v, zs in ladders.items() for z in zs]
-    depth += [("R6a, no inertia", x, arrested(x)[1], "k--"), ("R6c", x, arrested(x, True)[1], "k:")]
+    depth += [("arrest without inertia", x, arrested(x)[1], "k--"), ("arrest, next order", x, arrested(x, True)[1], "k:")]
     shown = [Plot("front", "Front of the slurry", "time [s]", "front [m]", front, False),
              Plot("depth", "Depth at rest (30 s)", "x [m]", "depth [m]", depth, False)]
     errors = []
