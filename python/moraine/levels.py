@@ -109,6 +109,11 @@ def fit(scene: Mapping[str, Any], wanted: float) -> Level:
     ([4.2, 1.2], 'domain.max moves to [4.2, 1.2] m, a whole number of cells')
     """
     domain, dimensions = scene["domain"], scene["dimensions"]
+    if "min" not in domain:  # over terrain: the program lays it, in whole cells
+        sets: Dict[str, Any] = {"domain.cell": wanted}
+        if "dt" in scene.get("time", {}):
+            sets["time.dt"] = scene["time"]["dt"] * wanted / domain["cell"]
+        return Level(wanted, sets, ())
     low, high = list(map(float, domain["min"])), list(map(float, domain["max"]))
     ends = [_fixed_ends(scene, axis) for axis in range(dimensions)]
     periodic = [4 if "xyz"[axis] in domain.get("periodic", []) else 1 for axis in range(dimensions)]
@@ -118,7 +123,7 @@ def fit(scene: Mapping[str, Any], wanted: float) -> Level:
         raise Error(f"no cell near {wanted:.6g} m fits the domain (between closed walls there must be whole cells, on a periodic axis "
                     f"whole blocks of 4). Try --ratio 1:2 --coarsest {domain['cell']:g}?")
     remarks: List[str] = [] if abs(cell - wanted) <= WHOLE * wanted else [f"the cell is {cell:.6g} instead of {wanted:.6g} m: that fits between the walls"]
-    sets: Dict[str, Any] = {"domain.cell": cell}
+    sets = {"domain.cell": cell}
     for a in range(dimensions):
         count = (high[a] - low[a]) / cell
         if _is_whole(count):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/particle_depth.hpp"
@@ -31,6 +32,7 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& b
     migration_.reset();
     patch_.install(std::move(tables), binned);
     pairs_.forget();
+    ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
                                               method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
@@ -99,6 +101,9 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     field_ = structures.field();
     finding_ = true;
+    if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
+        ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
+                       {std::numeric_limits<double>::quiet_NaN(), {}});
     if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
     gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
     gap_share_ = {&pairs_, gaps_.data()};
@@ -183,7 +188,8 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                 impulse_.data(),
                                                 contact,
                                                 {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
-                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))}};
+                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
+                                                ground_.empty() ? nullptr : ground_.data()};
     Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
 }
 

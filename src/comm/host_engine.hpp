@@ -85,6 +85,7 @@ class HostEngine final : public Engine<Real, Dim> {
     bool moving_ = false;  ///< migration under way: not binned
 
     ContactPairs<Dim> pairs_;
+    std::vector<Surface<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
     Host::Array<NodeGap> gaps_;
     GapShare<Dim> gap_share_{};
     ContactField<Dim> field_{};  ///< of this step's gaps

@@ -60,13 +60,18 @@ MORAINE_HD bool is_near(const ContactField<Dim>& f, const Structure<Dim>& s, con
 
 template <int Dim>
 MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<Dim>& s, const int* node,
-                                    const NodeGap& gap) {
+                                    const NodeGap& gap, Surface<Dim>* kept = nullptr) {
     ContactNode<Dim> n;
 #if !defined(__CUDA_ARCH__)  // the ground's distance is dear, and nobody asks for it
     if (s.shape == StructureShape::ground && gap.is_none()) return ContactNode<Dim>{};
 #endif
     n.x = node_place(f, s, node, 0.0);
-    n.surface = surface(s, f.corners, n.x);
+    if (kept && s.shape == StructureShape::ground) {
+        if (!(kept->distance == kept->distance)) *kept = surface(s, f.corners, n.x);
+        n.surface = *kept;
+    } else {
+        n.surface = surface(s, f.corners, n.x);
+    }
     n.hold = n.gap = n.area = 0;
     n.sticks = false;
     if (gap.is_none()) return n;
@@ -170,15 +175,16 @@ MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& 
 }
 
 /// All structures in turn on one node: changes v, adds up at the structures if the node is counted here. gap_of(k):
-/// what particles tell of structure k. `given`: what they got together [kg m/s]. Returns whether one touches.
+/// what particles tell of structure k. `given`: what they got together [kg m/s]. `ground`: the node's surface of
+/// ground, which does not move, where it is kept; not a number: not found yet. Returns whether one touches.
 template <class Real, int Dim, class GapOf>
 MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, const ContactTime& time,
                                  bool counted, const Quantum& quantum, const GapOf& gap_of, Vec<Real, Dim>& v,
-                                 Vec<double, Dim>& given) {
+                                 Vec<double, Dim>& given, Surface<Dim>* ground = nullptr) {
     bool touched = false;
     for (int k = 0; k < f.count; ++k) {
         const Structure<Dim>& s = f.structure[k];
-        const ContactNode<Dim> n = look_at(f, s, node, gap_of(k));
+        const ContactNode<Dim> n = look_at(f, s, node, gap_of(k), ground);
         const Vec<Real, Dim> before = v;
         if (!touch_structure(s, n, time, double(mass), v)) continue;
         touched = true;

@@ -71,21 +71,30 @@ MORAINE_HD double side_of(double volume) {
     return Dim == 2 ? sqrt(volume) : cbrt(volume);
 }
 
+/// Where contact sees a particle [m].
 template <class Real, int Dim>
-MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
-                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J,
-                              const GroundBound<Dim>* bound = nullptr) {
-    using std::exp;
+MORAINE_HD Vec<double, Dim> contact_place(const ContactField<Dim>& f, const Structure<Dim>& s,
+                                          const Vec<std::int32_t, Dim>& block, const Vec<Coordinate<Real>, Dim>& u) {
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(block[a], u[a]) - f.offset);
-    x = image_near(f, s, x);
-    if (bound && bound->is_clear(x)) return {NodeGap::none, 0};
-    const double d = surface(s, f.corners, x).distance / f.cell;
+    return image_near(f, s, x);
+}
+
+/// d: distance of the particle [cells].
+template <class Real, int Dim>
+MORAINE_HD ParticleGap gap_at(const ContactField<Dim>& f, double d, Real volume, Real ln_J) {
+    using std::exp;
     if (!(d < particle_reach)) return {NodeGap::none, 0};
     const double size = side_of<Dim>(double(volume)) / f.cell;
     const double lies = ramp(d / size, lying_below, lying_above);
     const double width = side_of<Dim>(double(volume) * exp(-double(ln_J))) / f.cell;
     return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width)};
+}
+
+template <class Real, int Dim>
+MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
+                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
+    return gap_at(f, surface(s, f.corners, contact_place<Real>(f, s, block, u)).distance / f.cell, volume, ln_J);
 }
 
 /// Calls f(node of the tile, what it is told) for the nodes that a particle reaches; half: of its box, where the shape
@@ -130,22 +139,42 @@ struct ParticlesToGaps {
     MORAINE_HD void operator()(const Team& team, int item, Scratch&) const {
         const ContactPair& pair = chosen[item];
         if (list.count(pair.block) == 0) return;
-        const Vec<std::int32_t, Dim>& block = table.position[pair.block];
         const Structure<Dim>& structure = field.structure[pair.structure];
         const GroundBound<Dim>* bound =
             bounds && structure.shape == StructureShape::ground ? bounds + pair.block : nullptr;
         NodeGap* tile = tiles + std::size_t(pair.tile) * tile_nodes;
         team.each(tile_nodes, [&](int n) { tile[n] = NodeGap{}; });
         team.sync();
-        for (std::uint32_t k = list.first[pair.block]; k < list.first[pair.block + 1]; ++k) {
-            const std::uint32_t s = list.slot[k];
-            const ParticleGap own =
-                gap_of<Real, Dim>(field, structure, block, p.position[s], p.volume[s], p.ln_J[s], bound);
+        const std::uint32_t end = list.first[pair.block + 1];
+        for (std::uint32_t k = list.first[pair.block]; k < end; k += chunk)
+            add_chunk(pair.block, structure, bound, k, end - k < chunk ? end - k : chunk, tile);
+    }
+
+  private:
+    static constexpr std::uint32_t chunk = 64;
+
+    /// Of some particles first who is near, then how near: distances do not wait for one another.
+    MORAINE_HD void add_chunk(std::int32_t b, const Structure<Dim>& structure, const GroundBound<Dim>* bound,
+                              std::uint32_t from, std::uint32_t count, NodeGap* tile) const {
+        const Vec<std::int32_t, Dim>& block = table.position[b];
+        std::uint32_t slot[chunk];
+        Vec<double, Dim> place[chunk];
+        double distance[chunk];
+        int near = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            slot[near] = list.slot[from + k];
+            place[near] = contact_place<Real>(field, structure, block, p.position[slot[near]]);
+            near += !(bound && bound->is_clear(place[near]));
+        }
+        for (int k = 0; k < near; ++k) distance[k] = surface(structure, field.corners, place[k]).distance / field.cell;
+        for (int k = 0; k < near; ++k) {
+            const std::uint32_t s = slot[k];
+            const ParticleGap own = gap_at<Real, Dim>(field, distance[k], p.volume[s], p.ln_J[s]);
             if (own.gap == NodeGap::none) continue;
             Vec<Real, Dim> half = zero_vec<Real, Dim>();
             if constexpr (Shape::sized)
                 for (int a = 0; a < Dim; ++a) half[a] = gimp_half(context, p, s, a);
-            each_gap_node<Shape>(context.walls, table.border[pair.block] != 0, block, p.position[s], half, own,
+            each_gap_node<Shape>(context.walls, table.border[b] != 0, block, p.position[s], half, own,
                                  [&](int n, const NodeGap& gap) { tile[n].add(gap); });
         }
     }

@@ -152,6 +152,8 @@ class Converge(PackageTest):
         self.assertIn("Try --ratio 1:2", self.problem(fit, {**closed, "domain": {"min": [0, 0], "max": [4, 0.1], "cell": 0.1}}, 0.4))
         periodic = {**closed, "wall": [], "domain": {**closed["domain"], "max": [4, 2], "periodic": ["x"]}}
         self.assertEqual(fit(periodic, 0.3).cell, 1 / 3)  # twelve cells along x are whole blocks of 4
+        terrain = {"dimensions": 3, "domain": {"cell": 2.0}, "terrain": {"dem": "valley.asc"}, "time": {"dt": 0.01}}
+        self.assertEqual(fit(terrain, 1.0).sets, {"domain.cell": 1.0, "time.dt": 0.005})
 
     def test_refusals_say_what_and_why_and_what_would_do(self):
         bar = folder("bar.toml")
