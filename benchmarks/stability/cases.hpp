@@ -1,5 +1,5 @@
 #pragma once
-// What benchmark_stability measures: cases S1 to S24 of the verification plan, each a function that reports one line
+// What benchmark_stability measures: cases S1 to S25 of the verification plan, each a function that reports one line
 // per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ using Report = std::function<void(const Finding&)>;
 /// Which part of a case to run.
 struct Wanted {
     std::string configurations;   ///< part of the name; empty: all
-    bool few = false;             ///< S1: only the clouds whose limits are the least
+    bool few = false;             ///< S1: only the clouds whose limits are the least; S25: three of Poisson's ratios
     bool free = false;            ///< S23: light nodes are not limited
     int first = 1, count = 1000;  ///< random scenes
 
@@ -89,5 +89,6 @@ void vary_steps(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 void run_thin(const Wanted& wanted, const Report& report);
 void run_fluids(const Wanted& wanted, const Report& report);
+void find_substeps(const Wanted& wanted, const Report& report);
 
 }  // namespace moraine

@@ -325,7 +325,10 @@ struct GridToParticles {
         if (double(square) > out.square_speed) out.square_speed = double(square);
         const Real bulk = grid_bulk[p.body[s]];
         if (!(bulk > Real(0))) return;
-        const Real increment = taken_increment(cell_of(block, c)), step = bulk * increment;
+        const CellPressure<Real>& cell = cell_of(block, c);
+        const Real borne = borne_share(cell.loose ? cell.bulk : Real(0), bulk);
+        const Real increment = taken_increment(cell.increment, increment_in_tension(cell), borne);
+        const Real step = bulk * increment;
         const Real before = p.stress[s].trace() * Real(1.0 / 3.0);
         out.work += double(p.volume[s]) * double(before + Real(0.5) * step) * double(increment);
         for (int a = 0; a < 3; ++a) p.stress[s][a] += step;

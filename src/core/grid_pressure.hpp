@@ -26,9 +26,10 @@
 // 3.7 in 3-D for blocks, thinned at random to 7 % of their particles (docs/adr/0009).
 //
 // Where the modulus is bounded the cell is loose: its particles' K dl_c at the end is more than the grid felt, K_c
-// dl_c. In compression that keeps their volume; of expansion they take nothing beyond P_c = 0, because the grid cannot
-// bear such a tension (S24: particles left through walls). Smoothing compares the pressure that cells bear, K_c / K
-// P_p: at rest it is hydrostatic, and P_p itself is not, so that smoothing of P_p lifted pools.
+// dl_c. In compression that keeps their volume. Of what goes beyond P_c = 0 they take K_c / K, because the grid cannot
+// bear more of that tension (S24: with all of it particles left through walls; with none of it each swing through zero
+// compressed them, and energy grew). Smoothing compares the pressure that cells bear, K_c / K P_p: at rest it is
+// hydrostatic, and P_p itself is not, so that smoothing of P_p lifted pools.
 //
 // Geometry is kept as moments: sum_p V_p s^a with powers up to 2 per axis say all of G_ic for the quadratic spline, s
 // in [-1/2, 1/2) from the cell's node. Cells belong to blocks and blocks to tiles, so that the force of the cells goes
@@ -71,7 +72,7 @@ struct CellPressure {
     Real source;     ///< tr(L L) at the start [1/s2]
     Real head;       ///< what it bears of the mean P_p, + rho g . x of its centroid, at the start [Pa]
     bool whole;      ///< away from walls and full: its nodes' factors are those of whole_cell()
-    bool loose;      ///< K_c < K: particles take no tension from it, and smooth what it bears
+    bool loose;      ///< K_c < K: particles take less tension from it, and smooth what it bears
 };
 
 /// Powers of s of one axis.
@@ -222,19 +223,24 @@ MORAINE_HD Real bounded_bulk(Real bulk, Real volume, Real weight, double dt, dou
     return bulk < most ? bulk : most;
 }
 
-/// What particles take of a cell's increment of ln J: of a loose one nothing that expands them into tension.
+/// Of a cell's increment of ln J, what goes beyond P_c = 0 in a loose cell; 0 in others.
 template <class Real>
-MORAINE_HD Real taken_increment(const CellPressure<Real>& cell) {
-    if (!cell.loose || !(cell.increment > Real(0))) return cell.increment;
-    const Real tension = cell.pressure / cell.bulk;  // as a strain, at the end
-    if (!(tension > Real(0))) return cell.increment;
-    return tension < cell.increment ? cell.increment - tension : Real(0);
+MORAINE_HD Real increment_in_tension(const CellPressure<Real>& cell) {
+    const Real tension = cell.loose ? cell.pressure / cell.bulk : Real(0);  // as a strain, at the end
+    if (!(tension > Real(0))) return Real(0);
+    return tension < cell.increment ? tension : cell.increment;
 }
 
 /// Of a particle's pressure, the share that its cell bears: K_c / K. loose: K_c where the cell is loose, else 0.
 template <class Real>
 MORAINE_HD Real borne_share(Real loose, Real bulk) {
-    return loose > Real(0) ? loose / bulk : Real(1);
+    return loose > Real(0) && loose < bulk ? loose / bulk : Real(1);
+}
+
+/// What a particle takes of its cell's increment.
+template <class Real>
+MORAINE_HD Real taken_increment(Real increment, Real in_tension, Real borne) {
+    return increment - (Real(1) - borne) * in_tension;
 }
 
 /// The strain increment of a step whose volumetric part the cell has: dL with the same H = dL (I + dL/2)^-1 but for its

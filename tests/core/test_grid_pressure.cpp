@@ -136,23 +136,28 @@ TEST_CASE_TEMPLATE("a cell whose modulus is bounded is loose, and bears its shar
     static_assert(sizeof(CellPressure<double>) == 64);
 }
 
-TEST_CASE("particles take no tension from a loose cell") {
+TEST_CASE("beyond zero pressure particles take of a loose cell what the grid bears") {
     CellPressure<double> cell{};
     cell.bulk = 100;
+    const double borne = borne_share(cell.bulk, 400.0);
+    CHECK(borne == 0.25);
+    CHECK(borne_share(0.0, 400.0) == 1);
+    CHECK(borne_share(100.0, 50.0) == 1);  // of two materials in a cell, the softer one
     const auto taken = [&](double start, double increment) {
         cell.increment = increment;
         cell.pressure = cell.bulk * (start + increment);
-        return taken_increment(cell);
+        return taken_increment(increment, increment_in_tension(cell), borne);
     };
     for (bool loose : {false, true}) {
         CAPTURE(loose);
         cell.loose = loose;
         CHECK(taken(-0.5, -0.25) == -0.25);
         CHECK(taken(-0.5, 0.25) == 0.25);
-        CHECK(taken(-0.125, 0.5) == (loose ? 0.125 : 0.5));  // to zero
-        CHECK(taken(0, 0.5) == (loose ? 0 : 0.5));
-        CHECK(taken(0.5, 0.25) == (loose ? 0 : 0.25));
-        CHECK(taken(0.5, -0.25) == -0.25);
+        CHECK(taken(-0.125, 0.625) == (loose ? 0.25 : 0.625));  // 0.125 to zero, a quarter of the rest
+        CHECK(taken(0, 0.5) == (loose ? 0.125 : 0.5));
+        CHECK(taken(0.5, 0.25) == (loose ? 0.0625 : 0.25));
+        CHECK(taken(0.5, -0.25) == (loose ? -0.0625 : -0.25));
+        CHECK(taken(0.125, -0.25) == -0.25);
     }
 }
 

@@ -213,8 +213,9 @@ template <class Real, int Dim, int Width>
 struct PressureShared : FluidShared<Real, Dim, Width> {
     FluidTile<Real, Dim, Width> means;
     Real pressure[Team<Dim>::threads];
-    Real increment[Block<Dim>::cells];  ///< of ln J, that particles take
-    Real loose[Block<Dim>::cells];      ///< K_c of a loose cell, else 0 [Pa]
+    Real increment[Block<Dim>::cells];   ///< of ln J
+    Real in_tension[Block<Dim>::cells];  ///< of it (core/grid_pressure.hpp: increment_in_tension)
+    Real loose[Block<Dim>::cells];       ///< K_c of a loose cell, else 0 [Pa]
 };
 template <class Real, int Dim, int Width, FluidGrid Fluid>
 using FluidSharedOf =
@@ -232,7 +233,8 @@ __device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const Fluid
     constexpr int cells = Block<Dim>::cells;
     const CellPressure<Real>* cell = g.cell + std::size_t(v.grid.tile_of[block]) * std::size_t(cells);
     for (int c = Team<Dim>::rank(); c < cells; c += Team<Dim>::threads) {
-        shared.increment[c] = taken_increment(cell[c]);
+        shared.increment[c] = cell[c].increment;
+        shared.in_tension[c] = increment_in_tension(cell[c]);
         shared.loose[c] = cell[c].loose ? cell[c].bulk : Real(0);
     }
     fill_fluid_tile<Shape>(v, block, shared.means,

@@ -100,9 +100,10 @@ struct FusedGather {
             CoreRows<Real, Dim> before;  // where it was
             before.row[p.place] = shared.rows.take(half, T::rank(), p.place);
             const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(before));
-            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p,
-                   borne_share(shared.fluid.loose[cell], g.bulk[0]));
-            power += take_cell(g.bulk[0], shared.fluid.increment[cell], p, dL);
+            const Real borne = borne_share(shared.fluid.loose[cell], g.bulk[0]);
+            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p, borne);
+            power += take_cell(
+                g.bulk[0], taken_increment(shared.fluid.increment[cell], shared.fluid.in_tension[cell], borne), p, dL);
         } else if constexpr (fluid) {
             if (!g.fluid.shifts) smooth(g.fluid.all, g.dt, shared.fluid.own[0][T::rank()], p);
         }

@@ -151,10 +151,10 @@ struct SplitGather {
         const Real square = square_speed(p);
         if (square > tally.square_speed) tally.square_speed = square;
         const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
-        const Real bulk = g.bulk[v.p.body[s]];
-        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p,
-               borne_share(shared.fluid.loose[cell], bulk));
-        const double work = take_cell(bulk, shared.fluid.increment[cell], p, dL);
+        const Real bulk = g.bulk[v.p.body[s]], borne = borne_share(shared.fluid.loose[cell], bulk);
+        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p, borne);
+        const Real increment = taken_increment(shared.fluid.increment[cell], shared.fluid.in_tension[cell], borne);
+        const double work = take_cell(bulk, increment, p, dL);
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);
         if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
         return work;
