@@ -198,8 +198,6 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             real_or_text(node, c, value);
             break;
         case KeyType::integer:
-            value.integer = integer(node, c);
-            break;
         case KeyType::integer_or_choice:
             integer_or_choice(node, c, value);
             break;
