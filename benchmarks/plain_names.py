@@ -48,6 +48,8 @@ NAMES = {
     "S22": "random scenes",
     "S22-whole": "random scenes at whole steps",
     "S23": "random thin scenes",
+    "S24": "random fluid scenes",
+    "S25": "stable substeps",
     "C1": "block at rest on a plane",
     "C2": "sliding block",
     "C4": "undrained bed",
