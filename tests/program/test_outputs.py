@@ -91,9 +91,9 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual([c.name for c in checkpoints(whole)], [c.name for c in checkpoints(without)])
 
     def test_block_loads_are_recorded_only_where_the_scene_asks_for_them(self):
-        without = self.run_slurry(balance__interval=10)
+        without = self.run_slurry(balance__interval=2)
         self.assertFalse((without / "block_loads.bin").exists())
-        recorded = self.run_slurry(balance__interval=10, output__block_loads="on")
+        recorded = self.run_slurry(balance__interval=2, output__block_loads="on")
         self.assertEqual(summary(recorded)["state_hash"], summary(without)["state_hash"])
         data = (recorded / "block_loads.bin").read_bytes()
         rows, at, seen, lost = table(recorded, "balance.csv"), 168, [], 0
@@ -144,10 +144,10 @@ class Outputs(moraine.ProgramTest):
         self.assertLess(abs(last["unaccounted_J"]), 0.05 * freed)
 
     def test_balance_rows_agree_with_each_other_and_the_summary(self):
-        directory = self.run_slurry("--partitioner", "shuffle", balance__trigger="every", balance__interval=10)
+        directory = self.run_slurry("--partitioner", "shuffle", balance__trigger="every", balance__interval=4)
         rows, last = table(directory, "balance.csv"), summary(directory)
         self.assertLessEqual(set(BALANCE.split()), set(rows[0]))
-        self.assertEqual([row["step"] for row in rows], list(range(10, last["steps"] + 1, 10)))
+        self.assertEqual([row["step"] for row in rows], list(range(4, last["steps"] + 1, 4)))
         for row in rows:
             self.assertAlmostEqual(row["particles_mean"], 20000 / 3)
             self.assertTrue(0 < row["particles_min"] <= row["particles_mean"] <= row["particles_max"])
@@ -157,24 +157,24 @@ class Outputs(moraine.ProgramTest):
             self.assertTrue(all(0 <= row[f"{p}_mean_s"] <= row[f"{p}_max_s"] * 1.000001 for p in PHASES), row)
         for column, key in (("migrated_particles", "migrated_particles"), ("repartitioned", "repartitions")):
             self.assertEqual(sum(row[column] for row in rows), last[key])
-        self.assertEqual(last["repartitions"], last["steps"] // 10)
+        self.assertEqual(last["repartitions"], last["steps"] // 4)
         self.assertLessEqual(sum(row["halo_bytes"] for row in rows), last["halo_bytes"])
 
     def test_balance_rows_say_what_was_planned_and_why(self):
         costs = ("keep_s", "natural_s", "relabelled_s", "least_migration_s")
-        for row in table(self.run_slurry(balance__trigger="every", balance__interval=10), "balance.csv"):
+        for row in table(self.run_slurry(balance__trigger="every", balance__interval=4), "balance.csv"):
             self.assertEqual(row["reason"], "every")
             self.assertIn(row["plan"], ("natural", "relabelled", "least migration"))
             self.assertTrue(math.isnan(row["keep_s"]))
             offered = [row[cost] for cost in costs[1:]]
             self.assertEqual(row[row["plan"].replace(" ", "_") + "_s"], min(offered))
             self.assertGreater(min(offered), 0)
-        for row in table(self.run_slurry(balance__interval=10), "balance.csv"):
+        for row in table(self.run_slurry(balance__interval=4), "balance.csv"):
             self.assertEqual((row["reason"], row["plan"]), ("balanced", "none"))
             self.assertTrue(all(math.isnan(row[cost]) for cost in costs))
-        for row in table(self.run_slurry("--partitioner", "slabs", balance__interval=10), "balance.csv"):
+        for row in table(self.run_slurry("--partitioner", "slabs", balance__interval=4), "balance.csv"):
             self.assertEqual((row["reason"], row["plan"]), ("static", "none"))
-        keys = sets(time__end=5 * END, output__interval=END, balance__trigger="planned", balance__interval=10)
+        keys = sets(time__end=5 * END, output__interval=END, balance__trigger="planned", balance__interval=4)
         rows = table(self.run_scene(SCENE, "planned", *keys, ranks=3), "balance.csv")
         for row in rows:  # no plan before the growth of the loss has cost what the smallest migration takes
             self.assertIn(row["reason"], ("no better plan", "not worth it", "cheaper to keep", "planned"))
@@ -186,7 +186,7 @@ class Outputs(moraine.ProgramTest):
         self.assertTrue(moraine.SLOW or any(row["plan"] != "none" for row in rows))
 
     def test_the_morton_cut_is_even_to_within_a_block_at_the_start_and_after_a_repartition(self):
-        directory = self.run_slurry(balance__trigger="every", balance__interval=10)
+        directory = self.run_slurry(balance__trigger="every", balance__interval=4)
         block = 16 * 4  # particles
         for row in table(directory, "balance.csv"):
             self.assertLessEqual(row["particles_max"], row["particles_mean"] + block)
@@ -217,14 +217,14 @@ class Outputs(moraine.ProgramTest):
         self.assertEqual(summary(self.folder / "runs" / "jelly")["scene"], "jelly")
 
     def test_a_restart_continues_the_records_of_its_directory_and_starts_those_of_a_new_one(self):
-        directory = self.run_slurry(output__checkpoint_interval=0.4 * END, balance__interval=10)
+        directory = self.run_slurry(output__checkpoint_interval=0.4 * END, balance__interval=4)
         whole, hash_ = table(directory, "history.csv"), summary(directory)["state_hash"]
         rows = table(directory, "balance.csv")
         first = checkpoints(directory)[0]
         at = int(first.name[11:20])
         words = ("--restart", first)
-        fresh = self.run_slurry(*words, ranks=2, balance__interval=10)
-        self.run_scene(SCENE, directory.name, *sets(time__end=END, output__interval=END / 5, balance__interval=10),
+        fresh = self.run_slurry(*words, ranks=2, balance__interval=4)
+        self.run_scene(SCENE, directory.name, *sets(time__end=END, output__interval=END / 5, balance__interval=4),
                        *words, ranks=2)
         self.assertEqual(table(directory, "history.csv"), whole)
         self.assertEqual(table(fresh, "history.csv"), [row for row in whole if row["step"] > at])
