@@ -6,7 +6,7 @@ import numpy
 from wrong import Wrong
 
 HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
-FRAME = struct.Struct("<8sqddqqQ")
+FRAME = struct.Struct("<8sqddqqqQ")
 ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
 
 
@@ -65,7 +65,7 @@ class Loads:
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
-        if len(data) < HEADER.size or data[:8] != b"MORLOAD3":
+        if len(data) < HEADER.size or data[:8] != b"MORLOAD4":
             raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
         if hash_of(data[:HEADER.size - 8]) != HEADER.unpack_from(data)[-1]:
             raise Wrong(f"{path} is damaged (its header is not what was written). Leave that run out?")
@@ -74,7 +74,7 @@ class Loads:
         self.corner, self.side = head[18:21], head[21]
         self.checks, at = [], HEADER.size
         while at + FRAME.size <= len(data):
-            _, step, time, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
+            _, step, time, _, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
             at += FRAME.size + 32 * ranks
             if at + ROW.itemsize * blocks > len(data):
                 break
