@@ -67,7 +67,7 @@ class Vtk(moraine.ProgramTest):
 
     def test_a_3d_runout_in_single_precision_with_every_field(self):
         fields = ["velocity", "stress", "pressure", "density", "ln_J", "mass", "volume", "body"]
-        keys = sets(domain__cell=0.4, time__end=0.05, output__interval=0.02, numerics__precision="single",
+        keys = sets(domain__cell=0.4, time__end=0.25, output__interval=0.1, numerics__precision="single",
                     output__fields=str(fields).replace("'", '"'))
         directory = self.run_scene(INPUTS / "slurry_runout_3d.toml", "out", *keys, ranks=2)
         arrays, steps = self.compare(directory, "xyz", fields, 1e-4)
@@ -93,8 +93,8 @@ class Vtk(moraine.ProgramTest):
 
     def test_outputs_that_were_under_way_when_a_run_was_killed_are_there_after_its_restart(self):
         scene, name = INPUTS / "slurry_runout.toml", self.folder / "killed"
-        keys = sets(time__end=0.2, output__interval=0.002, output__asynchronous="on", output__compression="deflate",
-                    output__fields='["velocity"]', output__checkpoint_interval=0.05)
+        keys = sets(time__end=1.0, output__interval=0.01, output__asynchronous="on", output__compression="deflate",
+                    output__fields='["velocity"]', output__checkpoint_interval=0.25)
         job = moraine.Job("run", scene, "--output", name, "--quiet", *keys, ranks=2)
         self.addCleanup(job.stop)
         job.wait_for(name, "checkpoint-*.h5")
