@@ -8,7 +8,7 @@ import moraine
 from moraine import INPUTS, Job, checkpoints, sets, summary
 
 SCENE = INPUTS / "slurry_runout.toml"
-END = 0.03 if moraine.SLOW else 0.3
+END = 0.1 if moraine.SLOW else 1.0
 KEYS = sets(time__end=END, output__interval=END / 10)
 
 
