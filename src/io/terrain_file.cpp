@@ -149,11 +149,12 @@ Ground read_ascii_grid(const std::string& path, const RasterUse& use) {
 
 namespace {
 
-/// Rows of two numbers below a header line of two names.
-std::vector<std::array<double, 2>> read_pairs(const std::string& path, const char* kind, const char* key,
-                                              const std::string& first, const std::string& second) {
-    const std::string text = text_of(path, kind, key);
-    std::vector<std::array<double, 2>> rows;
+/// Calls f(words of the row, Words) for each line below a header that names the columns; # begins a remark.
+template <class F>
+void each_row(const std::string& path, const char* kind, const char* key, const std::vector<std::string>& columns,
+              const F& f) {
+    static const char* const count[] = {"no", "one", "two", "three"};
+    const std::string text = text_of(path, kind, key), header = fmt::format("{}", fmt::join(columns, ","));
     std::size_t at = 0;
     bool headed = false;
     for (int line = 1; at < text.size(); ++line) {
@@ -161,16 +162,28 @@ std::vector<std::array<double, 2>> read_pairs(const std::string& path, const cha
         const std::string row = text.substr(at, end - at);
         at = end + 1;
         Words words(row, path, " \t\r,;", line);
-        const auto x = words.next(), y = words.next();
-        if (!x || (*x)[0] == '#') continue;
-        if (!y || words.next())
-            refuse(words.place(), "not two values", "the lines have two", "Is the separator a comma?");
-        if (!headed && (lower_case(*x) != first || lower_case(*y) != second))
-            refuse(words.place(), fmt::format("the header is {}", quote(row.substr(0, 40))),
-                   fmt::format("must be {},{}", first, second), "Add it as the first line?");
-        if (headed) rows.push_back({words.number(*x, first), words.number(*y, second)});
+        std::vector<std::string_view> cells;
+        while (const auto word = words.next()) cells.push_back(*word);
+        if (cells.empty() || cells[0][0] == '#') continue;
+        if (cells.size() != columns.size())
+            refuse(words.place(), fmt::format("not {} values", count[columns.size()]), "a line is " + header,
+                   "Is the separator a comma?");
+        const auto names = [](std::string_view cell, const std::string& column) { return lower_case(cell) == column; };
+        if (!headed && !std::equal(cells.begin(), cells.end(), columns.begin(), names))
+            refuse(words.place(), fmt::format("the header is {}", quote(row.substr(0, 40))), "must be " + header,
+                   "Add it as the first line?");
+        if (headed) f(cells, words);
         headed = true;
     }
+}
+
+/// Rows of two numbers.
+std::vector<std::array<double, 2>> read_pairs(const std::string& path, const char* kind, const char* key,
+                                              const std::string& first, const std::string& second) {
+    std::vector<std::array<double, 2>> rows;
+    each_row(path, kind, key, {first, second}, [&](const std::vector<std::string_view>& cells, const Words& words) {
+        rows.push_back({words.number(cells[0], first), words.number(cells[1], second)});
+    });
     return rows;
 }
 
@@ -252,30 +265,14 @@ GisShape read_line(const std::string& path, const std::string& key) {
 }
 
 std::vector<GisShape> read_points(const std::string& path, const std::string& key) {
-    const std::string text = text_of(path, "table of points", key.c_str());
     std::vector<GisShape> points;
-    std::size_t at = 0;
-    bool headed = false;
-    for (int line = 1; at < text.size(); ++line) {
-        const std::size_t end = std::min(text.find('\n', at), text.size());
-        const std::string row = text.substr(at, end - at);
-        at = end + 1;
-        Words words(row, path, " \t\r,;", line);
-        const auto name = words.next(), x = words.next(), y = words.next();
-        if (!name || (*name)[0] == '#') continue;
-        if (!y || words.next())
-            refuse(words.place(), "not three values", "a line is name,x,y", "Is the separator a comma?");
-        if (!headed && (lower_case(*name) != "name" || lower_case(*x) != "x" || lower_case(*y) != "y"))
-            refuse(words.place(), fmt::format("the header is {}", quote(row.substr(0, 40))), "must be name,x,y",
-                   "Add it as the first line?");
-        if (headed) {
-            GisShape point;
-            point.name = std::string(*name);
-            point.points = {{words.number(*x, "x"), words.number(*y, "y")}};
-            points.push_back(point);
-        }
-        headed = true;
-    }
+    each_row(path, "table of points", key.c_str(), {"name", "x", "y"},
+             [&](const std::vector<std::string_view>& cells, const Words& words) {
+                 GisShape point;
+                 point.name = std::string(cells[0]);
+                 point.points = {{words.number(cells[1], "x"), words.number(cells[2], "y")}};
+                 points.push_back(point);
+             });
     return points;
 }
 

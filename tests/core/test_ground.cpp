@@ -4,23 +4,15 @@
 #include <random>
 
 #include "core/ground_bound.hpp"
+#include "core/sample_ground.hpp"
 
 using namespace moraine;
 
 namespace {
 
-/// Heights of f at n x n nodes, or n for a profile.
 template <class F>
 Ground ground_of(std::int64_t n, double spacing, bool profile, const F& f) {
-    Ground g;
-    g.first = {-3.0, 2.0};
-    g.spacing = spacing;
-    g.count = {n, profile ? 1 : n};
-    for (std::int64_t j = 0; j < g.count[1]; ++j)
-        for (std::int64_t i = 0; i < n; ++i)
-            g.height.push_back(f(g.first[0] + spacing * double(i), g.first[1] + spacing * double(j)));
-    g.fit();
-    return g;
+    return test::ground_of({-3.0, 2.0}, n, spacing, profile, f);
 }
 
 constexpr double reach = 2;

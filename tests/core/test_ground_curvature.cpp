@@ -3,22 +3,16 @@
 #include <cmath>
 
 #include "core/ground_curvature.hpp"
+#include "core/sample_ground.hpp"
 
 using namespace moraine;
 
 namespace {
 
 template <class F>
-Ground ground_of(std::int64_t n, double spacing, bool profile, const F& f) {
-    Ground g;
-    g.first = {-0.5 * spacing * double(n - 1), profile ? 0 : -0.5 * spacing * double(n - 1)};
-    g.spacing = spacing;
-    g.count = {n, profile ? 1 : n};
-    for (std::int64_t j = 0; j < g.count[1]; ++j)
-        for (std::int64_t i = 0; i < n; ++i)
-            g.height.push_back(f(g.first[0] + spacing * double(i), g.first[1] + spacing * double(j)));
-    g.fit();
-    return g;
+Ground ground_of(std::int64_t n, double spacing, bool profile, const F& f) {  // around the origin
+    const double from = -0.5 * spacing * double(n - 1);
+    return test::ground_of({from, profile ? 0 : from}, n, spacing, profile, f);
 }
 
 }  // namespace

@@ -59,6 +59,12 @@ struct Outcome {
 };
 
 template <class Real, int Dim>
+void advance(Simulation<Real, Dim>& sim, int steps) {
+    for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
+    sim.conclude();
+}
+
+template <class Real, int Dim>
 Outcome run(const Scene& scene, int steps, bool on_device) {
     const Comm comm(MPI_COMM_WORLD);
     const DeviceChoice device = on_device ? choose_device("cuda", comm) : DeviceChoice{};

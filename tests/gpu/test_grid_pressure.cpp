@@ -115,10 +115,6 @@ TEST_CASE("a restart goes on with the same bits") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
     const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    const auto advance = [](Simulation<double, 2>& sim, int steps) {
-        for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
-        sim.conclude();
-    };
     Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
     straight.seed();
     advance(straight, 13);

@@ -147,11 +147,7 @@ inline void draw_fluid_bodies(Draw& draw, Scene& scene, FluidKind kind) {
 
 inline Scene fluid_scene(std::uint64_t number) {
     Draw draw(number + (std::uint64_t(1) << 33));  // not those of S22 and S23
-    Scene scene;
-    scene.name = "fluid";
-    scene.seed = number;
-    scene.dimensions = draw.with(0.4) ? 3 : 2;
-    scene.cell = 1;
+    Scene scene = begin_scene("fluid", number, draw);
     detail::draw_fluid_method(draw, scene);
     scene.max = {12, 8, scene.dimensions == 3 ? 4.0 : 0.0};
     detail::draw_basin(draw, scene);

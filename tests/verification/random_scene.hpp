@@ -119,13 +119,19 @@ inline void draw_structure(Draw& draw, Scene& scene) {
     scene.structures.push_back(s);
 }
 
-inline Scene random_scene(std::uint64_t number) {
-    Draw draw(number);
+/// A cell of 1, in 2-D or 3-D; the first draw of all random scenes.
+inline Scene begin_scene(const char* name, std::uint64_t number, Draw& draw) {
     Scene scene;
-    scene.name = "random";
+    scene.name = name;
     scene.seed = number;
     scene.dimensions = draw.with(0.4) ? 3 : 2;
     scene.cell = 1;
+    return scene;
+}
+
+inline Scene random_scene(std::uint64_t number) {
+    Draw draw(number);
+    Scene scene = begin_scene("random", number, draw);
     draw_method(draw, scene);
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         scene.max[a] = 4 * (scene.dimensions == 2 ? 2 + draw.below(4) : 1 + draw.below(3));

@@ -170,11 +170,7 @@ inline void draw_front(Draw& draw, Scene& scene) {
 
 inline Scene thin_scene(std::uint64_t number) {
     Draw draw(number + (std::uint64_t(1) << 32));  // not those of S22
-    Scene scene;
-    scene.name = "thin";
-    scene.seed = number;
-    scene.dimensions = draw.with(0.4) ? 3 : 2;
-    scene.cell = 1;
+    Scene scene = begin_scene("thin", number, draw);
     detail::draw_thin_method(draw, scene);
     scene.max = {12, 8, scene.dimensions == 3 ? 4.0 : 0.0};
     detail::draw_basin(draw, scene);
