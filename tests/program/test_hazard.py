@@ -1,0 +1,168 @@
+"""Hazard maps, gauges and sections: they hold what flowed, on any number of ranks and after a restart."""
+import json
+import math
+import unittest
+
+import geotiff
+import moraine
+from moraine import checkpoints, sets, summary, table
+from valley import GDAL, SCENE, ZONE, ValleyTest, grid, read_map, total
+
+
+class Hazard(ValleyTest):
+    def test_the_maps_hold_what_flowed(self):
+        directory = self.run_scene(self.scene, "run")
+        found = summary(directory)
+        start = self.run_scene(self.scene, "start", *sets(time__end=0))
+        volume = total(read_map(start, "deposit"))
+        self.assertAlmostEqual(volume, found["mass_kg"] / 1800, delta=1e-6 * volume)
+        deepest, fastest = read_map(directory, "max_depth"), read_map(directory, "max_speed")
+        self.assertEqual((len(deepest), len(deepest[0])), (12, 24))
+        arrival, deposit = read_map(directory, "arrival"), read_map(directory, "deposit")
+        self.assertGreater(total(deposit), 0.9 * volume)
+        reached = [(row, column) for row in range(12) for column in range(24) if arrival[row][column] >= 0]
+        self.assertTrue(any(arrival[row][column] > 0.3 for row, column in reached))
+        for row in range(12):
+            for column in range(24):
+                self.assertGreaterEqual(deepest[row][column], deposit[row][column])
+                self.assertEqual((row, column) in reached, deepest[row][column] >= 0.2)
+        top = max(max(row) for row in fastest)
+        self.assertGreater(top, 1.0)
+        self.assertLess(top, math.sqrt(2 * 9.81 * 11))
+
+    def test_the_outline_has_the_area_of_the_cells_that_were_reached(self):
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0.5))
+        reached = sum(d >= 0.2 for row in read_map(directory, "max_depth") for d in row)
+        self.assertGreater(reached, 20)
+        self.assertAlmostEqual(self.rows_of_outline(directory), reached, places=9)
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_a_map_says_its_unit_place_and_what_is_unknown(self):
+        self.write(ZONE, "valley.prj")
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        rows, tags = geotiff.read(directory / "maps" / "arrival.tif")
+        self.assertEqual(tags[42113], b"-9999\0")
+        self.assertIn(b">s</Item>", tags[42112])
+        self.assertEqual(tags[33550], (1.0, 1.0, 0.0))
+        self.assertEqual(tags[33922], (0, 0, 0, 0.0, 12.0, 0.0))
+        self.assertIn(34735, tags)  # the system's keys
+        self.assertEqual(tags[259], (8,))
+        self.assertIn(-9999, rows[0])
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_a_run_goes_on_from_the_maps_of_another(self):
+        first = self.run_scene(self.scene, "first", *sets(time__end=0.5))
+        self.write(SCENE.replace("area.csv", "first/maps/outline.gpkg").replace(
+            "thickness = 1.0", 'thickness = "first/maps/max_depth.tif"'))
+        second = self.run_scene(self.scene, "second", *sets(time__end=0))
+        deepest = total(read_map(first, "max_depth"))
+        volume = summary(second)["mass_kg"] / 1800
+        self.assertGreater(volume, 0.9 * deepest)
+        self.assertLess(volume, 1.4 * deepest)
+
+    def test_gauges_tell_what_their_columns_hold(self):
+        self.write("name,x,y\nscar,4.5,6.5\nroad,9.5,6.5\n", "gauges.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\ngauges = "gauges.csv"'))
+        one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
+        rows = moraine.table(one, "gauges.csv")
+        deepest, arrival = read_map(one, "max_depth"), read_map(one, "arrival")
+        for name, column in (("scar", 4), ("road", 9)):
+            depths = [float(row[f"{name}_depth_m"]) for row in rows]
+            self.assertAlmostEqual(max(depths), deepest[5][column], places=5)
+            first = next(float(row["time_s"]) for row in rows if float(row[f"{name}_depth_m"]) >= 0.2)
+            self.assertAlmostEqual(first, arrival[5][column], places=5)
+        self.assertGreater(max(float(row["road_pressure_Pa"]) for row in rows), 0)
+        text = (one / "gauges.csv").read_bytes()
+        two = self.run_scene(self.scene, "two", "--partitioner", "shuffle", ranks=2)
+        self.assertEqual((two / "gauges.csv").read_bytes(), text)
+        self.run_scene(self.scene, "one", "--restart", checkpoints(one)[0])
+        self.assertEqual((one / "gauges.csv").read_bytes(), text)
+        self.assertIn("gauge road is at (99, 1) (outside the domain)",
+                      self.refused("name,x,y\nroad,99,1\n", "gauges.csv"))
+        self.assertIn("it is there twice", self.refused("name,x,y\nroad,9,1\nroad,8,1\n", "gauges.csv"))
+
+    SECTIONS = "name,x,y\nneck,7,10\nneck,7.5,5\nneck,7,2\nback,9,2\nback,9,10\n"
+
+    def test_what_goes_over_sections_is_the_same_on_any_ranks_and_after_a_restart(self):
+        self.write(self.SECTIONS, "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"'))
+        one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
+        text = (one / "sections.csv").read_bytes()
+        rows = moraine.table(one, "sections.csv")
+        self.assertGreater(rows[-1]["neck_volume_m3"], 2.0)
+        self.assertLess(rows[-1]["back_volume_m3"], 0)
+        volume = 0
+        for last, row in zip(rows, rows[1:]):
+            volume += (row["time_s"] - last["time_s"]) * row["neck_discharge_m3_s"]
+            self.assertAlmostEqual(volume, row["neck_volume_m3"], places=6)
+        for ranks in (2, 3):
+            many = self.run_scene(self.scene, f"r{ranks}", "--partitioner", "shuffle",
+                                  *sets(balance__trigger="every", balance__interval=20), ranks=ranks)
+            self.assertEqual((many / "sections.csv").read_bytes(), text)
+        self.run_scene(self.scene, "one", "--restart", checkpoints(one)[0], ranks=2)
+        self.assertEqual((one / "sections.csv").read_bytes(), text)
+        wrong = lambda lines: self.refused("name,x,y\n" + lines, "lines.csv")
+        self.assertIn("section neck has a point at (7, 99) (outside the domain)", wrong("neck,7,99\nneck,7,2\n"))
+        self.assertIn("section neck has 1 points", wrong("neck,7,9\n"))
+        self.assertIn("it is there twice", wrong("a,7,9\na,7,2\nb,8,9\nb,8,2\na,9,9\na,9,2\n"))
+        self.assertIn("hazard.sections has no lines", wrong(""))
+
+    def test_the_volume_over_a_section_is_that_of_the_particles_beyond_it(self):
+        self.write(grid(at=lambda x, y: 4.0), "valley.asc")
+        self.write("name,x,y\nneck,8,11\nneck,8,1\n", "lines.csv")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"').replace(
+            "thickness = 1.0", "thickness = 1.0\nvelocity = [5.0, 0.0, 0.0]").replace(
+            'law = "voellmy", friction = 0.2, xi = 500.0', 'law = "smooth"').replace("-9.81", "0.0"))
+        directory = self.run_scene(self.scene, "slides", *sets(time__end=0.7))
+        deposit = read_map(directory, "deposit")
+        beyond = sum(sum(row[8:]) for row in deposit)
+        self.assertGreater(beyond, 1)
+        self.assertLess(beyond, 0.9 * total(deposit))
+        row = moraine.table(directory, "sections.csv")[-1]
+        self.assertAlmostEqual(row["neck_volume_m3"] / beyond, 1, delta=1e-6)
+        self.assertAlmostEqual(row["neck_mass_kg"] / (1800 * beyond), 1, delta=1e-6)
+
+    def test_sections_may_be_lines_of_a_geojson(self):
+        self.write(json.dumps({"type": "Feature", "properties": {}, "geometry": {
+            "type": "LineString", "coordinates": [[7, 10], [7, 2]]}}), "lines.geojson")
+        self.write(SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.geojson"'))
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0.2))
+        self.assertIn("section-1_discharge_m3_s", moraine.table(directory, "sections.csv")[0])
+
+    def test_maps_are_written_with_checkpoints_and_at_the_end(self):
+        begin = lambda output, **keys: moraine.Job("run", self.scene, "--output", self.folder / output, "--device", "cpu",
+                                                   *sets(time__end=1e6, output__interval=0.01, **keys), ranks=1)
+        job = begin("outputs")
+        try:
+            history = job.wait_for(self.folder, "outputs/history.csv")
+            while len(history.read_text().splitlines()) < 5:
+                self.assertIsNone(job.started.poll())
+            self.assertFalse((self.folder / "outputs/maps").exists())
+        finally:
+            job.stop()
+        job = begin("checkpoints", output__checkpoint_interval=0.05)
+        try:
+            job.wait_for(self.folder, "checkpoints/maps/outline.*")
+        finally:
+            job.stop()
+
+    def test_overwrite_removes_the_maps_of_the_run_before(self):
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        (directory / "maps" / "notes.txt").write_text("mine")
+        for name in ("max_depth.asc", "arrival.tif", "outline.geojson"):
+            (directory / "maps" / name).write_text("old")
+        (directory / "sections.csv").write_text("old")
+        self.run_scene(self.scene, "run", "--overwrite", *sets(time__end=0, hazard__maps='["deposit"]'))
+        ends = ("deposit.tif", "outline.gpkg") if GDAL else ("deposit.asc", "outline.geojson")
+        self.assertEqual(sorted(path.name for path in (directory / "maps").iterdir()), sorted([*ends, "notes.txt"]))
+        self.assertFalse((directory / "sections.csv").exists())
+
+    def test_a_wrong_map_is_refused_with_place_and_remedy(self):
+        self.assertIn("columns would hold single particles", self.changed("cell = 1.0", "cell = 0.2"))
+        self.assertIn('hazard.maps has "max_sped"', self.changed("threshold = 0.2", 'maps = ["max_sped"]'))
+        terrain = SCENE[SCENE.index("[terrain]"):SCENE.index("[hazard]")]
+        self.assertIn("[hazard] without ground", self.refused(SCENE.replace(terrain, "")))
+
+
+if __name__ == "__main__":
+    moraine.main()
