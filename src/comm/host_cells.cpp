@@ -24,13 +24,10 @@ void HostEngine<Real, Dim>::find_cells(const Substep& first) {
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum_cells(std::span<const std::int32_t> blocks, const Substep& substep) {
-    Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
-                       SumCells<Real, Dim>{cell_context(),
-                                           {factors_.data()},
-                                           patch_.list(),
-                                           blocks.data(),
-                                           substep.is_first() && method_.fluid(),
-                                           static_cast<Real>(substep.damping())});
+    Host::launch_teams(
+        static_cast<std::int64_t>(blocks.size()),
+        SumCells<Real, Dim>{
+            cell_context(), {factors_.data()}, patch_.list(), blocks.data(), static_cast<Real>(substep.damping())});
 }
 
 template <class Real, int Dim>
@@ -38,7 +35,6 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
     NodeRound<Real, Dim> round = node_round(NodeTask::substep, substep.dt, step);
     round.first_substep = substep.is_first();
     round.step = static_cast<Real>(step.dt);
-    round.with_means = substep.is_first() && method_.fluid();
     solve(round, step);
     const std::span<const std::int32_t> blocks = patch_.blocks();
     Host::launch_teams(static_cast<std::int64_t>(blocks.size()),

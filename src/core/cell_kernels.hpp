@@ -34,19 +34,18 @@ struct HostCellParticles {
     ParticleView<Real, Dim> p;
     const Real* of_body;  ///< K [Pa]; 0: its pressure is its own
 
-    MORAINE_HD CellParticle<Real, Dim> operator()(std::uint32_t s, bool with_place) const {
+    MORAINE_HD CellParticle<Real, Dim> operator()(std::uint32_t s) const {
         CellParticle<Real, Dim> q;
         q.bulk = of_body[p.body[s]];
         if (!(q.bulk > Real(0))) return q;
         q.volume = p.volume[s];
         q.trace = p.stress[s].trace();
-        for (int a = 0; with_place && a < Dim; ++a) q.fraction[a] = fraction_of<Real>(p.position[s][a]);
+        for (int a = 0; a < Dim; ++a) q.fraction[a] = fraction_of<Real>(p.position[s][a]);
         return q;
     }
 };
 
-/// A substep's forces, from cells to tiles; in the first one the means that smooth pressures besides:
-/// sum_c w V (P_c + rho g.x) and sum_c w V in the first quad.
+/// A substep's forces, from cells to tiles.
 template <class Real, int Dim>
 struct SumCells {
     using Context = CellContext<Real, Dim>;
@@ -56,7 +55,6 @@ struct SumCells {
     KeptFactors<Real, Dim> kept;
     ListView<Dim> list;
     const std::int32_t* chosen;
-    bool with_means;
     Real damping;  ///< d [-]
 
     template <class Team>
@@ -71,14 +69,13 @@ struct SumCells {
             const CellPressure<Real>& cell = context.cell[at_cell];
             if (!(cell.volume > Real(0))) continue;
             const CellNode<Real, Dim>* factor = cell.whole ? context.whole : kept.of(at_cell);
-            const Real force = cell.pressure + damping * cell.change, head = cell.head;
+            const Real force = cell.pressure + damping * cell.change;
             Real* to = tile + tile_offset<Dim, 3>(c) * node_reals;
             int n = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
                 const CellNode<Real, Dim>& node = factor[n++];
                 Real* q = to + at * node_reals;
                 for (int a = 0; a < Dim; ++a) q[quad + a] -= node.gradient[a] * force;
-                if (with_means) q[0] += node.volume * head, q[1] += node.volume;
             });
         }
     }

@@ -58,7 +58,7 @@ struct CellParticle {
     Real bulk;           ///< K [Pa]; 0: its pressure is its own, and nothing else is set
     Real volume;         ///< [m^d]
     Real trace;          ///< of its stress [Pa]
-    Real fraction[Dim];  ///< place in the cell, 0 to 1; set where it is asked for
+    Real fraction[Dim];  ///< place in the cell, 0 to 1
 };
 
 /// Cells of blocks with their pressures, geometry and moduli, a piece at a time: FindCells below puts the pieces
@@ -79,6 +79,7 @@ struct CellFinder {
         CellPlace<Dim> at;
         Real share;   ///< x: of the exact integrals [-]
         Real volume;  ///< sum_p V_p [m^d]
+        Real lever;   ///< sum_p V_p rho g . s_p [N m]
         CellPressure<Real> cell;
     };
 
@@ -108,9 +109,12 @@ struct CellFinder {
         return found;
     }
 
-    /// volume, pressure, modulus: of a particle, the latter two times its volume.
-    static MORAINE_HD void add(Real volume, Real pressure, Real modulus, Found& found) {
+    /// volume, pressure, modulus: of a particle, the latter two times its volume. f: its place in the cell, 0 to 1.
+    MORAINE_HD void add(Real volume, Real pressure, Real modulus, const Real* f, Found& found) const {
+        Real lever = Real(0);
+        for (int a = 0; a < Dim; ++a) lever += context.stencil.gravity_slope[a] * (f[a] - Real(0.5));
         found.volume += volume;
+        found.lever += volume * lever;
         found.cell.pressure += pressure;
         found.cell.bulk += modulus;
     }
@@ -118,7 +122,12 @@ struct CellFinder {
     /// Means, volume and head of the cell, and its moments if it is not whole; false: it takes no part.
     MORAINE_HD bool close_sums(Found& found, CellMoments<Real, Dim>& moments) const {
         CellPressure<Real>& cell = found.cell;
-        if (found.volume > Real(0)) cell.pressure /= found.volume, cell.bulk /= found.volume;
+        if (found.volume > Real(0)) {
+            cell.pressure /= found.volume, cell.bulk /= found.volume;
+            cell.head = cell.pressure + found.lever / found.volume;
+            for (int a = 0; a < Dim; ++a)
+                cell.head += context.stencil.gravity_slope[a] * (Real(found.at.base[a]) + Real(0.5));
+        }
         if (!(found.volume > Real(0)) && !(found.share > Real(0))) return false;
         if (cell.whole) {
             cell.volume = context.cell_volume();
@@ -127,11 +136,6 @@ struct CellFinder {
             add_full(found.at.base, found.share, moments);
             cell.volume = moments.volume();
         }
-        for (int a = 0; a < Dim; ++a) {
-            const Real s = cell.whole ? Real(0) : moments.m[a == 0 ? 1 : a == 1 ? 3 : 9] / cell.volume;
-            cell.head += context.stencil.gravity_slope[a] * (Real(found.at.base[a]) + Real(0.5) + s);
-        }
-        cell.head += cell.pressure;
         return true;
     }
 
@@ -144,7 +148,6 @@ struct CellFinder {
         const Real bounded = bounded_bulk<Dim>(cell.bulk, cell.volume, weight, dt, damping);
         const Real share = bounded / cell.bulk;
         cell.loose = share < Real(1);
-        if (cell.loose) cell.head += (share - Real(1)) * cell.pressure;
         cell.pressure *= share;
         cell.bulk = bounded;
     }
@@ -154,7 +157,7 @@ struct CellFinder {
         CellPressure<Real>* of_block = context.cell + context.first_cell(block);
         CellPressure<Real>& hole = of_block[c];
         if (!(hole.volume > Real(0)) || hole.bulk > Real(0)) return;
-        Real volume = Real(0), pressure = Real(0), head = Real(0), modulus = Real(0);
+        Real volume = Real(0), pressure = Real(0), modulus = Real(0);
         for (int o = 0; o < cells; ++o) {
             bool beside = true;
             for (int a = 0; a < Dim; ++a) {
@@ -164,11 +167,10 @@ struct CellFinder {
             if (!beside || !holds_particles(block, o) || !(of_block[o].bulk > Real(0))) continue;
             volume += of_block[o].volume;
             pressure += of_block[o].volume * of_block[o].pressure;
-            head += of_block[o].volume * of_block[o].head;
             modulus += of_block[o].volume * of_block[o].bulk;
         }
         if (volume > Real(0))
-            hole.pressure = pressure / volume, hole.head = head / volume, hole.bulk = modulus / volume;
+            hole.pressure = pressure / volume, hole.bulk = modulus / volume;
         else
             hole.volume = Real(0);
     }
@@ -257,10 +259,10 @@ struct FindCells {
         const ListView<Dim>& list = finder.list;
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Finder::cells + 1) + c;
         for (std::uint32_t k = list.first[block] + bounds[0]; k < list.first[block] + bounds[1]; ++k) {
-            const CellParticle<Real, Dim> q = particles(list.slot[k], !found.cell.whole);
+            const CellParticle<Real, Dim> q = particles(list.slot[k]);
             if (!(q.bulk > Real(0))) continue;
             if (!found.cell.whole) moments.add(q.volume, q.fraction);
-            Finder::add(q.volume, q.volume * q.trace * Real(1.0 / 3.0), q.volume * q.bulk, found);
+            finder.add(q.volume, q.volume * q.trace * Real(1.0 / 3.0), q.volume * q.bulk, q.fraction, found);
         }
     }
 };

@@ -340,13 +340,9 @@ struct GridToParticles {
     MORAINE_HD void smooth(int block, int c, std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
         const FluidTerms<Real>& of = fluid[p.body[s]];
         if (!(of.smoothing > Real(0))) return;
-        Real borne = Real(1);
-        if (grid_bulk) {
-            const CellPressure<Real>& cell = cell_of(block, c);
-            borne = borne_share(cell.loose ? cell.bulk : Real(0), grid_bulk[p.body[s]]);
-        }
-        const Real pressure = g.change[quad - 1] - gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f);
-        smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s], borne);
+        const Real head = grid_bulk ? cell_of(block, c).head : g.change[quad - 1];
+        const Real pressure = head - gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f);
+        smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s]);
     }
 
     /// Adds the shift of a particle in cell c to the velocity that moves it.

@@ -28,8 +28,13 @@
 // Where the modulus is bounded the cell is loose: its particles' K dl_c at the end is more than the grid felt, K_c
 // dl_c. In compression that keeps their volume. Of what goes beyond P_c = 0 they take K_c / K, because the grid cannot
 // bear more of that tension (S24: with all of it particles left through walls; with none of it each swing through zero
-// compressed them, and energy grew). Smoothing compares the pressure that cells bear, K_c / K P_p: at rest it is
-// hydrostatic, and P_p itself is not, so that smoothing of P_p lifted pools.
+// compressed them, and energy grew).
+//
+// Smoothing (pressure_smoothing.hpp) stays inside a cell: P_p goes to the mean of the cell's particles and their
+// hydrostatic slope about it, which no node sees, because P_c is that mean. What differs from cell to cell is what the
+// forces on the nodes make of it: at rest the cells hold the weight of the particles that are there, in partial cells
+// with errors of rho g h. Means over nodes took that away in every step, the flow answered by moving volume, and so
+// energy came from nowhere: pools rose (S24; docs/adr/0009).
 //
 // Geometry is kept as moments: sum_p V_p s^a with powers up to 2 per axis say all of G_ic for the quadratic spline, s
 // in [-1/2, 1/2) from the cell's node. Cells belong to blocks and blocks to tiles, so that the force of the cells goes
@@ -70,9 +75,9 @@ struct CellPressure {
     Real increment;  ///< dl_c so far [-]
     Real bulk;       ///< K_c [Pa]
     Real source;     ///< tr(L L) at the start [1/s2]
-    Real head;       ///< what it bears of the mean P_p, + rho g . x of its centroid, at the start [Pa]
+    Real head;       ///< means of P_p and of rho g . x_p over its particles, at the start [Pa]
     bool whole;      ///< away from walls and full: its nodes' factors are those of whole_cell()
-    bool loose;      ///< K_c < K: particles take less tension from it, and smooth what it bears
+    bool loose;      ///< K_c < K: particles take less tension from it
 };
 
 /// Powers of s of one axis.
@@ -141,11 +146,10 @@ struct CellMoments {
     MORAINE_HD Real volume() const { return m[0]; }
 };
 
-/// What a cell's nodes take from it: G_ic and its share of the cell's volume.
+/// What a cell's nodes take from it.
 template <class Real, int Dim>
 struct CellNode {
     Real gradient[Dim];  ///< G_ic [m^(d-1)]
-    Real volume;         ///< int_c w_i dV [m^d]
 };
 
 /// Sums over powers: the moments with one row of the basis per axis.
@@ -169,14 +173,10 @@ template <class Real, int Dim>
 MORAINE_HD CellNode<Real, Dim> cell_node(const CellMoments<Real, Dim>& moments, const CellBasis<Real>* basis,
                                          Real inverse_cell, const int* at) {
     CellNode<Real, Dim> node;
-    for (int b = 0; b <= Dim; ++b) {
+    for (int b = 0; b < Dim; ++b) {
         const Real* row[Dim];
         for (int a = 0; a < Dim; ++a) row[a] = a == b ? basis[a].slope[at[a]] : basis[a].value[at[a]];
-        const Real sum = contract_moments(moments, row);
-        if (b < Dim)
-            node.gradient[b] = sum * inverse_cell;
-        else
-            node.volume = sum;
+        node.gradient[b] = contract_moments(moments, row) * inverse_cell;
     }
     return node;
 }

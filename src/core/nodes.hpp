@@ -60,7 +60,6 @@ struct NodeRound {
     Real damping;                ///< [-]
     Real mass_cutoff;            ///< [kg]
     bool first_substep = false;  ///< of tasks that are one
-    bool with_means = false;     ///< the first quad has the sums of a mean (cell_kernels.hpp)
     Real step = Real(0);         ///< of a substep: the step's dt [s]
 
     MORAINE_HD ContactTime contact_time() const { return {double(dt), double(task == NodeTask::substep ? step : dt)}; }
@@ -224,8 +223,7 @@ struct SolveNodes {
     MORAINE_HD void take_held(int c, int n, Scratch& scratch, const Real* out) const {
         const HeldNode<Real, Dim>& kept = held.node[stored(c, n)];
         Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
-        const Real mean = round.with_means && sums[1] > Real(0) ? sums[0] / sums[1] : out[2 * quad - 1],
-                   m = out[quad - 1];
+        const Real mean = out[2 * quad - 1], m = out[quad - 1];
         Vec<Real, Dim> momentum, total;
         for (int a = 0; a < Dim; ++a) momentum[a] = m * out[a], total[a] = force[a] + m * kept.acceleration[a];
         sums = Quad<Real>::scaled_after(m, Real(1), momentum);

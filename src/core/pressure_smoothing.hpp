@@ -45,12 +45,10 @@ MORAINE_HD Real smoothing_share(Real smoothing, Real dt) {
     return share < Real(0.5) ? share : Real(0.5);
 }
 
-/// Takes the share from the gathered pressure. stress: of the particle [Pa]; borne: how much of its pressure counts
-/// (grid_pressure.hpp: borne_share).
+/// Takes the share. towards: the pressure around the particle; stress: its own [Pa].
 template <class Real, int Dim>
-MORAINE_HD void smooth_pressure(Real share, Real gathered, Real compliance, Sym<Real, Dim>& stress, Real& ln_J,
-                                Real borne = Real(1)) {
-    const Real step = share * (gathered - borne * (stress.trace() * Real(1.0 / 3.0)));
+MORAINE_HD void smooth_pressure(Real share, Real towards, Real compliance, Sym<Real, Dim>& stress, Real& ln_J) {
+    const Real step = share * (towards - stress.trace() * Real(1.0 / 3.0));
     for (int a = 0; a < 3; ++a) stress[a] += step;
     ln_J += step * compliance;
 }

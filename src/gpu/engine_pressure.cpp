@@ -34,12 +34,8 @@ void DeviceEngine<Real, Dim>::find_cells(const Substep& first) {
 /// Cells take the velocities of the substep before with the sums of this one.
 template <class Real, int Dim>
 CellTask<Real> DeviceEngine<Real, Dim>::cell_task(const Substep& substep) const {
-    return {!substep.is_first(),
-            static_cast<Real>(substep.dt),
-            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt),
-            true,
-            substep.is_first() && method_.fluid() != nullptr,
-            static_cast<Real>(substep.damping())};
+    return {!substep.is_first(), static_cast<Real>(substep.dt),
+            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt), true, static_cast<Real>(substep.damping())};
 }
 
 template <class Real, int Dim>
@@ -61,7 +57,6 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     NodeRound<Real, Dim> round = node_round(NodeTask::substep, substep.dt, step);
     round.first_substep = substep.is_first();
     round.step = static_cast<Real>(step.dt);
-    round.with_means = substep.is_first() && method_.fluid();
     const PressureView<Real, Dim> pressure = pressure_.view();
     const auto solve = [&](const ContactField<Dim>* contact) {
         solve_substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact,

@@ -194,7 +194,7 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     args.fluid = fluid_args();
     if (method_.grid_bulk()) {
         const PressureView<Real, Dim> pressure = pressure_.view();
-        args.cell = pressure.cell, args.mean = pressure.mean, args.bulk = pressure.bulk;
+        args.cell = pressure.cell, args.bulk = pressure.bulk;
     }
     args.gradient = gradient_.data();
     args.gradient_stride = static_cast<std::uint64_t>(particles_.capacity());

@@ -135,16 +135,23 @@ __device__ __forceinline__ Vec<Real, Dim> found_shift(const View<Real, Dim>& v, 
     return shift_by(of.shifting, dt, Real(1) / v.context.inverse_cell, gradient);
 }
 
+/// rho g.x of a particle at u [Pa].
+template <class Real, int Dim, int Width>
+__device__ __forceinline__ Real resting_pressure(const View<Real, Dim>& v, const FluidTile<Real, Dim, Width>& tile,
+                                                 const Vec<Coordinate<Real>, Dim>& u) {
+    Real pressure = tile.resting;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a)
+        pressure += v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
+    return pressure;
+}
+
 /// The pressure that the nodes around a particle at u have there [Pa].
 template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ Real found_pressure(const View<Real, Dim>& v, const FluidTile<Real, Dim, Shape::width>& tile,
                                                int at, const Vec<Coordinate<Real>, Dim>& u,
                                                const FluidStencil<Shape, Real, Dim>& n) {
-    Real pressure = gathered_mean<Shape, Rolled, Real, Dim>(tile, at, n) - tile.resting;
-#pragma unroll
-    for (int a = 0; a < Dim; ++a)
-        pressure -= v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
-    return pressure;
+    return gathered_mean<Shape, Rolled, Real, Dim>(tile, at, n) - resting_pressure(v, tile, u);
 }
 
 /// The tile, and what each thread's particle takes of it, from before it gathers: in registers it would be too much.
@@ -193,13 +200,12 @@ __device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const MeansG
 
 /// Takes this thread's particle's share of the pressure around it into its rows.
 template <class Real, int Dim>
-__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p,
-                                       Real borne = Real(1)) {
+__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p) {
     if (!(of.smoothing > Real(0))) return;
     Sym<Real, Dim> stress{};
 #pragma unroll
     for (int a = 0; a < 3; ++a) stress[a] = p.stress(a);
-    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J(), borne);
+    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J());
 #pragma unroll
     for (int a = 0; a < 3; ++a) p.stress(a) = stress[a];
 }
@@ -208,11 +214,10 @@ __device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real
 template <class Real>
 inline constexpr int pressure_blocks = sizeof(Real) == 8 ? 2 : 4;
 
-/// Where the pressure is the grid's: both at once, and the increments of the block's cells.
+/// Where the pressure is the grid's: the block's cells besides.
 template <class Real, int Dim, int Width>
 struct PressureShared : FluidShared<Real, Dim, Width> {
-    FluidTile<Real, Dim, Width> means;
-    Real pressure[Team<Dim>::threads];
+    Real head[Block<Dim>::cells];        ///< of P + rho g.x, which smoothing takes [Pa]
     Real increment[Block<Dim>::cells];   ///< of ln J
     Real in_tension[Block<Dim>::cells];  ///< of it (core/grid_pressure.hpp: increment_in_tension)
     Real loose[Block<Dim>::cells];       ///< K_c of a loose cell, else 0 [Pa]
@@ -236,27 +241,32 @@ __device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const Fluid
         shared.increment[c] = cell[c].increment;
         shared.in_tension[c] = increment_in_tension(cell[c]);
         shared.loose[c] = cell[c].loose ? cell[c].bulk : Real(0);
+        shared.head[c] = cell[c].head;
     }
-    fill_fluid_tile<Shape>(v, block, shared.means,
-                           [&](int n) { return g.mean[stored_tile_node<Shape::width>(v.table, v.grid, block, n)]; });
     load_fluid_tile<Shape>(v, block, shared.tile);
 }
 
-/// The same as find_fluid() above, and both; a shift goes no further than it is stable.
+/// The shift alone, no further than it is stable.
 template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
                                            const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
                                            const Vec<Real, Dim>&, PressureShared<Real, Dim, Shape::width>& shared) {
+    if (!(of.shifting > Real(0))) return;
     const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
     const FluidStencil<Shape, Real, Dim> n(u, zero_vec<Real, Dim>());
-    if (of.shifting > Real(0)) {
-        const Real h = Real(1) / v.context.inverse_cell, most = Real(0.5) * h * h / of.shifting;
-        const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, most < g.dt ? most : g.dt, shared.tile, at, n);
+    const Real h = Real(1) / v.context.inverse_cell, most = Real(0.5) * h * h / of.shifting;
+    const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, most < g.dt ? most : g.dt, shared.tile, at, n);
 #pragma unroll
-        for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
-    }
-    if (of.smoothing > Real(0)) shared.pressure[rank] = found_pressure<Shape, Rolled>(v, shared.means, at, u, n);
+    for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
     asm volatile("" ::: "memory");
+}
+
+/// What the pressure of a particle at u is smoothed towards [Pa]. cell: its own.
+template <class Real, int Dim, int Width>
+__device__ __forceinline__ Real pressure_of_cell(const View<Real, Dim>& v,
+                                                 const PressureShared<Real, Dim, Width>& shared, int cell,
+                                                 const Vec<Coordinate<Real>, Dim>& u) {
+    return shared.head[cell] - resting_pressure(v, shared.tile, u);
 }
 
 /// What a step of the cell does to a particle's rows and its dL (core/g2p.hpp: take_cell). Returns the work [J].

@@ -77,11 +77,10 @@ template <class Real, int Dim>
 struct MeansGatherArgs : GatherArgs<Real, Dim> {
     FluidArgs<Real> fluid;
 };
-/// With the pressure of cells; nodes hold e_i, and P_i is apart.
+/// With the pressure of cells; nodes hold e_i.
 template <class Real, int Dim>
 struct FluidGatherArgs : MeansGatherArgs<Real, Dim> {
     const CellPressure<Real>* cell;  ///< [tile][cell]
-    const Real* mean;                ///< [node block][node]: P_i
     const Real* bulk;                ///< by body: K [Pa]
 };
 template <class Real, int Dim, FluidGrid Fluid>

@@ -91,7 +91,7 @@ struct FusedGather {
     }
 
     /// What a fluid's particle takes of the grid before its stress; p has the new velocity.
-    static __device__ __forceinline__ void take_fluid(const Args& g, int half, const Shared& shared,
+    static __device__ __forceinline__ void take_fluid(const V& v, const Args& g, int half, const Shared& shared,
                                                       CoreRows<Real, Dim>& p, Mat<Real, Dim>& dL,
                                                       SeenOf<Real, of_grid>& tally, double& power) {
         if constexpr (of_grid) {
@@ -99,9 +99,10 @@ struct FusedGather {
             if (square > tally.square_speed) tally.square_speed = square;
             CoreRows<Real, Dim> before;  // where it was
             before.row[p.place] = shared.rows.take(half, T::rank(), p.place);
-            const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(before));
+            const U at = place_of<Real, Dim>(before);
+            const int cell = number_of<4, Real, Dim>(at);
             const Real borne = borne_share(shared.fluid.loose[cell], g.bulk[0]);
-            smooth(g.fluid.all, g.dt, shared.fluid.pressure[T::rank()], p, borne);
+            smooth(g.fluid.all, g.dt, pressure_of_cell(v, shared.fluid, cell, at), p);
             power += take_cell(
                 g.bulk[0], taken_increment(shared.fluid.increment[cell], shared.fluid.in_tension[cell], borne), p, dL);
         } else if constexpr (fluid) {
@@ -149,7 +150,7 @@ struct FusedGather {
         if constexpr (Law::uses_left_stretch)
             for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = row(core_rows<Dim> + r);
         Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
-        take_fluid(g, half, shared, p, dL, tally, power);
+        take_fluid(v, g, half, shared, p, dL, tally, power);
         const std::uint32_t faults =
             step.faults | update_stress(law, inverse_density, dL, g.dt, v.p, s, p, b, tally, power);
 #pragma unroll

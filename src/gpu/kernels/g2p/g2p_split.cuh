@@ -150,9 +150,10 @@ struct SplitGather {
         p.row[p.place] = at;
         const Real square = square_speed(p);
         if (square > tally.square_speed) tally.square_speed = square;
-        const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
+        const U spot = place_of<Real, Dim>(p);
+        const int cell = number_of<4, Real, Dim>(spot);
         const Real bulk = g.bulk[v.p.body[s]], borne = borne_share(shared.fluid.loose[cell], bulk);
-        smooth(terms_of(v, g.fluid, s), g.dt, shared.fluid.pressure[T::rank()], p, borne);
+        smooth(terms_of(v, g.fluid, s), g.dt, pressure_of_cell(v, shared.fluid, cell, spot), p);
         const Real increment = taken_increment(shared.fluid.increment[cell], shared.fluid.in_tension[cell], borne);
         const double work = take_cell(bulk, increment, p, dL);
         store_row(v.p.core[p.normal] + s, p.row[p.normal]);

@@ -10,14 +10,13 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, bool Means>
+template <class Real, int Dim>
 struct CellsShared {
     static constexpr int cells = Block<Dim>::cells, tile_nodes = power<Dim>(nodes_along);
-    using Factors = LayerFactors<Real, Dim, Means ? Dim + 1 : Dim>;
+    using Factors = LayerFactors<Real, Dim>;
 
     Real velocity[Dim][tile_nodes];
     Real pushed[Dim][tile_nodes];  ///< by cells that are not whole: sum_c G_ic (P_c + d dP_c)
-    Real mean[Means ? 2 : 1][Means ? tile_nodes : 1];
     BlockBasis<Real, Dim> basis;
     union {
         AxisSums<Real, Dim> axes;
@@ -26,15 +25,14 @@ struct CellsShared {
     Real part[parts<Dim>][layer_cells];
     Real force[cells];        ///< P_c + d dP_c
     Real force_whole[cells];  ///< the same, 0 of cells that are not whole
-    Real head[Means ? cells : 1];
     KindMasks<Dim> kinds;
 };
 
 /// A block.
-template <class Real, int Dim, bool Means>
+template <class Real, int Dim>
 struct AdvanceCells {
     using T = Team<Dim>;
-    using Shared = CellsShared<Real, Dim, Means>;
+    using Shared = CellsShared<Real, Dim>;
     using Factors = typename Shared::Factors;
     static constexpr int cells = Shared::cells, tile_nodes = Shared::tile_nodes;
     static constexpr int layer_nodes = Dim == 3 ? 36 * 3 : 36;
@@ -42,7 +40,7 @@ struct AdvanceCells {
     /// The cell of this thread.
     struct Mine {
         Quad<Real> state;  ///< V_c, P_c, dP_c, dl_c
-        Real bulk, source, head;
+        Real bulk, source;
         CellKind kind;
     };
 
@@ -57,11 +55,11 @@ struct AdvanceCells {
     }
 
     __device__ __forceinline__ Mine load() const {
-        Mine mine{Quad<Real>::zero(), Real(0), Real(0), Real(0), no_part};
+        Mine mine{Quad<Real>::zero(), Real(0), Real(0), no_part};
         if (T::rank() < cells) {
             const CellPressure<Real>& cell = pressure.cell[first_cell() + std::size_t(T::rank())];
             mine.state = load_row(reinterpret_cast<const Quad<Real>*>(&cell));
-            mine.bulk = cell.bulk, mine.source = cell.source, mine.head = cell.head;
+            mine.bulk = cell.bulk, mine.source = cell.source;
             mine.kind = !(mine.state[0] > Real(0)) ? no_part : cell.whole ? whole_kind : by_moments;
         }
         shared.kinds.tell(mine.kind);
@@ -88,7 +86,6 @@ struct AdvanceCells {
         const Real force = mine.kind == no_part ? Real(0) : mine.state[1] + task.damping * mine.state[2];
         shared.force[c] = force;
         shared.force_whole[c] = mine.kind == whole_kind ? force : Real(0);
-        if constexpr (Means) shared.head[c] = mine.head;
     }
 
     /// All cells but those by moments, which follow.
@@ -131,21 +128,14 @@ struct AdvanceCells {
             Vec<Real, Dim> sum;
 #pragma unroll
             for (int a = 0; a < Dim; ++a) sum[a] = shared.pushed[a][at];
-            Real head = Real(0), volume = Real(0);
-            if constexpr (Means) head = shared.mean[0][at], volume = shared.mean[1][at];
             Factors::each_cell(n, [&](int cell, int of) {
                 const int c = layer * layer_cells + cell;
                 if (shared.kinds.kind[c] != by_moments) return;
 #pragma unroll
                 for (int a = 0; a < Dim; ++a) sum[a] += shared.factors.of[a][of][cell] * shared.force[c];
-                if constexpr (Means) {
-                    const Real share = shared.factors.of[Dim][of][cell];
-                    head += share * shared.head[c], volume += share;
-                }
             });
 #pragma unroll
             for (int a = 0; a < Dim; ++a) shared.pushed[a][at] = sum[a];
-            if constexpr (Means) shared.mean[0][at] = head, shared.mean[1][at] = volume;
         }
     }
 
@@ -156,7 +146,6 @@ struct AdvanceCells {
             for (int n = T::rank(); n < tile_nodes; n += T::threads) {
 #pragma unroll
                 for (int a = 0; a < Dim; ++a) shared.pushed[a][n] = Real(0);
-                if constexpr (Means) shared.mean[0][n] = shared.mean[1][n] = Real(0);
             }
         T::sync();
 #pragma unroll 1
@@ -198,37 +187,12 @@ struct AdvanceCells {
         });
     }
 
-    /// What smooths pressures: sum_c w V (P_c + rho g.x) and sum_c w V.
-    __device__ __forceinline__ void store_means(bool layered) const {
-        Real volume = Real(1);
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) volume /= v.context.inverse_cell;
-        for (int n = T::rank(); n < tile_nodes; n += T::threads) {
-            Quad<Real> means = Quad<Real>::zero();
-            if (layered) means[0] = shared.mean[0][n], means[1] = shared.mean[1][n];
-#pragma unroll 1
-            for (int layer = 0; layer < layers<Dim>; ++layer) {
-                const int k = n / 36 - layer;
-                if (k < 0 || k > 2) continue;
-                Factors::each_cell(n % 36, [&](int cell, int of) {
-                    const int c = layer * layer_cells + cell;
-                    if (shared.kinds.kind[c] != whole_kind) return;
-                    Real share = volume * whole_weight<Real>(of % 3) * whole_weight<Real>(of / 3);
-                    if (Dim == 3) share *= whole_weight<Real>(k);
-                    means[0] += share * shared.head[c], means[1] += share;
-                });
-            }
-            store_row(tile() + 2 * n, means);
-        }
-    }
-
     __device__ __forceinline__ void run() const {
         Mine mine = load();
         const bool layered = shared.kinds.any_by_moments();
         advance_whole(mine);
         if (layered) advance_layers(mine);
         if (task.sums) {
-            if constexpr (Means) store_means(layered);
             store_forces(layered);
         }
         T::sync();
@@ -239,17 +203,17 @@ struct AdvanceCells {
 template <class Real>
 inline constexpr int advance_blocks = sizeof(Real) == 8 ? 5 : 7;
 
-template <class Real, int Dim, bool Means>
+template <class Real, int Dim>
 __global__ void __launch_bounds__(Team<Dim>::block_threads, advance_blocks<Real>)
     advance_cells_kernel(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
                          const __grid_constant__ PressureView<Real, Dim> pressure, const CellTask<Real> task) {
     using T = Team<Dim>;
     extern __shared__ __align__(32) unsigned char memory[];
-    auto& shared = reinterpret_cast<CellsShared<Real, Dim, Means>*>(memory)[T::index()];
+    auto& shared = reinterpret_cast<CellsShared<Real, Dim>*>(memory)[T::index()];
     const std::uint32_t count = *chosen.count;
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride())
-        AdvanceCells<Real, Dim, Means>{v, pressure, task, chosen.block[item], shared}.run();
+        AdvanceCells<Real, Dim>{v, pressure, task, chosen.block[item], shared}.run();
 }
 
 }  // namespace moraine::gpu

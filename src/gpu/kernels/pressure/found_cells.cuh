@@ -18,7 +18,7 @@ struct StagedParticles {
     Real fraction[Dim][count];
 
     __device__ __forceinline__ void load(const Columns<Real, Dim>& p, const Real* of_body, const std::uint32_t* slot,
-                                         int number, bool with_place) {
+                                         int number) {
         using Core = CoreRows<Real, Dim>;
 #pragma unroll
         for (int r = 0; r < 2; ++r) {
@@ -27,16 +27,15 @@ struct StagedParticles {
             const std::uint32_t s = slot[k];
             const Real bulk = of_body[p.body[s]];
             Core core;
-            if (with_place || Core::volume_row == Core::place)
-                core.row[Core::place] = load_row(p.core[Core::place] + s);
+            core.row[Core::place] = load_row(p.core[Core::place] + s);
             if constexpr (Core::volume_row != Core::place)
                 core.row[Core::volume_row] = load_row(p.core[Core::volume_row] + s);
             if constexpr (Core::normal != Core::volume_row) core.row[Core::normal] = load_row(p.core[Core::normal] + s);
             const Real V = bulk > Real(0) ? core.volume() : Real(0);
             const Real trace = core.stress(0) + core.stress(1) + core.stress(2);
             volume[k] = V, pressure[k] = V * trace * Real(1.0 / 3.0), modulus[k] = V * bulk;
-            if (with_place)
-                for (int a = 0; a < Dim; ++a) fraction[a][k] = fraction_of<Real>(core.coordinate(a));
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) fraction[a][k] = fraction_of<Real>(core.coordinate(a));
         }
     }
 };
@@ -49,7 +48,7 @@ struct FindShared {
     union {
         StagedParticles<Real, Dim> staged;
         struct {
-            LayerFactors<Real, Dim, Dim> factors;
+            LayerFactors<Real, Dim> factors;
             Real part[sums][parts<Dim>][layer_cells];  ///< L, then sum |G|^2 / m
         };
     };
@@ -84,22 +83,20 @@ struct FindBlock {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (cells + 1);
         const int c = T::rank(), count = static_cast<int>(bounds[cells]);
         const int from = c < cells ? int(bounds[c]) : 0, to = c < cells ? int(bounds[c + 1]) : 0;
-        const bool with_place = shared.kinds.any_by_moments();
         auto& staged = shared.staged;
 #pragma unroll 1
         for (int start = 0; start < count; start += staged.count) {
             const int number = count - start < staged.count ? count - start : staged.count;
-            staged.load(work.view.p, work.bulk, list.slot + list.first[block] + start, number, with_place);
+            staged.load(work.view.p, work.bulk, list.slot + list.first[block] + start, number);
             T::sync();
             const int last = to - start < number ? to - start : number;
 #pragma unroll 1
             for (int k = from > start ? from - start : 0; k < last; ++k) {
-                CellFinder<Real, Dim>::add(staged.volume[k], staged.pressure[k], staged.modulus[k], found);
-                if (found.cell.whole) continue;
                 Real f[Dim];
 #pragma unroll
                 for (int a = 0; a < Dim; ++a) f[a] = staged.fraction[a][k];
-                moments.add(staged.volume[k], f);
+                work.finder.add(staged.volume[k], staged.pressure[k], staged.modulus[k], f, found);
+                if (!found.cell.whole) moments.add(staged.volume[k], f);
             }
             T::sync();
         }
@@ -112,7 +109,7 @@ struct FindBlock {
         const int corner = tile_offset<Dim, 3>(c);
         Mat<Real, Dim> L = zero_mat<Real, Dim>();
         Real weight = Real(0);
-        LayerFactors<Real, Dim, Dim>::each_of_part([&](int n, int at) {
+        LayerFactors<Real, Dim>::each_of_part([&](int n, int at) {
             Real square = Real(0);
 #pragma unroll
             for (int b = 0; b < Dim; ++b) {

@@ -62,17 +62,17 @@ struct KindMasks {
     }
 };
 
-/// Rows: the axes' gradients G_ic [m^(d-1)], then, if Rows > Dim, the shares of the volume [m^d].
-template <class Real, int Dim, int Rows>
+/// G_ic [m^(d-1)], by axis.
+template <class Real, int Dim>
 struct LayerFactors {
     static constexpr int nodes = power<Dim>(3);
-    Real of[Rows][nodes][layer_cells];
+    Real of[Dim][nodes][layer_cells];
 
     /// moments: of the block's cells. A sync() must follow.
     __device__ __forceinline__ void find(const CellMoments<Real, Dim>* moments, const KindMasks<Dim>& kinds,
                                          const BlockBasis<Real, Dim>& basis, int layer, Real inverse_cell) {
 #pragma unroll 1
-        for (int item = Team<Dim>::rank(); item < Rows * 3 * layer_cells; item += Team<Dim>::threads) {
+        for (int item = Team<Dim>::rank(); item < Dim * 3 * layer_cells; item += Team<Dim>::threads) {
             const int cell = item % layer_cells, i = item / layer_cells % 3, row = item / (3 * layer_cells);
             const int c = layer * layer_cells + cell;
             if (kinds.kind[c] != by_moments) continue;
@@ -80,8 +80,7 @@ struct LayerFactors {
                 const CellBasis<Real>& b = basis[a][cell_coordinate<Dim>(c, a)];
                 return row == a ? b.slope[node] : b.value[node];
             };
-            contract(moments[c].m, i, row < Dim ? inverse_cell : Real(1), coefficients,
-                     [&](int n, Real value) { of[row][n][cell] = value; });
+            contract(moments[c].m, i, inverse_cell, coefficients, [&](int n, Real value) { of[row][n][cell] = value; });
         }
     }
 

@@ -24,15 +24,14 @@ struct PressureView {
     CellPressure<Real>* cell;         ///< [tile][cell]
     CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
     HeldNode<Real, Dim>* held;        ///< [node block][node]
-    Real* mean;                       ///< [node block][node]: of P + rho g.x of the cells around it [Pa]
     const Real* bulk;                 ///< by body: K [Pa]
 };
 
 /// Of the cells and nodes of a block [bytes].
 template <class Real, int Dim>
 constexpr double pressure_bytes() {
-    return Block<Dim>::cells * double(sizeof(CellPressure<Real>) + sizeof(CellMoments<Real, Dim>) +
-                                      1.3 * (sizeof(HeldNode<Real, Dim>) + sizeof(Real)));
+    return Block<Dim>::cells *
+           double(sizeof(CellPressure<Real>) + sizeof(CellMoments<Real, Dim>) + 1.3 * sizeof(HeldNode<Real, Dim>));
 }
 
 /// What stays through the substeps of a step.
@@ -49,7 +48,6 @@ class PressureState {
     Array<CellPressure<Real>> cell_;
     Array<CellMoments<Real, Dim>> moments_;
     Array<HeldNode<Real, Dim>> held_;
-    Array<Real> mean_;
     Array<Real> bulk_;
 };
 
@@ -77,12 +75,11 @@ void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pres
 /// What a launch over cells does.
 template <class Real>
 struct CellTask {
-    bool updates;     ///< takes the velocities of the substep before
-    Real dt;          ///< of it [s]
-    Real time;        ///< half of the time from the start of the step to its middle [s]
-    bool sums;        ///< writes the tiles of this substep
-    bool with_means;  ///< with what smooths pressures
-    Real damping;     ///< d [-]
+    bool updates;  ///< takes the velocities of the substep before
+    Real dt;       ///< of it [s]
+    Real time;     ///< half of the time from the start of the step to its middle [s]
+    bool sums;     ///< writes the tiles of this substep
+    Real damping;  ///< d [-]
 };
 template <class Real, int Dim>
 void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,

@@ -29,7 +29,6 @@ __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, i
     store_row(out, first);
     store_row(out + 1, second);
     w.pressure.held[at] = held;
-    w.pressure.mean[at] = Real(0);
 }
 
 template <class Real, int Dim>
@@ -52,10 +51,9 @@ struct SubstepWork : NodeWork<Real, Dim> {
 };
 
 /// The sums of a substep as those of a step, (m, q) and f (core/nodes.hpp: SolveNodes::take_held), and what follows.
-template <bool First, bool Contact, class Real, int Dim>
+template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void solve_substep_node(const SubstepWork<Real, Dim>& w, int c, int n,
-                                                   const Quad<Real>& means, const Quad<Real>& pushed, bool counted,
-                                                   ExactSum (&impulse)[Dim]) {
+                                                   const Quad<Real>& pushed, bool counted, ExactSum (&impulse)[Dim]) {
     const std::size_t at = std::size_t(c) * Block<Dim>::cells + std::size_t(n);
     Quad<Real>* out = values_of_node(w.view, c, n);
     Quad<Real> first = load_row(out), second = load_row(out + 1);
@@ -76,23 +74,19 @@ __device__ __forceinline__ void solve_substep_node(const SubstepWork<Real, Dim>&
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
     store_row(out, first);
     store_row(out + 1, second);
-    if constexpr (First)
-        if (w.round.with_means && means[1] > Real(0) && m > w.round.mass_cutoff)
-            w.pressure.mean[at] = means[0] / means[1];
 }
 
-template <class Real, int Dim, bool First, bool Contact>
+template <class Real, int Dim, bool Contact>
 __global__ void __launch_bounds__(node_threads, 1) substep_kernel(const __grid_constant__ SubstepWork<Real, Dim> w) {
     constexpr int cells = Block<Dim>::cells;
     const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
     const int n = static_cast<int>(threadIdx.x) % cells;
     const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
     if (__all_sync(all_lanes, around.own == 0)) return;
-    Quad<Real> means, pushed;
-    constexpr TileQuads quads = First ? TileQuads::both : TileQuads::force;
-    const bool counted = sum_tiles<Dim, 3, quads>(w.view.grid.tiles, around, n, means, pushed);
+    Quad<Real> none, pushed;
+    const bool counted = sum_tiles<Dim, 3, TileQuads::force>(w.view.grid.tiles, around, n, none, pushed);
     ExactSum impulse[Dim];
-    if (around.own != 0) solve_substep_node<First, Contact>(w, c, n, means, pushed, counted, impulse);
+    if (around.own != 0) solve_substep_node<Contact>(w, c, n, pushed, counted, impulse);
     fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
 }
 
