@@ -78,6 +78,21 @@ def fillings(runs):
                  "time [s]", "over-filling [%]", lines, zero=True)
 
 
+def sleepers(runs):
+    """None of runs in which no block can sleep."""
+    lines = []
+    for run in runs:
+        asleep, particles, more = column(run.history, "asleep"), column(run.history, "particles"), f"{run.name}: " if len(runs) > 1 else ""
+        if asleep:
+            shares = [100 * a / n if n > 0 else math.nan for a, n in zip(asleep, particles)]
+            lines += [Line(more + "asleep", column(run.history, "time_s"), shares),
+                      Line(more + "awake", column(run.history, "time_s"), [100 - share for share in shares], dashed=True)]
+    if not lines:
+        return None
+    return Chart("asleep", "Asleep and awake", "Share of the particles. Those of blocks that sleep are left out of P2G and G2P, and count little in the load.",
+                 "time [s]", "share [%]", lines, zero=True)
+
+
 def forces(run):
     """A chart for each structure: components of the force on it."""
     charts = []
@@ -186,14 +201,14 @@ def sections(runs):
         missing += [why] if why else []
         mine = [chart for chart in [depth, energies(run), unaccounted(run), *forces(run)] if chart]
         if len(flows) == 1:
-            mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows)) if chart]
+            mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows), sleepers(flows)) if chart]
         if len(run.structures) > STRONG:
             missing.append(f"Forces on {len(run.structures) - STRONG} more structures of {html.escape(run.name)}: see its structures.csv.")
         charts += mine
         parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{warnings(run)}{shown}\n"
                      f'<div class="charts">{"".join(map(section, mine))}</div>\n</section>')
     if len(flows) > 1:
-        both = [chart for chart in (fronts(flows), speeds(flows), fillings(flows)) if chart]
+        both = [chart for chart in (fronts(flows), speeds(flows), fillings(flows), sleepers(flows)) if chart]
         charts += both
         parts.insert(0, f'<section>\n<h2>The flows together</h2>\n<div class="charts">{"".join(map(section, both))}</div>\n</section>')
     return parts, charts, missing

@@ -7,6 +7,7 @@
 #include "core/courant.hpp"
 #include "core/ground_curvature.hpp"
 #include "core/rest_interval.hpp"
+#include "core/sleep.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_keys.hpp"
 #include "seeding/seed_region.hpp"
@@ -113,6 +114,10 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
         text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
                             100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
                             rest_interval(scene));
+    if (scene.sleep.on)
+        text +=
+            fmt::format("sleep      blocks may: less than {:.4g} m in {:.4g} s, and {:.4g} Pa of a density of 1000\n",
+                        scene.sleep.displacement * scene.cell, sleep_interval(scene), 1000 * sleep_rule(scene).weight);
     if (writes_particles) text += output_line(scene, p);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");

@@ -123,9 +123,11 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
         const OutputFrame<Real, Dim> frame(sim_);
         series_->check_types(frame.position(), frame.fields());
     }
-    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(), resume);
+    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv",
+                                        TimeSeriesRow<Dim>::columns(scene_.sleep.on), resume);
     if (resume) resume->row.clear();  // the others tell of times, which differ from run to run
-    balance_ = std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(), resume);
+    balance_ =
+        std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(scene_.sleep.on), resume);
     if (!sim_.structures().empty())
         structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
     if (!scene_.hazard.gauges.empty())

@@ -26,6 +26,14 @@ struct CostModel {
     std::int64_t d;  ///< per block [ps]
 };
 
+/// Sleeping particles (core/sleep.hpp) that cost as much as one that is awake: their blocks still have nodes and lists.
+inline constexpr std::int64_t sleepers_per_awake = 16;
+
+/// Particles of a rank by what they cost.
+constexpr std::int64_t load_of(std::int64_t particles, std::int64_t asleep) {
+    return particles - asleep + (asleep + sleepers_per_awake - 1) / sleepers_per_awake;
+}
+
 /// On one core, from benchmark_step --costs: the cell term came out as nothing.
 inline constexpr CostModel host_costs{130000, 0, 8000000};
 /// On one H200 in single: least squares over benchmark_device's cases costs-* (benchmarks/device/results.md)

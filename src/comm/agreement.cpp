@@ -14,6 +14,9 @@ void combine(const Agreement& a, Agreement& b) {
     b.seconds_sum += a.seconds_sum;
     b.count = std::max(a.count, b.count);
     b.count_sum += a.count_sum;
+    b.asleep_sum += a.asleep_sum;
+    b.load = std::max(a.load, b.load);
+    b.load_sum += a.load_sum;
     b.blocks += a.blocks;
     b.migration_bound.take_most(a.migration_bound);
     b.faults |= a.faults;
@@ -44,6 +47,7 @@ void AgreementReduction::start(const Agreement& mine) {
     mine_ = mine;
     mine_.seconds_sum = mine.seconds;
     mine_.count_sum = mine.count;
+    mine_.load_sum = mine.load;
     requests_.clear();
     if (comm_.size() > most_direct) {
         requests_.emplace_back();

@@ -38,6 +38,9 @@ struct Agreement {
     double seconds_sum = 0;            ///< sum; reported only
     std::int64_t count = 0;            ///< max: particles of a rank
     std::int64_t count_sum = 0;        ///< sum
+    std::int64_t asleep_sum = 0;       ///< sum: of these, of sleeping blocks
+    std::int64_t load = 0;             ///< max: particles of a rank, sleepers by what they cost (balance/weight.hpp)
+    std::int64_t load_sum = 0;         ///< sum
     std::int64_t blocks = 0;           ///< sum: occupied
     MigrationBound migration_bound;    ///< max
     std::uint32_t faults = 0;          ///< or: bits of Fault

@@ -58,7 +58,8 @@ struct StepScales {
 struct BlockCounts {
     std::vector<Key> key;  ///< ascending
     std::vector<std::uint32_t> count;
-    std::vector<std::int64_t> cells;  ///< that hold particles; empty unless asked for
+    std::vector<std::int64_t> cells;   ///< that hold particles; empty unless asked for
+    std::vector<std::uint8_t> asleep;  ///< 1: the block sleeps; empty in scenes without sleep
 };
 
 /// Sizes of the share in the last binned state.
@@ -66,6 +67,7 @@ struct Census {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;         ///< occupied
     MigrationBound migration_bound;  ///< on a device
+    std::int64_t asleep = 0;         ///< particles
 };
 
 /// What this rank has sent since the run began.
@@ -120,6 +122,10 @@ class Engine {
     virtual std::optional<NodeVolumes> node_volumes() { return std::nullopt; }
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
+
+    /// Who falls asleep and who wakes (core/sleep.hpp); the `first` of a run puts nobody to sleep. Binned state only.
+    /// Scenes with sleep only. Collective over peers.
+    virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/) {}
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell

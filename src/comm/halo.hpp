@@ -1,11 +1,11 @@
 #pragma once
 // Halo: the unsummed tiles that other ranks need travel to them, once per round.
 //
-// One message per peer: occupancy of its tiles, one byte each, then the shared nodes of the tiles
-// that exist, node_sums reals each, one more where they have a mean (NodeMean); in the first round of a step with
-// structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides know the lists from the epoch's
-// tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by one
-// rule.
+// One message per peer: occupancy of its tiles, one byte each, with whether the block sleeps, then the shared nodes of
+// the tiles that exist, node_sums reals each, one more where they have a mean (NodeMean); in the first round of a step
+// with structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides know the lists from the
+// epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by
+// one rule.
 
 #include "comm/contact_pairs.hpp"
 #include "comm/epoch.hpp"
@@ -46,13 +46,13 @@ class Halo {
         }
     }
 
-    /// Packs and sends the boundary tiles; gaps: null in rounds without. Each start() meets one finish(); collective
-    /// over peers.
-    void start(const TileView<Real>& grid, const GapShare<Dim>* gaps = nullptr) {
+    /// Packs and sends the boundary tiles; gaps: null in rounds without; asleep: which blocks sleep, own ones first,
+    /// then ghosts, or null. Each start() meets one finish(); collective over peers.
+    void start(const TileView<Real>& grid, const GapShare<Dim>* gaps = nullptr, const std::uint8_t* asleep = nullptr) {
         sends_.clear();
         receives_.clear();
         for (std::size_t k = 0; k < out_.size(); ++k) {
-            const std::int64_t bytes = pack(tables_.peers[k].send, grid, gaps, out_[k].data());
+            const std::int64_t bytes = pack(tables_.peers[k].send, grid, gaps, asleep, out_[k].data());
             sends_.push_back({tables_.peers[k].rank, out_[k].data(), bytes, static_cast<std::int64_t>(out_[k].size())});
             receives_.push_back({tables_.peers[k].rank, in_[k].data(), 0, static_cast<std::int64_t>(in_[k].size())});
             bytes_ += bytes;
@@ -61,9 +61,13 @@ class Halo {
     }
 
     /// Waits, and puts the foreign tiles in place; tile_of is that of own blocks, then ghosts.
-    void finish(const TileView<Real>& grid, std::int32_t* tile_of, const GapShare<Dim>* gaps = nullptr) {
+    void finish(const TileView<Real>& grid, std::int32_t* tile_of, const GapShare<Dim>* gaps = nullptr,
+                std::uint8_t* asleep = nullptr) {
         messages_.finish();
         for (std::size_t k = 0; k < in_.size(); ++k) {
+            const TileList& list = tables_.peers[k].receive;
+            for (std::size_t t = 0; asleep && t < list.block.size(); ++t)
+                asleep[tables_.own.size() + static_cast<std::size_t>(list.block[t])] = in_[k][t] == sleeping_tile;
             const std::byte* rest = unpack(tables_.peers[k].receive, grid, tile_of, in_[k].data());
             if (gaps) unpack_gaps(tables_.peers[k].receive, *gaps, tile_of, rest);
         }
@@ -72,6 +76,8 @@ class Halo {
     std::int64_t bytes() const { return bytes_; }  ///< sent so far by this rank in this epoch
 
   private:
+    static constexpr std::byte sleeping_tile{2};  ///< its occupancy; of others 1, or 0: there is none
+
     std::size_t capacity(const TileList& list) const {
         const std::size_t sums = node_sums<Dim> + (with_mean_ ? 1 : 0);
         return padded(list.block.size()) + list.node.size() * sums * sizeof(Real);
@@ -99,13 +105,14 @@ class Halo {
     }
 
     std::int64_t pack(const TileList& list, const TileView<Real>& grid, const GapShare<Dim>* gaps,
-                      std::byte* to) const {
+                      const std::uint8_t* asleep, std::byte* to) const {
         Real* values = reinterpret_cast<Real*>(to + padded(list.block.size()));
         const Real* begin = values;
         for (std::size_t t = 0; t < list.block.size(); ++t) {
             const std::int32_t tile = grid.tile_of[list.block[t]];
             to[t] = static_cast<std::byte>(tile >= 0);
             if (tile < 0) continue;
+            if (asleep && asleep[list.block[t]]) to[t] = sleeping_tile;
             const Real* from = grid.tiles + static_cast<std::size_t>(tile) * tile_nodes_ * node_reals;
             for (std::uint32_t n = list.first[t]; n < list.first[t + 1]; ++n) {
                 const Real* node = from + list.node[n] * node_reals;

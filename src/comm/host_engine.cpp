@@ -18,6 +18,7 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       migration_messages_(comm, 2),
       patch_(method.needs, method.stencil.width) {
     whole_cell(method.context.inverse_cell, whole_cell_.data());
+    if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
 }
 
 template <class Real, int Dim>
@@ -31,6 +32,7 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& b
     halo_.reset();
     migration_.reset();
     patch_.install(std::move(tables), binned);
+    if (sleepers_) sleepers_->begin_epoch();
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
@@ -80,6 +82,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::bin() {
     if (!moving_) return;
     migration_->finish();
+    if (sleepers_) sleepers_->wake_entered();
     report_.in_guard_layer = patch_.is_in_guard_layer();
     moving_ = false;
 }
@@ -112,19 +115,21 @@ void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
-    const TransferCall<Real, Dim> call = transfer_call(blocks);
+    const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, mean_) : blocks);
     const auto count = static_cast<std::int64_t>(pairs.size());
     if (finding_)
         Host::launch(count,
                      LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
                                            static_cast<int>(count), call.particles.id, &buried_, pairs_.bounds()});
     method_.kernels.p2g(call, method_.cell);
+    if (sleepers_) sleepers_->keep_masses();
     if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::receive_halo() {
-    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ ? &gap_share_ : nullptr);
+    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ ? &gap_share_ : nullptr,
+                  sleepers_ ? sleepers_->asleep() : nullptr);
     finding_ = false;
 }
 
@@ -146,6 +151,7 @@ std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
     Host::launch_teams(static_cast<std::int64_t>(volumes.size()),
                        CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,
                                                method_.stencil.origin, std::pow(scene_.cell, -Dim), volumes.data()});
+    if (sleepers_) sleepers_->forget_tiles();
     NodeVolumes sum;
     for (const NodeVolumes& v : volumes) sum.add(v);
     return sum;
@@ -175,12 +181,26 @@ template <class Real, int Dim>
 template <bool Contact>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact) {
-    const std::span<const std::int32_t> needed = patch_.node_blocks();
-    impulse_.resize(needed.size() * Dim);
+    if (!sleepers_ || Contact || round.task != NodeTask::solve)
+        return solve<Contact>(round, step, contact, patch_.node_blocks());
+    if (sleepers_->find_still_nodes()) {
+        NodeRound<Real, Dim> second = round;
+        second.dt = Real(1);
+        solve<Contact>(second, step, contact, sleepers_->still_nodes());
+        sleepers_->keep_still_nodes(impulse_.data(), step.quantum);
+    }
+    solve<Contact>(round, step, contact, sleepers_->other_nodes());
+}
+
+template <class Real, int Dim>
+template <bool Contact>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
+    impulse_.resize(nodes.size() * Dim);
     const SolveNodes<Real, Dim, Contact> kernel{method_.context.walls,
                                                 patch_.table(),
                                                 patch_.grid(),
-                                                needed.data(),
+                                                nodes.data(),
                                                 method_.stencil.width,
                                                 method_.stencil.origin,
                                                 round,
@@ -190,7 +210,17 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                 {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
                                                 {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
                                                 ground_.empty() ? nullptr : ground_.data()};
-    Host::launch_teams(static_cast<std::int64_t>(needed.size()), kernel);
+    Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<Dim>& step) {
+    sleepers_->wake_by_nodes(step.dt, step.quantum, report_.budget);
+    if (sleepers_->woken_nodes().empty()) return;
+    Host::Array<ExactSum> counted;
+    counted.swap(impulse_);
+    solve<false>(node_round(round.nodes, step.dt, step), step, {}, sleepers_->woken_nodes());
+    counted.swap(impulse_);
 }
 
 template <class Real, int Dim>
@@ -215,7 +245,9 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
         method_.fluid(),
         shifts ? &shifting : nullptr,
         {cells_.data(), factors_.data(), method_.grid_bulk() ? held_.data() : nullptr}};
-    method_.kernels.g2p(transfer_call(patch_.blocks()), gather);
+    if (sleepers_) wake_sleepers(round, step);
+    method_.kernels.g2p(transfer_call(sleepers_ ? sleepers_->awake() : patch_.blocks()), gather);
+    if (sleepers_) sleepers_->stay();
     if (&round == &method_.rounds.front()) fault_records_.clear();
     record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
 }

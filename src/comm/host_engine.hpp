@@ -9,6 +9,7 @@
 #include "comm/halo.hpp"
 #include "comm/lattice_fill.hpp"
 #include "comm/migration.hpp"
+#include "comm/sleepers.hpp"
 #include "core/particle_depth.hpp"
 
 namespace moraine {
@@ -23,7 +24,9 @@ class HostEngine final : public Engine<Real, Dim> {
 
     std::string device() const override { return "cpu"; }
     Share& share() override { return patch_; }
-    Census census() const override { return {patch_.count(), patch_.tiles_in_use(), {}}; }
+    Census census() const override {
+        return {patch_.count(), patch_.tiles_in_use(), {}, sleepers_ ? sleepers_->particles() : 0};
+    }
     BlockCounts block_counts(bool with_cells) override;
 
     void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) override;
@@ -33,10 +36,13 @@ class HostEngine final : public Engine<Real, Dim> {
     std::optional<NodeVolumes> node_volumes() override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
+    void check_sleep(bool first, const Quantum& quantum) override { sleepers_->check(first, quantum, report_.budget); }
     void bin() override;
     void find_gaps(const StructureSet<Dim>& structures) override;
     void sum_boundary() override { sum(patch_.boundary(), pairs_.boundary()); }
-    void send_halo() override { halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr); }
+    void send_halo() override {
+        halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr, sleepers_ ? sleepers_->asleep() : nullptr);
+    }
     void sum_interior() override { sum(patch_.interior(), pairs_.interior()); }
     void receive_halo() override;
     void sum_mean(NodeMean mean) override { mean_ = mean; }
@@ -57,6 +63,10 @@ class HostEngine final : public Engine<Real, Dim> {
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step);
     template <bool Contact>
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact);
+    template <bool Contact>
+    void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact,
+               std::span<const std::int32_t> nodes);
+    void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     CellContext<Real, Dim> cell_context();
     void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
@@ -72,7 +82,8 @@ class HostEngine final : public Engine<Real, Dim> {
     Share patch_;
     std::unique_ptr<Halo<Real, Dim>> halo_;
     std::unique_ptr<Migration<Host, Real, Dim>> migration_;
-    Traffic ended_;  ///< of the epochs before
+    std::unique_ptr<Sleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
+    Traffic ended_;                                  ///< of the epochs before
     StepReport<Dim> report_;
     std::vector<FaultRecord<Dim>> fault_records_;
     Buried<Dim> buried_;  ///< of this step
@@ -103,10 +114,14 @@ std::int64_t occupied_cells(Patch<Host, Real, Dim>& patch, std::span<const std::
 /// Of blocks that are not yet those of an epoch.
 template <class Real, int Dim>
 BlockCounts counts_of(Patch<Host, Real, Dim>& patch, const BinnedBlocks& binned, bool with_cells) {
-    BlockCounts counts{binned.key, binned.count, {}};
+    BlockCounts counts{binned.key, binned.count, {}, {}};
     std::size_t at = 0;
     for (std::size_t b = 0; with_cells && b < binned.key.size(); at += binned.count[b], ++b)
         counts.cells.push_back(occupied_cells(patch, std::span(binned.slot).subspan(at, binned.count[b])));
+    const std::uint64_t* rest = patch.particles.view().rest_place;
+    at = 0;
+    for (std::size_t b = 0; rest && b < binned.key.size(); at += binned.count[b], ++b)
+        counts.asleep.push_back((rest[binned.slot[at]] & rest_word::asleep) != 0);
     return counts;
 }
 

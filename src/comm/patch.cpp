@@ -9,13 +9,16 @@ namespace moraine {
 namespace {
 
 /// Capacity for n elements whose content does not matter: the old ones are given back before new ones are taken.
+/// Returns whether that was so.
 template <class Array>
-void renew(Array& array, std::size_t n) {
-    if (n > array.capacity()) {
+bool renew(Array& array, std::size_t n) {
+    const bool grows = n > array.capacity();
+    if (grows) {
         array.release();
         array.reserve(n + n / 16);
     }
     array.resize(n);
+    return grows;
 }
 
 }  // namespace
@@ -90,6 +93,7 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlock
     shuffled_.resize(n);
     outcome_.resize(n);
     moves_.resize(slot_.size());
+    ++tile_memory_;
     Space::launch(own(), [this](int block) { count_cells(block); });
     assign_storage();
 }
@@ -195,7 +199,7 @@ void Patch<Space, Real, Dim>::assign_storage() {
     Space::launch(t.node_blocks, PlaceTiles{t.node_blocks, 0, used_.data(), place_.data(), node_of_.data()});
 
     const int tile_reals = power<Dim>(tile_side(width_)) * node_reals;
-    renew(tiles_, static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals));
+    if (renew(tiles_, static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals))) ++tile_memory_;
     renew(nodes_, static_cast<std::size_t>(needed * Block<Dim>::cells * node_reals));
 }
 
@@ -206,6 +210,7 @@ void Patch<Space, Real, Dim>::refresh_memory(double share) {
     if (loose <= share * static_cast<double>(n)) return;
     const std::size_t tiles = tiles_.size();
     const std::size_t nodes = nodes_.size();
+    ++tile_memory_;
     tiles_.release();  // of a step; their memory serves as the spare column
     nodes_.release();
     particles.permute(slot_.data(), n);

@@ -38,6 +38,8 @@ class Patch {
     std::int64_t count() const { return own() == 0 ? 0 : first_[static_cast<std::size_t>(own())]; }
     std::int64_t tiles_in_use() const { return occupied_; }
     std::size_t stored_nodes() const { return nodes_.size() / node_reals; }
+    /// Changes where the memory of tiles was lost.
+    std::int64_t tile_memory() const { return tile_memory_; }
 
     BlockTable<Dim> table() const;
     ListView<Dim> list() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
@@ -111,6 +113,7 @@ class Patch {
     Array<std::uint32_t> used_, place_;
     Array<Real> tiles_, nodes_;
     std::int64_t occupied_ = 0;
+    std::int64_t tile_memory_ = 0;
 };
 
 }  // namespace moraine

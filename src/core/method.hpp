@@ -189,6 +189,7 @@ inline ColumnNeeds needs_of(const Scene& scene) {
     ColumnNeeds needs;
     needs.affine = is_affine(scene.transfer);
     needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
+    needs.sleep = scene.sleep.on;
     for (const MaterialSpec& m : scene.materials) {
         const LawInfo& law = *find_law(m.law);
         needs.left_stretch = needs.left_stretch || law.uses_left_stretch;

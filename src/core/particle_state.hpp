@@ -39,6 +39,8 @@ struct ParticleView {
     Vec<Real, Dim>* log_stretch;           ///< of a contiguous GIMP box, per axis [-]
     Real* history[max_history];            ///< scalars of the material
     Vec<Real, Dim>* body_force;            ///< manufactured acceleration of this step [m/s2]
+    std::uint64_t* rest_place;             ///< place at the last sleep check, and whether asleep (core/sleep.hpp)
+    std::uint64_t* rest_stress;            ///< measures of the stress then
 
     /// Asks the cache for what P2G reads of slot s. Lists follow memory only while it is fresh: with 5 % of the
     /// particles out of place a step took 1.4 times as long without this.
@@ -72,6 +74,7 @@ struct ColumnNeeds {
     bool log_stretch = false;
     int history = 0;
     bool body_force = false;
+    bool sleep = false;
 };
 
 /// Rows of a device that come and go together; own: no row but a column of the variable's own.
@@ -127,6 +130,16 @@ constexpr auto history_variables(std::integer_sequence<int, K...>) {
     return std::tuple{variable<Real>(
         history_name<K>, "", sizeof(Real), [](const ColumnNeeds& n) { return n.history > K; }, FirstValue::zero,
         [](auto& v) -> auto& { return v.history[K]; }, K == 0 ? spare : RowPlaces{})...};
+}
+
+/// In files and messages behind all others.
+constexpr auto sleep_variables() {
+    constexpr auto present = [](const ColumnNeeds& n) { return n.sleep; };
+    return std::tuple{
+        variable<std::uint64_t>(
+            "rest_place", "", 8, present, FirstValue::zero, [](auto& v) -> auto& { return v.rest_place; }),
+        variable<std::uint64_t>(
+            "rest_stress", "", 8, present, FirstValue::zero, [](auto& v) -> auto& { return v.rest_stress; })};
 }
 
 /// A symmetric tensor in one row of four, or in two of three, from a row of its group on.
@@ -187,7 +200,8 @@ constexpr auto particle_state() {
         detail::history_variables<Real, Dim>(std::make_integer_sequence<int, max_history>{}),
         std::tuple{variable<Vec<Real, Dim>>(
             "body_force", "m/s2", real, [](const ColumnNeeds& n) { return n.body_force; }, zero,
-            [](auto& v) -> auto& { return v.body_force; }, RowPlaces{}, Lifetime::step)});
+            [](auto& v) -> auto& { return v.body_force; }, RowPlaces{}, Lifetime::step)},
+        detail::sleep_variables());
 }
 
 /// Calls f(variable) for each entry of the table.

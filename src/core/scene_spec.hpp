@@ -163,6 +163,15 @@ struct RestSpec {
     int intervals = 3;           ///< in turn
 };
 
+/// Which blocks sleep (core/sleep.hpp).
+struct SleepSpec {
+    bool on = false;
+    double displacement = 0.005;  ///< of what may sleep, between two sleep checks, below that [cells]
+    double stress = 0.1;          ///< and the change of its stress, of the weight of a block on its face [-]
+    double interval = 0;          ///< between sleep checks [s]; 0: by core/sleep.hpp
+    double wake = 2;              ///< a sleeper wakes where its surroundings exceed these so many times
+};
+
 /// A place in plan where a run over terrain is observed.
 struct GaugeSpec {
     std::string name;
@@ -222,6 +231,7 @@ struct Scene {
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;
     RestSpec rest;
+    SleepSpec sleep;
     OutputSpec output;
     HazardSpec hazard;
     BalanceSpec balance;

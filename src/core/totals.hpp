@@ -116,14 +116,18 @@ struct Budget {
     std::array<ExactSum, Dim> lost_momentum;
     std::array<ExactSum, Dim> lost_gravity_impulse;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
+    ExactSum slept_kinetic;                      ///< taken from what fell asleep, and from sleepers [J]
+    std::array<ExactSum, Dim> slept_momentum{};  ///< likewise [kg m/s]
 
     void add(const Budget& o) {
         work.add(o.work);
         lost_mass.add(o.lost_mass);
+        slept_kinetic.add(o.slept_kinetic);
         for (std::size_t a = 0; a < Dim; ++a) {
             impulse[a].add(o.impulse[a]);
             lost_momentum[a].add(o.lost_momentum[a]);
             lost_gravity_impulse[a].add(o.lost_gravity_impulse[a]);
+            slept_momentum[a].add(o.slept_momentum[a]);
         }
         lost_count += o.lost_count;
     }

@@ -21,7 +21,7 @@ inline Column file_column(const ColumnBytes& c) {
     Column column;
     column.name = c.name;
     column.unit = c.unit.empty() ? "-" : c.unit;
-    const bool whole = c.name == "id" || c.name == "body" || c.name == "position";
+    const bool whole = c.name == "id" || c.name == "body" || c.name == "position" || c.name.starts_with("rest_");
     column.type = c.scalar_bytes == 2   ? Column::Type::u16
                   : c.scalar_bytes == 4 ? (whole ? Column::Type::u32 : Column::Type::f32)
                                         : (whole ? Column::Type::u64 : Column::Type::f64);
@@ -64,6 +64,13 @@ void each_budget_entry(Budget<Dim>& budget, const F& f) {
         f("lost_momentum_" + axis, budget.lost_momentum[a]);
         f("lost_pull_" + axis, budget.lost_gravity_impulse[a]);
     }
+}
+
+/// The same of what sleep took; only in scenes with sleep.
+template <int Dim, class F>
+void each_sleep_entry(Budget<Dim>& budget, const F& f) {
+    f("slept_kinetic", budget.slept_kinetic);
+    for (std::size_t a = 0; a < Dim; ++a) f("slept_momentum_" + std::string(1, "xyz"[a]), budget.slept_momentum[a]);
 }
 
 /// Names of the sums of all structures, and the sums.
@@ -133,6 +140,17 @@ RunClock<Dim> clock_of(const CheckpointReader& file) {
     const std::string problem = clock_problem(c, file.starts().back() > 0);
     if (!problem.empty()) file.refuse("no run has " + problem);
     return c;
+}
+
+/// When the last sleep check was.
+template <int Dim>
+void take_sleep_check(const CheckpointReader& file, RunClock<Dim>& clock) {
+    const auto& time = file.get<std::vector<double>>("sleep_check");
+    clock.sleep_step = file.get<std::int64_t>("sleep_step");
+    if (time.size() != 1 || !(time[0] == -1 || (time[0] >= 0 && time[0] <= clock.time)) || clock.sleep_step < 0 ||
+        clock.sleep_step > clock.step)
+        file.refuse("no run has such a last sleep check");
+    clock.sleep_check = time[0];
 }
 
 /// A sum over ranks, as a checkpoint holds it.
@@ -217,8 +235,15 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     header["partitioner_state"] = sim.partitioner().state();
     Budget<Dim> budget = comm.exact_sum(sim.budget());
     header["lost_count"] = budget.lost_count;
-    each_budget_entry(
-        budget, [&](const std::string& name, const ExactSum& all) { header["ledger_" + name] = stored_sum(all); });
+    const auto store = [&](const std::string& name, const ExactSum& all) {
+        header["ledger_" + name] = stored_sum(all);
+    };
+    each_budget_entry(budget, store);
+    if (sim.scene().sleep.on) {
+        each_sleep_entry(budget, store);
+        header["sleep_check"] = std::vector<double>{sim.clock().sleep_check};
+        header["sleep_step"] = sim.clock().sleep_step;
+    }
 
     save_structures(sim, comm, header);
 
@@ -256,8 +281,13 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     Budget<Dim> budget;
     budget.lost_count = file.get<std::int64_t>("lost_count");
     if (budget.lost_count < 0) file.refuse(fmt::format("no run has lost {} particles", budget.lost_count));
-    each_budget_entry(budget,
-                      [&](const std::string& name, ExactSum& entry) { entry = sum_of_stored(file, "ledger_" + name); });
+    const auto take = [&](const std::string& name, ExactSum& entry) { entry = sum_of_stored(file, "ledger_" + name); };
+    each_budget_entry(budget, take);
+    RunClock<Dim> clock = clock_of<Dim>(file);
+    if (sim.scene().sleep.on) {
+        each_sleep_entry(budget, take);
+        take_sleep_check(file, clock);
+    }
     std::vector<std::int64_t> state;
     if (file.get<std::string>("partitioner") == sim.partitioner().name())
         state = file.get<std::vector<std::int64_t>>("partitioner_state");
@@ -271,7 +301,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
             unpack_rows({c}, slots, rows.data());
         }
     };
-    sim.restore(keys, counts, clock_of<Dim>(file), budget, state, read);
+    sim.restore(keys, counts, clock, budget, state, read);
     load_structures(sim, comm, file);
     if (std::bit_cast<std::int64_t>(state_hash(sim)) != file.get<std::int64_t>("state_hash"))
         throw InputError(

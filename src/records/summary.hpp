@@ -20,14 +20,16 @@ namespace moraine {
 /// predicted for each kind of plan (not a number: not on offer, or no plan was made).
 struct BalanceRow {
     double step = 0, time = 0;
-    double particles_min = 0, particles_mean = 0, particles_max = 0, imbalance = 1;
+    double particles = 0, particles_min = 0, particles_mean = 0, particles_max = 0, imbalance = 1;
     double blocks = 0, halo_bytes = 0, migrated_particles = 0, migrated_blocks = 0, crossed_particles = 0;
     std::array<double, Phases::count> seconds_mean{}, seconds_max{};
     double repartitioned = 0, planned_imbalance = 0, loses = 0, lost = 0, migration = 0;
+    double asleep = -1;  ///< particles; -1: none can in this scene
     std::string reason, plan;
     std::array<double, plan_kinds> plan_seconds = Plan::not_offered();
 
-    static std::vector<std::string> columns() {
+    /// with_sleep: of a scene in which blocks can sleep.
+    static std::vector<std::string> columns(bool with_sleep = false) {
         std::vector<std::string> names{
             "step",   "time_s",     "particles_min",      "particles_mean",  "particles_max",    "imbalance",
             "blocks", "halo_bytes", "migrated_particles", "migrated_blocks", "crossed_particles"};
@@ -38,6 +40,7 @@ struct BalanceRow {
         for (const char* n : {"repartitioned", "planned_imbalance", "loses_s_per_step", "lost_s", "migration_s",
                               "reason", "plan", "keep_s", "natural_s", "relabelled_s", "least_migration_s"})
             names.push_back(n);
+        if (with_sleep) names.insert(names.end(), {"awake", "asleep"});
         return names;
     }
 
@@ -47,22 +50,27 @@ struct BalanceRow {
         for (std::size_t k = 0; k < Phases::count; ++k) v.insert(v.end(), {seconds_mean[k], seconds_max[k]});
         v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration, reason, plan});
         v.insert(v.end(), plan_seconds.begin(), plan_seconds.end());
+        if (asleep >= 0) v.insert(v.end(), {particles - asleep, asleep});
         return v;
     }
 };
 
-/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles; seconds.
+/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles; seconds;
+/// particles that sleep.
 struct RankShare {
     std::array<std::int64_t, 6> counts{};
     std::array<double, Phases::count> seconds{};
+    std::int64_t asleep = 0;
 };
 
 inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
     const auto size = static_cast<double>(ranks.size());
     std::array<std::int64_t, 6> sums{};
-    std::int64_t least = ranks.front().counts[0], most = least;
+    std::int64_t least = ranks.front().counts[0], most = least, asleep = 0, load = 0, largest_load = 0;
     for (const RankShare& rank : ranks) {
         least = std::min(least, rank.counts[0]), most = std::max(most, rank.counts[0]);
+        const std::int64_t of_rank = load_of(rank.counts[0], rank.asleep);
+        asleep += rank.asleep, load += of_rank, largest_load = std::max(largest_load, of_rank);
         for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += rank.counts[k];
         for (std::size_t k = 0; k < Phases::count; ++k) {
             row.seconds_mean[k] += rank.seconds[k] / size;
@@ -72,7 +80,10 @@ inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
     row.particles_min = static_cast<double>(least);
     row.particles_max = static_cast<double>(most);
     row.particles_mean = static_cast<double>(sums[0]) / size;
-    row.imbalance = row.particles_mean > 0 ? row.particles_max / row.particles_mean : 1;
+    row.particles = static_cast<double>(sums[0]);
+    row.asleep = static_cast<double>(asleep);
+    const double mean_load = static_cast<double>(load) / size;
+    row.imbalance = mean_load > 0 ? static_cast<double>(largest_load) / mean_load : 1;
     double* const totals[] = {&row.blocks, &row.halo_bytes, &row.migrated_particles, &row.migrated_blocks,
                               &row.crossed_particles};
     for (std::size_t k = 0; k < std::size(totals); ++k) *totals[k] = static_cast<double>(sums[k + 1]);
@@ -95,7 +106,9 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
                    now.migrated_blocks - reported.migrated_blocks,
                    now.crossed_particles - reported.crossed_particles};
     for (std::size_t k = 0; k < Phases::count; ++k) mine.seconds[k] = sim.phases().all()[k] - reported_seconds[k];
+    mine.asleep = census.asleep;
     take_shares(row, comm.all_gather(std::vector<RankShare>{mine}));
+    if (!sim.scene().sleep.on) row.asleep = -1;
     const ImbalanceCheck check = sim.take_imbalance_check();
     row.repartitioned = check.repartitioned;
     row.planned_imbalance = check.terms.plan.total > 0 ? check.terms.plan.imbalance() : 0;
@@ -127,11 +140,16 @@ Json warnings_in_summary(const RunHealth<Dim>& health) {
     return list;
 }
 
+template <int Dim>
+Json sleep_in_summary(const TimeSeriesRow<Dim>& row, const RunCounts& counts) {
+    const double share = counts.particle_steps > 0 ? counts.slept_steps / counts.particle_steps : 0;
+    return Json::Named{{"asleep", row.asleep}, {"share_of_particle_steps", share}, {"kinetic_J", row.slept}};
+}
+
 /// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
                const RunHealth<Dim>& health, const std::string& ended_by) {
-    const Scene& scene = sim.scene();
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
     std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
@@ -142,8 +160,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
-        {"scene", scene.name},
-        {"title", scene.title},
+        {"scene", sim.scene().name},
+        {"title", sim.scene().title},
         {"machine", processor_name(comm)},
         {"device", sim.engine().device()},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
@@ -176,6 +194,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"over_filling", health.over_filling()},
         {"warnings", warnings_in_summary(health)},
     };
+    if (sim.scene().sleep.on) summary.emplace_back("sleep", sleep_in_summary(last, counts));
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
     return summary;
 }

@@ -23,11 +23,14 @@ struct TimeSeriesRow {
         0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
     double front = 0;  ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
+    double slept = 0;  ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
+    std::int64_t asleep = -1;                                        ///< particles; -1: none can in this scene
     double over_filling = std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not known
 
-    static std::vector<std::string> columns() {
+    /// with_sleep: of a scene in which blocks can sleep.
+    static std::vector<std::string> columns(bool with_sleep = false) {
         std::vector<std::string> names{"step", "time_s", "dt_s", "particles", "mass_kg"};
         const auto per_axis = [&](const std::string& name, const std::string& unit) {
             for (int a = 0; a < Dim; ++a) names.push_back(name + "_" + "xyz"[a] + "_" + unit);
@@ -43,6 +46,7 @@ struct TimeSeriesRow {
         for (const char* n : {"lost_particles", "lost_mass_kg"}) names.push_back(n);
         per_axis("momentum_error", "kg_m_s");
         names.push_back("over_filling");
+        if (with_sleep) names.insert(names.end(), {"asleep", "slept_J"});
         return names;
     }
 
@@ -60,6 +64,7 @@ struct TimeSeriesRow {
         v.insert(v.end(), {static_cast<double>(lost_particles), lost_mass});
         add(momentum_error);
         v.push_back(over_filling);
+        if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
         return v;
     }
 };
@@ -79,13 +84,14 @@ struct RowSums {
     TotalSums<Dim> totals;
     Budget<Dim> budget;
     NodeVolumes volumes;
-    std::int64_t particles = 0;
+    std::int64_t particles = 0, asleep = 0;
 
     void add(const RowSums& o) {
         totals.add(o.totals);
         volumes.add(o.volumes);
         budget.add(o.budget);
         particles += o.particles;
+        asleep += o.asleep;
     }
 };
 
@@ -95,8 +101,9 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
     const std::optional<NodeVolumes> volumes = sim.node_volumes();
+    const Census census = sim.engine().census();
     const RowSums<Dim> all = comm.exact_sum(RowSums<Dim>{
-        share_totals(sim), sim.budget(), volumes.value_or(NodeVolumes{}), sim.engine().census().particles});
+        share_totals(sim), sim.budget(), volumes.value_or(NodeVolumes{}), census.particles, census.asleep});
     const Budget<Dim>& budget = all.budget;
     const auto value = [quantum = sim.quantum()](const ExactSum& sum) { return quantum.value(sum); };
     TimeSeriesRow<Dim> row;
@@ -119,8 +126,14 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
+        if (scene.sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
     }
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
+    if (scene.sleep.on) {
+        row.asleep = all.asleep;
+        row.slept = value(budget.slept_kinetic);
+        row.unaccounted -= row.slept;
+    }
     for (const StructureSums<Dim>& s : felt) row.unaccounted -= value(s.sum[StructureSums<Dim>::work]);
     return row;
 }

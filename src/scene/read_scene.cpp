@@ -42,9 +42,9 @@ class Reader {
         refuse_unknown_keys(root_, file_);
         scene_.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
-        for (const char* section : {"", "domain", "time", "rest", "numerics", "balance", "output", "run"}) {
+        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
             const std::string name = section;
-            const auto& rows = name == "time" || name == "rest" ? time_rows() : scene_rows();
+            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
             read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
         }
         check_domain_is_said();

@@ -198,6 +198,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_starts(scene, places);
     check_bodies(scene, places);
     check_time(scene, places);
+    check_sleep(scene, places);
 }
 
 }  // namespace moraine

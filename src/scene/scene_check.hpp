@@ -25,6 +25,9 @@ void check_scene(const Scene& scene, const Places& places);
 /// could be right. The materials and bodies must be whole.
 void check_time(const Scene& scene, const Places& places);
 
+/// What sleeping blocks cannot do with. Of a scene that is whole.
+void check_sleep(const Scene& scene, const Places& places);
+
 /// Bodies: whole, inside the domain, not too many.
 void check_bodies(const Scene& scene, const Places& places);
 

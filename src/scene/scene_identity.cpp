@@ -52,6 +52,13 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "numerics.damping", s.damping);
     add(all, "numerics.boundary", s.boundary_spline);
     add(all, "numerics.light_nodes", s.limits_light_nodes);
+    if (s.sleep.on) {
+        add(all, "numerics.sleep", s.sleep.on);
+        add(all, "sleep.displacement", s.sleep.displacement);
+        add(all, "sleep.stress", s.sleep.stress);
+        add(all, "sleep.interval", s.sleep.interval);
+        add(all, "sleep.wake", s.sleep.wake);
+    }
     add(all, "gravity", s.gravity);
     add(all, "seed", s.seed);
 }

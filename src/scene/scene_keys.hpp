@@ -84,7 +84,7 @@ struct KeyRow {
 };
 
 const std::vector<KeyRow<Scene>>& scene_rows();
-/// Of [time] and [rest].
+/// Of [time], [rest] and [sleep].
 const std::vector<KeyRow<Scene>>& time_rows();
 const std::vector<KeyRow<MaterialSpec>>& material_rows();
 const std::vector<KeyRow<BodySpec>>& body_rows();

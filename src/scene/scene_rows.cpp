@@ -140,6 +140,15 @@ const std::vector<KeyRow<Scene>> rows{
                  "wide shapes."},
      [](S& s, const V& v) { s.limits_light_nodes = v.choice == 0; }},
 
+    {{.table = "numerics",
+      .name = "sleep",
+      .type = choice,
+      .standard = "\"off\"",
+      .choices = {"off", "on"},
+      .meaning = "On: blocks that have come to rest are left out of the step until something moves them, by [sleep]. "
+                 "On the host only."},
+     [](S& s, const V& v) { s.sleep.on = v.choice == 1; }},
+
     {{.table = "balance",
       .name = "partitioner",
       .type = choice,

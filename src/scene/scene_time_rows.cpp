@@ -1,4 +1,4 @@
-// Keys of [time] and [rest]: how far a step goes, and when a run ends.
+// Keys of [time], [rest] and [sleep]: how far a step goes, when a run ends, and what rests meanwhile.
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -68,6 +68,36 @@ const std::vector<KeyRow<Scene>> rows{
       .range = {0, 1, true, false},
       .meaning = "Share of the mass that must rest."},
      [](S& s, const V& v) { s.rest.mass = v.real; }},
+
+    {{.table = "sleep",
+      .name = "displacement",
+      .unit = "cells",
+      .standard = "0.005",
+      .range = {1e-4, 0.5},
+      .meaning = "A block falls asleep where it and its neighbours have moved less from one sleep check to the next."},
+     [](S& s, const V& v) { s.sleep.displacement = v.real; }},
+    {{.table = "sleep",
+      .name = "stress",
+      .standard = "0.1",
+      .range = above_zero,
+      .meaning = "And where their mean and Mises stresses have changed by less than this share of a block's weight on "
+                 "its face, density |gravity| 4 domain.cell."},
+     [](S& s, const V& v) { s.sleep.stress = v.real; }},
+    {{.table = "sleep",
+      .name = "interval",
+      .unit = "s",
+      .standard = "",
+      .range = above_zero,
+      .meaning = "Simulated time between sleep checks, ended by a step, of 16 steps at least; left out: "
+                 "(domain.cell / |gravity|)^(1/2)."},
+     [](S& s, const V& v) { s.sleep.interval = v.real; }},
+    {{.table = "sleep",
+      .name = "wake",
+      .standard = "2.0",
+      .range = {1, 1e6},
+      .meaning = "A sleeper wakes where neighbours exceed these thresholds so many times, or one of its nodes is as "
+                 "many times faster than displacement over interval."},
+     [](S& s, const V& v) { s.sleep.wake = v.real; }},
 };
 
 }  // namespace

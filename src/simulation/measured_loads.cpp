@@ -5,12 +5,22 @@
 
 namespace moraine {
 
+namespace {
+
+/// Particles of a block by what they cost.
+std::int64_t load_of(const BlockCounts& counts, std::size_t b) {
+    const std::int64_t particles = counts.count[b];
+    return moraine::load_of(particles, !counts.asleep.empty() && counts.asleep[b] != 0 ? particles : 0);
+}
+
+}  // namespace
+
 std::vector<BlockLoad> MeasuredLoads::of(const BlockCounts& mine) const {
     std::vector<BlockLoad> rows;
     rows.reserve(mine.key.size());
     for (std::size_t b = 0; b < mine.key.size(); ++b) {
         const std::int64_t cells = mine.cells.empty() ? 0 : mine.cells[b];
-        rows.push_back({mine.key[b], mine.count[b], weight_(mine.count[b], cells), comm_.rank()});
+        rows.push_back({mine.key[b], mine.count[b], weight_(load_of(mine, b), cells), comm_.rank()});
     }
     return rows;
 }
@@ -25,8 +35,8 @@ void MeasuredLoads::add(const Agreement& agreed, const Agreement& own) {
     agreed_ = agreed;
     time_lost_ += agreed.seconds - agreed.seconds_sum / comm_.size();
     if (weight_.is_time())
-        measured_cost_.add({own.seconds, agreed.seconds, agreed.seconds_sum, weight_.with_blocks(own.count, own.blocks),
-                            weight_.with_blocks(agreed.count_sum, agreed.blocks)});
+        measured_cost_.add({own.seconds, agreed.seconds, agreed.seconds_sum, weight_.with_blocks(own.load, own.blocks),
+                            weight_.with_blocks(agreed.load_sum, agreed.blocks)});
 }
 
 void MeasuredLoads::refine(const BlockCounts& mine, std::int64_t step, double computing) {
@@ -35,7 +45,7 @@ void MeasuredLoads::refine(const BlockCounts& mine, std::int64_t step, double co
     const auto steps = static_cast<double>(step - checked_step_);
     CostSample sample;
     for (std::size_t b = 0; b < mine.key.size(); ++b) {
-        sample.particles += static_cast<double>(mine.count[b]);
+        sample.particles += static_cast<double>(load_of(mine, b));
         sample.cells += static_cast<double>(mine.cells[b]);
     }
     sample.blocks = static_cast<double>(mine.key.size());
@@ -55,7 +65,7 @@ void MeasuredLoads::begin_again(std::int64_t step) {
 bool MeasuredLoads::is_balanced(const RepartitionTrigger& trigger, std::int64_t step, ImbalanceCheck& found) const {
     if (weighs_cells()) return false;
     found.terms.now = weight_.is_time() ? measured_cost_.load(comm_.size())
-                                        : LoadSummary{agreed_.count, agreed_.count_sum, comm_.size()};
+                                        : LoadSummary{agreed_.load, agreed_.load_sum, comm_.size()};
     found.reason = "balanced";
     if (!trigger.needs_plan(found.terms.now)) return true;
     take_times(step, found.terms);

@@ -22,6 +22,8 @@ struct RunClock {
     double start_mass = 0;
     double start_energy = 0;  ///< kinetic, stored and potential [J]
     std::int64_t round = 0;   ///< partitions made
+    double sleep_check = -1;  ///< when the last sleep check was, and its step; -1: none was [s]
+    std::int64_t sleep_step = 0;
 };
 
 }  // namespace moraine

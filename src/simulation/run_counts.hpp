@@ -17,18 +17,19 @@ struct RunCounts {
     std::int64_t crossed_particles = 0;  ///< walked from this rank to others
     std::int64_t halo_bytes = 0;         ///< sent by this rank
     std::int64_t clamped_boxes = 0;      ///< contiguous GIMP boxes held at half a cell, particle-steps
-    double imbalance_sum = 0;            ///< over steps, of particles; same on all ranks
+    double imbalance_sum = 0;            ///< over steps, of particles by what they cost; same on all ranks
     double imbalance_max = 0;
     double imbalance_time_sum = 0;  ///< of measured compute time
     double seconds_lost = 0;        ///< to imbalance: slowest rank less mean [s]; same on all ranks
     std::int64_t exchanges = 0;     ///< of the halo: one in each round and substep; same on all ranks
     std::int64_t steps = 0;         ///< of this process: what the means are over
     double particle_steps = 0;
+    double slept_steps = 0;  ///< of these, of particles that slept
 
     /// What the ranks agreed on in a step. Not collective.
     void add(const Agreement& agreed, int ranks) {
-        const double mean = static_cast<double>(agreed.count_sum) / ranks;
-        const double imbalance = mean > 0 ? static_cast<double>(agreed.count) / mean : 1;
+        const double mean = static_cast<double>(agreed.load_sum) / ranks;
+        const double imbalance = mean > 0 ? static_cast<double>(agreed.load) / mean : 1;
         imbalance_sum += imbalance;
         imbalance_max = std::max(imbalance_max, imbalance);
         const double mean_seconds = agreed.seconds_sum / ranks;
@@ -36,6 +37,7 @@ struct RunCounts {
         seconds_lost += agreed.seconds - mean_seconds;
         ++steps;
         particle_steps += static_cast<double>(agreed.count_sum);
+        slept_steps += static_cast<double>(agreed.asleep_sum);
     }
 };
 

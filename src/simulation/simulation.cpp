@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/sleep.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {
@@ -28,6 +29,7 @@ namespace moraine {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
     bin();  // incoming particles of the last step; each block's list is binned by cell
+    check_sleep();
     apply_body_force();
     find_gaps();
     engine_->sum_mean(method_.mean_of(clock_.step));
@@ -83,6 +85,19 @@ void Simulation<Real, Dim>::apply_body_force() {
     });
 }
 
+/// At times that are the same on all ranks, wherever their run began (core/sleep.hpp).
+template <class Real, int Dim>
+void Simulation<Real, Dim>::check_sleep() {
+    if (!scene_.sleep.on) return;
+    const bool first = clock_.sleep_check < 0;
+    if (!first && (clock_.time < clock_.sleep_check + sleep_interval(scene_) ||
+                   clock_.step < clock_.sleep_step + least_sleep_steps))
+        return;
+    phases_.time(Phase::migrate, [&] { engine_->check_sleep(first, quantum()); });
+    clock_.sleep_check = clock_.time;
+    clock_.sleep_step = clock_.step;
+}
+
 /// Structures stand where the last step left them.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::find_gaps() {
@@ -118,6 +133,8 @@ void Simulation<Real, Dim>::start_agreement() {
     phases_.time(Phase::agree, [&] { record_step(); });
     const Census census = engine_->census();
     own_.count = census.particles;
+    own_.asleep_sum = census.asleep;
+    own_.load = load_of(census.particles, census.asleep);
     own_.blocks = census.blocks;
     own_.migration_bound = census.migration_bound;
     own_.making = next_epoch_.is_ready() ? 0 : 1;

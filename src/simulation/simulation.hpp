@@ -116,6 +116,7 @@ class Simulation {
     void report_faults() const;
     void agree_on_forces();
     void apply_body_force();
+    void check_sleep();
     void find_gaps();
     StepScales<Dim> scales() const;
 

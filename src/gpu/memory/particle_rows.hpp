@@ -32,13 +32,13 @@ inline constexpr int stretch_rows = rows_of<Dim>(RowGroup::stretch);
 template <int Dim>
 inline constexpr int all_rows = core_rows<Dim> + affine_rows<Dim> + stretch_rows<Dim> + rows_of<Dim>(RowGroup::box);
 
-/// A variable that the table gives no row has a column of its own here, if it is a real (or the id, or the body). Calls
-/// f(variable, number) for those that are reals.
+/// A variable that the table gives no row has a column of its own here, if it is a real (or the id, or the body); what
+/// else is whole numbers is of scenes that devices do not have. Calls f(variable, number) for those that are reals.
 template <int Dim, class F>
 constexpr void each_own_column(const F& f) {
     int number = 0;
     each_variable<double, Dim>([&](const auto& v) {
-        const bool integer = std::string_view(v.name) == "id" || std::string_view(v.name) == "body";
+        constexpr bool integer = std::is_integral_v<typename std::decay_t<decltype(v)>::Type>;
         if (v.places[0].lanes == 0 && v.lives == Lifetime::run && !integer) f(v, number++);
     });
 }

@@ -1,0 +1,142 @@
+"""numerics.sleep: blocks at rest are left out of the step; one answer on any ranks, threads and partitioners, and after a restart."""
+import csv
+import subprocess
+
+import moraine
+from moraine import INPUTS, call, checkpoints, sets, summary
+
+# A bed of sand whose right edge fails, and a block that falls on its left end.
+BED = """\
+dimensions = 2
+gravity = [0.0, -9.81]
+[domain]
+min = [0.0, 0.0]
+max = [6.4, 1.6]
+cell = 0.1
+[time]
+cfl = 0.5
+end = 0.6
+[numerics]
+sleep = "on"
+[sleep]
+displacement = 0.01
+wake = 4.0
+[output]
+interval = 0.1
+[[material]]
+name = "sand"
+law = "drucker-prager"
+density = 1500.0
+young = 5.0e5
+poisson = 0.3
+friction_angle = 30.0
+[[body]]
+name = "bed"
+material = "sand"
+shape = "box"
+min = [0.0, 0.0]
+max = [5.0, 0.6]
+geostatic = { surface = 0.6, k0 = 0.6 }
+[[body]]
+name = "block"
+material = "sand"
+shape = "box"
+min = [0.8, 1.0]
+max = [1.1, 1.3]
+[[wall]]
+face = "x-min"
+kind = "free-slip"
+[[wall]]
+face = "y-min"
+kind = "no-slip"
+"""
+
+# What stands on the bed does not move.
+POST = '[[structure]]\nname = "post"\nshape = "box"\nmin = [3.0, 0.6]\nmax = [3.3, 0.9]\n'
+
+
+def moraine_can_draw():
+    return any(subprocess.run([python, "-c", "import matplotlib, h5py"], capture_output=True).returncode == 0 for python in ("python3", "/usr/bin/python3"))
+
+
+def rows(directory, name="history"):
+    with open(directory / f"{name}.csv") as file:
+        return list(csv.DictReader(file))
+
+
+class Sleep(moraine.ProgramTest):
+    def test_it_is_the_same_on_any_ranks_threads_and_partitioners_and_after_any_checkpoint(self):
+        scene = self.write(BED)
+        alone = self.run_scene(scene, "alone", *sets(output__checkpoint_interval=0.13))
+        asleep = [int(float(row["asleep"])) for row in rows(alone)]
+        self.assertGreater(max(asleep), asleep[-1] + 100, asleep)  # some woke
+        self.assertGreater(asleep[-1], 100)
+        every = sets(balance__trigger="every", balance__interval=10)
+        cases = [(1, 2, ()), (2, 1, ()), (3, 1, ("--partitioner", "shuffle")), (4, 1, ("--partitioner", "rcb")), (3, 2, ("--partitioner", "slabs"))]
+        for ranks, threads, words in cases:
+            with self.subTest(ranks=ranks, words=words):
+                found = self.run_scene(scene, f"{ranks}-{threads}", *words, *every, ranks=ranks, threads=threads)
+                self.assertEqual(summary(found)["state_hash"], summary(alone)["state_hash"])
+                self.assertEqual((found / "history.csv").read_text(), (alone / "history.csv").read_text())
+        for k, checkpoint in enumerate(checkpoints(alone)):
+            with self.subTest(checkpoint=checkpoint):
+                found = self.run_scene(scene, f"from-{k}", "--restart", checkpoint, ranks=1 + k % 4)
+                self.assertEqual(summary(found)["state_hash"], summary(alone)["state_hash"])
+                self.assertEqual((found / "history.csv").read_text().splitlines()[-1], (alone / "history.csv").read_text().splitlines()[-1])
+
+    def test_a_report_shows_who_sleeps(self):
+        if not moraine_can_draw():
+            self.skipTest("no Python with matplotlib and h5py")
+        self.run_scene(self.write(BED), "drawn", *sets(time__end=0.3))
+        ended = call("report", self.folder / "drawn", "--output", self.folder / "page.html")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn("Asleep and awake", (self.folder / "page.html").read_text())
+        with open(self.folder / "page_files" / "asleep.csv", newline="") as file:
+            shares = [float(row["share [%]"]) for row in csv.DictReader(file) if row["line"] == "asleep"]
+        self.assertEqual(shares, [100 * float(row["asleep"]) / 1236 for row in rows(self.folder / "drawn")])
+
+    def test_sleepers_cost_less_and_change_little(self):
+        scene = self.write(BED.replace("[[body]]\nname = \"block\"", "[[body]]\nname = \"stone\"").replace("min = [0.8, 1.0]\nmax = [1.1, 1.3]", "min = [0.8, 0.6]\nmax = [1.1, 0.8]"))
+        on, off = (self.run_scene(scene, word, *sets(numerics__sleep=word)) for word in ("on", "off"))
+        self.assertGreater(summary(on)["sleep"]["share_of_particle_steps"], 0.2)
+        self.assertNotIn("sleep", summary(off))
+        self.assertNotIn("asleep", rows(off)[0])
+        a, b = summary(on), summary(off)
+        self.assertAlmostEqual(a["front_m"], b["front_m"], delta=0.1)
+        self.assertAlmostEqual(a["energies_J"]["potential"], b["energies_J"]["potential"], delta=1e-3 * b["energies_J"]["potential"])
+        for row in rows(on):
+            self.assertLess(abs(float(row["momentum_error_y_kg_m_s"])), 1e-8)
+
+    def test_balance_counts_what_is_awake(self):
+        keys = sets(balance__interval=5, balance__threshold=1.02)
+        directory = self.run_scene(self.write(BED), "balance", *keys, ranks=2)
+        last = rows(directory, "balance")[-1]
+        self.assertEqual(float(last["awake"]) + float(last["asleep"]), 1236)
+        self.assertGreater(float(last["particles_max"]), 1.05 * float(last["particles_mean"]))
+        self.assertLess(float(last["imbalance"]), 1.25)
+
+    def test_it_is_refused_where_it_cannot_be(self):
+        def said(*words, text=BED):
+            return self.assert_one_problem(call("check", self.write(text), *words))
+
+        self.assertIn('numerics.sleep = "on" without gravity', said(*sets(gravity="[0.0, 0.0]"), text=BED.replace("geostatic = { surface = 0.6, k0 = 0.6 }", "")))
+        for transfer in ("flip", "fmpm", "aflip"):
+            self.assertIn('numerics.sleep = "on" with this numerics.transfer', said(*sets(numerics__transfer=transfer)))
+        self.assertIn('numerics.sleep = "on" with this numerics.stress_update', said(*sets(numerics__stress_update="musl")))
+        moves = 'motion = { kind = "velocity", velocity = [0.0, -0.1] }\n'
+        self.assertIn('numerics.sleep = "on" with structure.post, which moves', said(text=BED + POST + moves))
+        self.assertIn("sleep      blocks may", call("check", self.write(BED + POST)).out)
+        wakes = self.assert_one_problem(call("check", self.write(BED), *sets(sleep__wake=0.5)))
+        self.assertIn("sleep.wake", wakes)
+
+    def test_a_structure_that_stands_on_sleepers_feels_the_same(self):
+        scene = self.write(BED + POST.replace("min = [3.0, 0.6]", "min = [3.0, 0.3]") + "clear = true\n")
+        alone = self.run_scene(scene, "alone", ranks=1)
+        self.assertGreater(summary(alone)["sleep"]["asleep"], 100)
+        shared = self.run_scene(scene, "shared", "--partitioner", "shuffle", *sets(balance__trigger="every", balance__interval=10), ranks=3)
+        self.assertEqual(summary(shared)["state_hash"], summary(alone)["state_hash"])
+        self.assertEqual((shared / "structures.csv").read_text(), (alone / "structures.csv").read_text())
+
+
+if __name__ == "__main__":
+    moraine.main()

@@ -1,0 +1,141 @@
+#include <doctest/doctest.h>
+
+#include "core/sleep.hpp"
+#include "sample_scenes.hpp"
+#include "simulation/diagnostics.hpp"
+
+using namespace moraine;
+
+// Blocks that rest are left out of the step, and wake; who sleeps when is the same on any ranks, to the bit.
+
+namespace {
+
+using test::box;
+using test::material;
+
+/// A bed of sand whose edge fails, and a disk that strikes its other end once that has fallen asleep.
+Scene bed(int dimensions) {
+    Scene s;
+    const std::size_t up = dimensions == 2 ? 1 : 2;
+    s.dimensions = dimensions;
+    s.cell = 0.1;
+    s.max = {6.4, 1.6, 0};
+    if (dimensions == 3) s.max = {4.8, 0.8, 1.6}, s.periodic[1] = true;
+    s.walls[1][0].kind = s.walls[1][1].kind = dimensions == 3 ? WallKind::periodic : WallKind::none;
+    s.walls[0][0].kind = s.walls[0][1].kind = WallKind::free_slip;
+    s.walls[up][0].kind = WallKind::no_slip;
+    s.walls[up][1].kind = WallKind::free_slip;
+    s.gravity[up] = -9.81;
+    s.cfl = 0.5;
+    s.materials = {material("drucker-prager", 1500, {{"young", 5e5}, {"poisson", 0.3}, {"friction_angle", 30}})};
+    s.bodies = {box({0, 0, 0}, {dimensions == 2 ? 5.0 : 3.6, 0.6, 0}, 0)};
+    if (dimensions == 3) s.bodies[0].max = {3.6, 0.8, 0.6};
+    s.bodies[0].seeding = Seeding::lattice, s.bodies[0].jitter = 0;
+    s.bodies[0].geostatic = true;
+    s.bodies[0].geostatic_surface = 0.6, s.bodies[0].geostatic_k0 = 0.6;
+    s.bodies.push_back(box({0.8, 1, 0}, {1.1, 1.3, 0}, 0));
+    if (dimensions == 3) s.bodies[1].min = {0.8, 0.2, 1}, s.bodies[1].max = {1.1, 0.5, 1.3};
+    s.sleep.on = true;
+    s.sleep.displacement = 0.01, s.sleep.wake = 4;
+    return s;
+}
+
+struct Result {
+    std::uint64_t lists;
+    std::int64_t most_asleep, asleep;
+    double time;
+    bool operator==(const Result&) const = default;
+};
+
+template <class Real, int Dim>
+double unexplained_momentum(Simulation<Real, Dim>& sim) {
+    const Totals<Dim> now = totals_of(sim);
+    const RunClock<Dim>& clock = sim.clock();
+    double worst = 0;
+    for (std::size_t a = 0; a < Dim; ++a) {
+        const double gained = now.momentum[a] - clock.start_momentum[a] + sum_of(sim, sim.budget().slept_momentum[a]);
+        const double left = gained - now.mass * clock.gravity_impulse[a] - sum_of(sim, sim.budget().impulse[a]);
+        worst = std::max(worst, std::fabs(left));
+    }
+    return worst / (clock.start_mass * clock.signal);
+}
+
+template <class Real, int Dim>
+Result run(const Scene& scene, const Comm& comm, double end) {
+    Simulation<Real, Dim> sim(scene, comm);
+    sim.seed();
+    std::int64_t most = 0;
+    const auto asleep = [&] { return comm.sum(sim.engine().census().asleep); };
+    while (sim.clock().time < end) {
+        sim.step();
+        sim.balance();
+        most = std::max(most, asleep());
+    }
+    sim.conclude();
+    CHECK(unexplained_momentum(sim) <= (sizeof(Real) == 8 ? 1e-12 : 2e-6));
+    return {state_hash(sim, true), most, asleep(), sim.clock().time};
+}
+
+template <class Real, int Dim>
+Result same_on_all_ranks(Scene scene, double end) {
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    scene.balance.trigger = Trigger::never;
+    const Result alone = run<Real, Dim>(scene, self, end);
+    scene.balance.trigger = Trigger::every;
+    scene.balance.interval = 17;
+    for (const char* partitioner : {"morton", "shuffle", "slabs"}) {
+        CAPTURE(partitioner);
+        scene.balance.partitioner = partitioner;
+        CHECK(run<Real, Dim>(scene, comm, end) == alone);
+    }
+    return alone;
+}
+
+}  // namespace
+
+TEST_CASE("a bed falls asleep, and wakes where it is struck, the same on any number of ranks") {
+    const Result asleep = same_on_all_ranks<double, 2>(bed(2), 0.22);
+    CHECK(asleep.asleep > 400);
+    const Result struck = same_on_all_ranks<double, 2>(bed(2), 0.5);
+    CHECK(struck.most_asleep > struck.asleep + 100);
+}
+
+TEST_CASE("so it does in 3-D, across a periodic axis and in single precision") {
+    const Result struck = same_on_all_ranks<float, 3>(bed(3), 0.4);
+    CHECK(struck.most_asleep > struck.asleep + 100);
+}
+
+TEST_CASE("so does mud whose cells bear the pressure, with and without substeps") {
+    Scene scene = bed(2);
+    scene.materials = {material(
+        "bingham", 1500,
+        {{"young", 2.5e5}, {"poisson", 0.49}, {"yield_stress", 1500}, {"consistency", 50}, {"viscosity", 50}})};
+    scene.materials[0].volumetric = Volumetric::grid;
+    scene.materials[0].pressure_smoothing = scene.materials[0].particle_shifting = 0.2;
+    scene.bodies[0].geostatic_k0 = 1;
+    scene.sleep.stress = 0.5, scene.sleep.displacement = 0.03;
+    for (int substeps : {1, 10}) {
+        scene.substeps = substeps;
+        const Result struck = same_on_all_ranks<double, 2>(scene, 0.36);
+        CHECK(struck.most_asleep > struck.asleep + 100);
+        CHECK(struck.asleep > 100);
+    }
+}
+
+TEST_CASE("what falls from rest is not taken for what rests, however small its steps are") {
+    Scene scene = bed(2);
+    scene.bodies.erase(scene.bodies.begin());
+    scene.dt = 1e-4;  // 1000 a sleep check
+    CHECK(run<double, 2>(scene, Comm(MPI_COMM_SELF), 0.3).most_asleep == 0);
+}
+
+TEST_CASE("a displacement between two places of blocks is that modulo a block") {
+    const auto place = [](double x, double y) {
+        const double cell = static_cast<double>(one_cell<double>);
+        return rest_place<double, 2>({static_cast<std::uint64_t>(x * cell), static_cast<std::uint64_t>(y * cell)});
+    };
+    CHECK(displacement_between<2>(place(1.25, 2), place(1.5, 2)) == doctest::Approx(0.25));
+    CHECK(displacement_between<2>(place(0.01, 1), place(3.98, 1)) == doctest::Approx(0.03).epsilon(1e-4));
+    CHECK(displacement_between<2>(place(1, 3), place(1, 1.1)) == doctest::Approx(1.9));
+    CHECK(displacement_between<2>(place(1, 3) | rest_word::asleep, place(1, 3)) == 0);
+}
