@@ -102,7 +102,15 @@ class Simulation {
     /// Volumes at the nodes that this rank counts, as in comm/engine.hpp. Binned state only. Collective.
     std::optional<NodeVolumes> node_volumes() { return engine_->node_volumes(); }
     /// Occupied blocks of this rank. Binned state only. Not collective.
-    BlockCounts block_counts() { return engine_->block_counts(false); }
+    BlockCounts block_counts() const { return engine_->block_counts(false); }
+    /// For maps and sections, as in comm/engine.hpp. Binned state only.
+    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) const {
+        return engine_->sum_columns(columns, sums);
+    }
+    std::vector<NearParticle> particles_near(const PlanLines& lines) const { return engine_->particles_near(lines); }
+    PlanPlaces plan_places() const {
+        return {{scene_.min[0], scene_.min[1], scene_.min[2]}, scene_.cell, method_.stencil.offset()};
+    }
     /// Of all ranks and who holds them, in key order; bins the particles first. Collective.
     std::vector<BlockLoad> block_loads();
 
