@@ -142,7 +142,7 @@ void Driver<Real, Dim>::run() {
     begin();
     watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases());
     try {
-        if (rest_) rest_->look(sim_);
+        if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
         while (sim_.clock().time < scene_.end && !(rest_ && rest_->is_at_rest())) advance();
         sim_.conclude();
         sample_maps();
@@ -187,7 +187,7 @@ void Driver<Real, Dim>::after_step() {
         record_structures();
     }
     if (maps_ && maps_->is_due(clock.time)) sample_maps();
-    if (rest_) rest_->look(sim_);
+    if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
     if (clock.step % scene_.balance.interval == 0) record_balance();
     const bool due =
         checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;

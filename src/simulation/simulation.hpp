@@ -20,6 +20,7 @@
 #include "simulation/rebalance.hpp"
 #include "simulation/run_clock.hpp"
 #include "simulation/run_counts.hpp"
+#include "simulation/supply.hpp"
 
 namespace moraine {
 
@@ -51,7 +52,8 @@ class Simulation {
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
-    /// An imbalance check if one is due now, and a new epoch if the old one is used up. Collective.
+    /// Who is due comes in; an imbalance check if one is due now, and a new epoch if the old one is used up.
+    /// Collective.
     void balance();
 
     /// Brings the share into the binned state. Collective.
@@ -69,6 +71,9 @@ class Simulation {
     /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
     void make_epochs_async(bool async);
+
+    /// Whether some are still to come in.
+    bool expects_supply() const { return supply_.next() < scene_.end; }
 
     const Scene& scene() const { return scene_; }
     const Comm& comm() const { return comm_; }
@@ -136,8 +141,11 @@ class Simulation {
     void synchronize();
     bool must_synchronize() const { return !(async_ && engine_->leaves_host_free()); }
     void begin_check();
-    void continue_check();
+    void continue_check(bool now);
     void repartition(EpochTables<Dim> tables);
+
+    // simulation_supply.cpp
+    void admit();
 
     // simulation_start.cpp
     void seed_rows();
@@ -164,6 +172,7 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     Acceleration body_force_;
+    Supply supply_;
     EpochLifetime epoch_;
     NextEpoch<Dim> next_epoch_;
     Rebalance<Dim> rebalance_;
