@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <limits>
 
+#include "io/disk_file.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
+#include "records/surroundings_file.hpp"
 #include "records/time_report.hpp"
 
 namespace moraine {
@@ -118,6 +120,10 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
     write_summary(comm_, directory_ + "/scene.json", surroundings(scene_));
     if (!options_.no_particles) {
+        comm_.agree_no_error<MachineError>(message_of([&] {
+            if (comm_.is_root() && has_surroundings(scene_))
+                replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
+        }));
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
         const OutputFrame<Real, Dim> frame(sim_);
