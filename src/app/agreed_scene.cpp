@@ -87,7 +87,8 @@ std::vector<Common> tables_of(const Scene& scene) {
         if (s.ground)
             for (const std::string& file : {s.file, s.friction_file, s.xi_file, s.su_file, s.crop_file}) add(file);
     for (const BodySpec& body : scene.bodies) {
-        if (body.shape == BodyShape::table || body.shape == BodyShape::layer) add(body.file), add(body.thickness_file);
+        if (body.shape == BodyShape::table || body.shape == BodyShape::layer || body.shape == BodyShape::inflow)
+            add(body.file), add(body.thickness_file);
         if (body.shape == BodyShape::layer)
             tables.push_back({"the corners of release." + body.name, hash_of(fmt::format("{}", body.points)),
                               "Have all hosts one version of PROJ and its data?"});

@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <limits>
 
+#include "io/disk_file.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
+#include "records/surroundings_file.hpp"
 #include "records/time_report.hpp"
 
 namespace moraine {
@@ -118,6 +120,10 @@ template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
     write_summary(comm_, directory_ + "/scene.json", surroundings(scene_));
     if (!options_.no_particles) {
+        comm_.agree_no_error<MachineError>(message_of([&] {
+            if (comm_.is_root() && has_surroundings(scene_))
+                replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
+        }));
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
         const OutputFrame<Real, Dim> frame(sim_);
@@ -144,7 +150,7 @@ void Driver<Real, Dim>::run() {
     begin();
     watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases());
     try {
-        if (rest_) rest_->look(sim_);
+        if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
         while (sim_.clock().time < scene_.end && !(rest_ && rest_->is_at_rest())) advance();
         sim_.conclude();
         sample_maps();
@@ -189,7 +195,7 @@ void Driver<Real, Dim>::after_step() {
         record_structures();
     }
     if (maps_ && maps_->is_due(clock.time)) sample_maps();
-    if (rest_) rest_->look(sim_);
+    if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
     if (clock.step % scene_.balance.interval == 0) record_balance();
     const bool due =
         checkpoint_interval > 0 && clock.time >= static_cast<double>(next_checkpoint_) * checkpoint_interval;

@@ -52,14 +52,6 @@ Machine machine_of(const Comm& comm, const Options& options) {
 
 /// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
 void check_device_scene(const Scene& scene) {
-    for (const StructureSpec& s : scene.structures) {
-        if (s.ground)
-            throw InputError(fmt::format("{}: [terrain] (devices do not have it). Use --device cpu?", scene.path));
-        if (s.law == InterfaceLaw::voellmy)
-            throw InputError(
-                fmt::format("{}: structure.{}.contact.law = \"voellmy\" (devices do not have it). Use --device cpu?",
-                            scene.path, s.name));
-    }
     for (const MaterialSpec& m : scene.materials)
         if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid)
             throw InputError(fmt::format(

@@ -17,6 +17,7 @@
 #include "core/lattice.hpp"
 #include "core/method.hpp"
 #include "core/over_filling.hpp"
+#include "core/plan_samples.hpp"
 #include "core/structure_set.hpp"
 #include "core/totals.hpp"
 
@@ -120,6 +121,12 @@ class Engine {
     /// Volumes at the nodes that this rank counts; nothing where an engine cannot tell. Binned state only. Collective
     /// over peers.
     virtual std::optional<NodeVolumes> node_volumes() { return std::nullopt; }
+    /// Adds the particles of this rank to the sums of a map's columns, and returns the largest |v|^2 [m2/s2]. Scenes in
+    /// 3-D, binned state only. Not collective.
+    virtual double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) = 0;
+    /// The particles of this rank near lines, which are the same in all calls; in any order. Scenes in 3-D, binned
+    /// state only. Not collective.
+    virtual std::vector<NearParticle> particles_near(const PlanLines& lines) = 0;
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 

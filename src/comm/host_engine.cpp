@@ -106,7 +106,7 @@ void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     finding_ = true;
     if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
         ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
-                       {std::numeric_limits<double>::quiet_NaN(), {}});
+                       {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
     if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
     gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
     gap_share_ = {&pairs_, gaps_.data()};
@@ -174,6 +174,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
     ContactField<Dim> contact = step.structures->field();
     report_.felt.resize(step.structures->size());
     contact.sums = report_.felt.data();
+    contact.ground = ground_.empty() ? nullptr : ground_.data();
     solve<true>(round, step, contact);
 }
 
@@ -208,8 +209,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                 impulse_.data(),
                                                 contact,
                                                 {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
-                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
-                                                ground_.empty() ? nullptr : ground_.data()};
+                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))}};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 

@@ -34,6 +34,8 @@ class HostEngine final : public Engine<Real, Dim> {
     void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.binned()); }
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     std::optional<NodeVolumes> node_volumes() override;
+    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
+    std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void check_sleep(bool first, const Quantum& quantum) override { sleepers_->check(first, quantum, report_.budget); }
@@ -96,7 +98,7 @@ class HostEngine final : public Engine<Real, Dim> {
     bool moving_ = false;  ///< migration under way: not binned
 
     ContactPairs<Dim> pairs_;
-    std::vector<Surface<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
+    std::vector<GroundNode<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
     Host::Array<NodeGap> gaps_;
     GapShare<Dim> gap_share_{};
     ContactField<Dim> field_{};  ///< of this step's gaps

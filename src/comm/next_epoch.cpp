@@ -109,6 +109,16 @@ std::optional<EpochTables<Dim>> NextEpoch<Dim>::take() {
 }
 
 template <int Dim>
+std::int32_t NextEpoch<Dim>::owner_near(Key key) const {
+    if (const std::int64_t at = topology_.find(key); at >= 0) return topology_.owner[static_cast<std::size_t>(at)];
+    const std::int32_t asked = owner_at_ ? owner_at_(Morton<Dim>::decode(key)) : -1;
+    if (asked >= 0 || topology_.keys.empty()) return std::max(asked, 0);
+    const auto above = std::lower_bound(topology_.keys.begin(), topology_.keys.end(), key);
+    const auto before = std::max<std::ptrdiff_t>(above - topology_.keys.begin() - 1, 0);
+    return topology_.owner[static_cast<std::size_t>(before)];
+}
+
+template <int Dim>
 std::vector<std::int32_t> NextEpoch<Dim>::owners_of(const std::vector<Key>& keys) const {
     std::vector<std::int32_t> owners;
     owners.reserve(keys.size());

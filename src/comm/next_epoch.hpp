@@ -50,6 +50,9 @@ class NextEpoch {
     /// stays where it is; the present tables serve on.
     std::optional<EpochTables<Dim>> take();
 
+    /// Of any block of the domain: of one that is not in the present epoch, who is asked for by position, or who has
+    /// the block before it in key order. The same on all ranks.
+    std::int32_t owner_near(Key key) const;
     /// Of blocks of the present epoch, own or not; keys ascend.
     std::vector<std::int32_t> owners_of(const std::vector<Key>& keys) const;
 

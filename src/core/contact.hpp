@@ -42,7 +42,7 @@ struct ContactNode {
     double gap;            ///< 0: touches [m]
     double area;           ///< A_i [m2, m]
     bool sticks;           ///< where it comes nearer: it touches a rough surface
-    double friction, cap;  ///< of the structure there; on the host
+    double friction, cap;  ///< of the structure there
 };
 
 /// The times of a round: a substep is shorter than the step in which particles go by what comes of it.
@@ -51,42 +51,46 @@ struct ContactTime {
     double closing;  ///< in which gaps may close [s]
 };
 
-/// Whether a node of the block whose lowest node is `node` may touch the structure.
-template <int Dim>
+/// Whether a node of the block whose lowest node is `node` may touch the structure. Ground: whether that may be one.
+template <bool Ground = true, int Dim>
 MORAINE_HD bool is_near(const ContactField<Dim>& f, const Structure<Dim>& s, const int* node) {
     const double reach = f.cell * (look_from + 1.5 * (Dim == 2 ? 1.4143 : 1.7321));  // and half of the block's diagonal
-    return distance_bound(s, f.corners, node_place(f, s, node, 1.5)) < reach;
+    const Vec<double, Dim> middle = node_place(f, s, node, 1.5);
+    if constexpr (Ground)
+        return distance_bound(s, f.corners, middle) < reach;
+    else
+        return surface_of_body(s, f.corners, middle).distance < reach;
+}
+
+/// The ground at x. kept: the node's; on a device it is known (gpu/kernels/gaps/gaps.cu), on the host it may be null.
+template <int Dim>
+MORAINE_HD GroundNode<Dim> ground_under(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<double, Dim>& x,
+                                        GroundNode<Dim>* kept) {
+#if !defined(__CUDA_ARCH__)
+    if (!kept) return ground_node(s, f.corners, x);
+    if (!kept->is_known()) *kept = ground_node(s, f.corners, x);
+#endif
+    return *kept;
 }
 
 template <int Dim>
 MORAINE_HD ContactNode<Dim> look_at(const ContactField<Dim>& f, const Structure<Dim>& s, const int* node,
-                                    const NodeGap& gap, Surface<Dim>* kept = nullptr) {
-    ContactNode<Dim> n;
-#if !defined(__CUDA_ARCH__)  // the ground's distance is dear, and nobody asks for it
-    if (s.shape == StructureShape::ground && gap.is_none()) return ContactNode<Dim>{};
-#endif
-    n.x = node_place(f, s, node, 0.0);
-    if (kept && s.shape == StructureShape::ground) {
-        if (!(kept->distance == kept->distance)) *kept = surface(s, f.corners, n.x);
-        n.surface = *kept;
-    } else {
-        n.surface = surface(s, f.corners, n.x);
-    }
-    n.hold = n.gap = n.area = 0;
-    n.sticks = false;
+                                    const NodeGap& gap, GroundNode<Dim>* kept = nullptr) {
+    ContactNode<Dim> n{};
     if (gap.is_none()) return n;
+    n.x = node_place(f, s, node, 0.0);
+    n.friction = s.friction, n.cap = s.cap;
+    if (s.shape == StructureShape::ground) {
+        const GroundNode<Dim> ground = ground_under(f, s, n.x, kept);
+        n.surface = ground.surface;
+        n.friction = ground.friction, n.cap = ground.cap;
+    } else {
+        n.surface = surface_of_body(s, f.corners, n.x);
+    }
     n.hold = ramp(n.surface.distance / f.cell, held_below, free_above);
     n.gap = gap.cells() > 0 ? gap.cells() * f.cell : 0;
     n.sticks = s.law == InterfaceLaw::rough && gap.cells() < touching;
     n.area = gap.faces() * (Dim == 2 ? f.cell : f.cell * f.cell);
-#if !defined(__CUDA_ARCH__)
-    n.friction = s.friction, n.cap = s.cap;
-    if (s.shape == StructureShape::ground && s.corners != 0) {
-        const Vec<double, 2>* table = f.corners + s.first_corner;
-        if (s.corners & bed_friction) n.friction = bed_value(table, 0, n.x);
-        if (s.corners & bed_cap) n.cap = bed_value(table, s.corners & bed_friction ? 1 : 0, n.x);
-    }
-#endif
     return n;
 }
 
@@ -98,10 +102,7 @@ MORAINE_HD double after_drag(double speed, double drag) {
 
 /// Whether the law has a part that acts where the soil touches, pressed or not.
 MORAINE_HD bool acts_where_it_touches(InterfaceLaw law) {
-#if !defined(__CUDA_ARCH__)
-    if (law == InterfaceLaw::voellmy) return true;
-#endif
-    return law == InterfaceLaw::undrained;
+    return law == InterfaceLaw::undrained || law == InterfaceLaw::voellmy;
 }
 
 /// Change of the velocity relative to the structure along its surface that the interface gives [m/s].
@@ -110,11 +111,6 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
                           Vec<double, Dim>& slip) {
     const double speed = magnitude(slip);
     double most = 0;
-#if defined(__CUDA_ARCH__)
-    const double friction = s.friction, cap = s.cap;
-#else
-    const double friction = n.friction, cap = n.cap;
-#endif
     switch (s.law) {
         case InterfaceLaw::smooth:
             break;
@@ -122,19 +118,14 @@ MORAINE_HD void slow_slip(const Structure<Dim>& s, const ContactNode<Dim>& n, do
             most = n.sticks ? n.hold * speed : 0.0;
             break;
         case InterfaceLaw::coulomb:
-            most = friction * pressed;
+            most = n.friction * pressed;
             break;
         case InterfaceLaw::undrained:
-            most = cap * n.area * dt_over_mass;
+            most = n.cap * n.area * dt_over_mass;
             break;
-#if !defined(__CUDA_ARCH__)  // no device steps a scene that has it (app/main.cpp)
         case InterfaceLaw::voellmy:
-            most = speed - after_drag(speed - friction * pressed, cap * n.area * dt_over_mass);
+            most = speed - after_drag(speed - n.friction * pressed, n.cap * n.area * dt_over_mass);
             break;
-#else
-        default:
-            break;
-#endif
     }
     slip = (most < speed ? most / speed : 1.0) * slip;
 }
@@ -175,12 +166,12 @@ MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& 
 }
 
 /// All structures in turn on one node: changes v, adds up at the structures if the node is counted here. gap_of(k):
-/// what particles tell of structure k. `given`: what they got together [kg m/s]. `ground`: the node's surface of
-/// ground, which does not move, where it is kept; not a number: not found yet. Returns whether one touches.
+/// what particles tell of structure k. `given`: what they got together [kg m/s]. `ground`: the node's, where it is
+/// kept. Returns whether one touches.
 template <class Real, int Dim, class GapOf>
 MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, const ContactTime& time,
                                  bool counted, const Quantum& quantum, const GapOf& gap_of, Vec<Real, Dim>& v,
-                                 Vec<double, Dim>& given, Surface<Dim>* ground = nullptr) {
+                                 Vec<double, Dim>& given, GroundNode<Dim>* ground = nullptr) {
     bool touched = false;
     for (int k = 0; k < f.count; ++k) {
         const Structure<Dim>& s = f.structure[k];

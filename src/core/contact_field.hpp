@@ -36,6 +36,7 @@ struct ContactField {
     double cell;                    ///< h [m]
     double offset;                  ///< binning coordinate of node 0 (Stencil::offset) [cells]
     StructureSums<Dim>* sums;       ///< by structure; shared
+    GroundNode<Dim>* ground;        ///< of the nodes of all node blocks; null: none is kept
 };
 
 MORAINE_HD double ramp(double x, double one, double zero) {

@@ -170,7 +170,6 @@ struct SolveNodes {
     ContactField<Dim> contact = {};
     GapTiles gaps = {};
     HeldNodes<Real, Dim> held = {};
-    Surface<Dim>* ground = nullptr;  ///< at the nodes of all node blocks, as touch_structures() keeps it; null: none
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -246,10 +245,11 @@ struct SolveNodes {
         if constexpr (Contact) {
             motion =
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
-                    return near && touch_structures(
-                                       contact, node, sums[0], round.contact_time(), counted, quantum,
-                                       [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v,
-                                       given, ground ? ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
+                    return near &&
+                           touch_structures(
+                               contact, node, sums[0], round.contact_time(), counted, quantum,
+                               [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given,
+                               contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
                 });
         } else {
             motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);

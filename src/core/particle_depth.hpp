@@ -30,9 +30,8 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(position[a], u[a]) - f.offset);
     x = image_near(f, s, x);
     if (bound && bound->is_over(x)) return false;
-#if !defined(__CUDA_ARCH__)  // most soil is above the ground: that takes one look at its height
+    // most soil is above the ground: that takes one look at its height
     if (s.shape == StructureShape::ground && distance_bound(s, f.corners, x) > 0) return false;
-#endif
     const Surface<Dim> at = surface(s, f.corners, x);
     const double depth = -at.distance / f.cell;
     if (buried && s.shape == StructureShape::ground && depth >= put_inside) *buried = true;

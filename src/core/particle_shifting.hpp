@@ -58,26 +58,35 @@ MORAINE_HD Real node_excess(Real filling, Real capacity) {
     return excess > Real(0) ? excess : Real(0);
 }
 
-/// Whether the shape function of a node, `reach` cells wide to each side, reaches a structure.
-template <int Dim>
+/// Whether the shape function of a node, `reach` cells wide to each side, reaches a structure. Ground: whether it may
+/// be one; a device has the ground's distance at hand.
+template <bool Ground = true, int Dim>
 MORAINE_HD bool reaches_structure(const ContactField<Dim>& field, const int* node, double reach) {
     bool reached = false;
     for (int k = 0; k < field.count && !reached; ++k) {
         const Structure<Dim>& s = field.structure[k];
-        reached = surface(s, field.corners, node_place(field, s, node, 0.0)).distance < reach * field.cell;
+        const Vec<double, Dim> x = node_place(field, s, node, 0.0);
+        if constexpr (Ground)
+            reached = surface(s, field.corners, x).distance < reach * field.cell;
+        else if (s.shape != StructureShape::ground)
+            reached = surface_of_body(s, field.corners, x).distance < reach * field.cell;
     }
     return reached;
 }
 
 /// Whether a structure is so near the cube of `side` nodes from `lowest` on that one of them may reach it.
-template <int Dim>
+template <bool Ground = true, int Dim>
 MORAINE_HD bool structure_within(const ContactField<Dim>& field, const int* lowest, int side, double reach) {
     const double half = 0.5 * (side - 1);
     bool near = false;
     for (int k = 0; k < field.count && !near; ++k) {
         const Structure<Dim>& s = field.structure[k];
-        const double distance = distance_bound(s, field.corners, node_place(field, s, lowest, half));
-        near = distance < (reach + half * (Dim == 2 ? 1.4143 : 1.7321)) * field.cell;
+        const double far = (reach + half * (Dim == 2 ? 1.4143 : 1.7321)) * field.cell;
+        const Vec<double, Dim> middle = node_place(field, s, lowest, half);
+        if constexpr (Ground)
+            near = distance_bound(s, field.corners, middle) < far;
+        else if (s.shape != StructureShape::ground)
+            near = surface_of_body(s, field.corners, middle).distance < far;
     }
     return near;
 }

@@ -42,7 +42,7 @@ enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
 /// layer: a release, draped on the ground.
-enum class BodyShape { box, polygon, sphere, table, layer };
+enum class BodyShape { box, polygon, sphere, table, layer, inflow };
 enum class Seeding { lattice, jittered };
 enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon, ground };
 enum class StructureMotion { fixed, velocity, sinusoid, table, free };
@@ -78,6 +78,12 @@ struct WaveSpec {
     double wavelength = 0;  ///< [m]; 0: no wave
 };
 
+/// What comes in over time, linear between its rows.
+struct Hydrograph {
+    std::vector<double> time, discharge, speed;  ///< [s, m3/s, m/s]
+    double volume = 0;                           ///< until the end of the run [m3]
+};
+
 struct BodySpec {
     std::string name;
     int material = 0;  ///< index into Scene::materials
@@ -85,13 +91,15 @@ struct BodySpec {
     Triple min{}, max{};                        ///< box [m]; polygon in 3-D: min[2], max[2] are its ends
     Triple center{};                            ///< sphere (2-D: disk) [m]
     double radius = 0;                          ///< [m]
-    std::vector<std::array<double, 2>> points;  ///< polygon, layer: in x, y, either sense [m]
-    std::string file;      ///< table: path of .csv or .h5; layer: of its polygon; absolute or relative to the scene
-    double thickness = 0;  ///< layer: normal to the ground, largest [m]
+    std::vector<std::array<double, 2>> points;  ///< polygon, layer: in x, y, either sense; inflow: a line [m]
+    std::string file;            ///< table: path of .csv or .h5; layer: of its polygon; inflow: of its table
+    double thickness = 0;        ///< layer, inflow: normal to the ground, largest [m]
     std::string thickness_file;  ///< layer: of its raster
     std::shared_ptr<const Ground>
-        thickness_raster;                  ///< layer: thickness in place of heights; none: the same everywhere
-    std::shared_ptr<const Ground> ground;  ///< layer
+        thickness_raster;                          ///< layer: thickness in place of heights; none: the same everywhere
+    std::shared_ptr<const Ground> ground;          ///< layer, inflow
+    std::shared_ptr<const Hydrograph> hydrograph;  ///< inflow
+    double release_time = 0;                       ///< layer [s]
     std::array<int, 3> particles_per_cell{2, 2, 2};
     Seeding seeding = Seeding::lattice;
     double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5

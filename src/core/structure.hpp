@@ -175,9 +175,10 @@ MORAINE_HD Surface<Dim> ground_surface(const Vec<double, 2>* table, double reach
     return {dot(x - foot, normal), normal};
 }
 
-/// Of one structure at x [m]; `corners` of all polygons, tables of ground.
+/// Of one structure that is no ground at x [m]; `corners` of all polygons.
 template <int Dim>
-MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
+MORAINE_HD Surface<Dim> surface_of_body(const Structure<Dim>& s, const Vec<double, 2>* corners,
+                                        const Vec<double, Dim>& x) {
     const Vec<double, Dim> from = x - s.at;
     switch (s.shape) {
         case StructureShape::plane:
@@ -193,25 +194,43 @@ MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* c
             t = t < -s.half ? -s.half : (t > s.half ? s.half : t);
             return round_surface(from - t * s.along, s.radius, last_axis<Dim>());
         }
-#if !defined(__CUDA_ARCH__)  // no device steps a scene that has it (app/main.cpp)
-        case StructureShape::ground:
-            return ground_surface(corners + s.first_corner, s.radius, x);
-#endif
         default:
             return prism_surface(s, corners, from);
     }
 }
 
+/// Of any structure; `corners` also has the tables of ground.
+template <int Dim>
+MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
+    if (s.shape == StructureShape::ground) return ground_surface(corners + s.first_corner, s.radius, x);
+    return surface_of_body(s, corners, x);
+}
+
 /// No more than the distance, and it grows by at most the way walked.
 template <int Dim>
 MORAINE_HD double distance_bound(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
-#if !defined(__CUDA_ARCH__)
-    if (s.shape == StructureShape::ground) {
-        const Vec<double, 2>* table = corners + s.first_corner;
-        return (x[Dim - 1] - ground_at(table, x).height) * table[1][1];
-    }
-#endif
-    return surface(s, corners, x).distance;
+    if (s.shape != StructureShape::ground) return surface_of_body(s, corners, x).distance;
+    const Vec<double, 2>* table = corners + s.first_corner;
+    return (x[Dim - 1] - ground_at(table, x).height) * table[1][1];
+}
+
+/// What of the ground a node asks for: it does not move, and is kept for an epoch.
+template <int Dim>
+struct GroundNode {
+    Surface<Dim> surface;  ///< not a number: not found yet
+    double friction, cap;  ///< of its law there, as Structure's
+
+    MORAINE_HD bool is_known() const { return surface.distance == surface.distance; }
+};
+
+template <int Dim>
+MORAINE_HD GroundNode<Dim> ground_node(const Structure<Dim>& s, const Vec<double, 2>* corners,
+                                       const Vec<double, Dim>& x) {
+    GroundNode<Dim> n{surface(s, corners, x), s.friction, s.cap};
+    const Vec<double, 2>* table = corners + s.first_corner;
+    if (s.corners & bed_friction) n.friction = bed_value(table, 0, x);
+    if (s.corners & bed_cap) n.cap = bed_value(table, s.corners & bed_friction ? 1 : 0, x);
+    return n;
 }
 
 }  // namespace moraine

@@ -21,6 +21,7 @@
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"
 #include "gpu/kernels/pressure/pressure.hpp"
+#include "gpu/kernels/samples/samples.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
@@ -55,6 +56,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     std::optional<NodeVolumes> node_volumes() override;
+    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
+    std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
 
     void bin() override;
@@ -101,6 +104,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void sum_part(const Chosen& chosen, int blocks, cudaStream_t stream);
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const ContactField<Dim>* contact);
+    ContactField<Dim> place(const StructureSet<Dim>& structures);
     FluidArgs<Real> fluid_args() const;
     FluidGatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
     void gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args, const Launch& launch);
@@ -162,6 +166,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     ContactField<Dim> contact_{};  ///< of this step's gaps
     bool finding_ = false;         ///< gaps, in this round
     bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
+    DeviceSamples samples_;
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting

@@ -17,7 +17,7 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures) work.contact = structures_.place(*step.structures, stream_);
+    if (step.structures) work.contact = place(*step.structures);
     hold_nodes(work, stream_);
     summed_ = false;
 }
@@ -63,7 +63,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
                             contact ? gaps_.view() : GapTiles{});
     };
     if (step.structures) {
-        const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
+        const ContactField<Dim> contact = place(*step.structures);
         solve(&contact);
         structures_.fetch(stream_);
     } else {

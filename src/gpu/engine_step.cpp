@@ -59,6 +59,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     contact_ = structures_.place(structures, stream_);
     gaps_.make(epoch_, structures.field(), structures.any_moves(), method_.stencil.width, stream_);
+    contact_.ground = gaps_.ground(tables_.view(), contact_, method_.stencil.origin, stream_);
     finding_ = limiting_ = true;
 }
 
@@ -76,15 +77,14 @@ void DeviceEngine<Real, Dim>::sum() {
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
-        if (limiting) limit_depths(view(), contact_, gaps_.boundary(), exchange_->stream);
+        if (limiting) limit_depths(view(), contact_, gaps_, gaps_.boundary(), exchange_->stream);
         sum_part(lists_.boundary(), boundary_blocks_, exchange_->stream);
-        if (finding_)
-            gpu::find_gaps(view(), scene_.shape, contact_, gaps_.boundary(), gaps_.tiles(), exchange_->stream);
+        if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.boundary(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
-    if (limiting) limit_depths(view(), contact_, gaps_.interior(), stream_);
+    if (limiting) limit_depths(view(), contact_, gaps_, gaps_.interior(), stream_);
     sum_part(lists_.interior(), interior_blocks(), stream_);
-    if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_.interior(), gaps_.tiles(), stream_);
+    if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.interior(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     watch_.end(0, stream_);
     share_is_of_now_ = false;
@@ -160,6 +160,14 @@ LightMarks<Real> DeviceEngine<Real, Dim>::light_marks_of(const Round& round) con
     return {light_marks_.data(), Real(0.5) * full_mass_, limited_count_.data()};
 }
 
+/// The structures as nodes see them, with the ground of this epoch.
+template <class Real, int Dim>
+ContactField<Dim> DeviceEngine<Real, Dim>::place(const StructureSet<Dim>& structures) {
+    ContactField<Dim> contact = structures_.place(structures, stream_);
+    contact.ground = contact_.ground;
+    return contact;
+}
+
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     watch_.begin(1, stream_);
@@ -167,7 +175,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
-        const ContactField<Dim> contact = structures_.place(*step.structures, stream_);
+        const ContactField<Dim> contact = place(*step.structures);
         run_nodes(args, step.quantum, marks, &contact);
         structures_.fetch(stream_);
     } else {

@@ -264,6 +264,16 @@ GisShape read_line(const std::string& path, const std::string& key) {
     return line;
 }
 
+std::vector<std::array<double, 3>> read_hydrograph(const std::string& path, const std::string& key) {
+    std::vector<std::array<double, 3>> rows;
+    each_row(path, "table of the inflow", key.c_str(), {"time", "discharge", "speed"},
+             [&](const std::vector<std::string_view>& cells, const Words& words) {
+                 rows.push_back({words.number(cells[0], "time"), words.number(cells[1], "discharge"),
+                                 words.number(cells[2], "speed")});
+             });
+    return rows;
+}
+
 std::vector<GisShape> read_points(const std::string& path, const std::string& key) {
     std::vector<GisShape> points;
     each_row(path, "table of points", key.c_str(), {"name", "x", "y"},

@@ -4,7 +4,8 @@
 //   .asc      ESRI ASCII grid: ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize, NODATA_value if
 //             wanted; then the heights [m], rows from north to south. A height is that of the middle of its cell.
 //   .csv      profile: a header line x,z (z is up also where a scene in 2-D calls it y) and rows at even distances;
-//             polygon: a header line x,y and a row per corner; points: a header line name,x,y
+//             polygon: a header line x,y and a row per corner; points: a header line name,x,y;
+//             inflow: a header line time,discharge,speed
 //   .geojson  polygon: the outer ring of the first Polygon (or MultiPolygon of one), in the coordinates of the model;
 //             line: the LineString
 //
@@ -29,6 +30,9 @@ std::vector<std::array<double, 2>> read_polygon(const std::string& path, const s
 
 /// Points with their names. Throws InputError.
 std::vector<GisShape> read_points(const std::string& path, const std::string& key);
+
+/// Rows of an inflow's table. Throws InputError.
+std::vector<std::array<double, 3>> read_hydrograph(const std::string& path, const std::string& key);
 
 /// The one line of a GeoJSON, without its name. Throws InputError.
 GisShape read_line(const std::string& path, const std::string& key);

@@ -57,8 +57,11 @@ double tile_bytes(const Scene& scene) {
     return std::pow(tile_side(stencil_of(scene.shape).width), scene.dimensions) * node_reals * real_bytes(scene);
 }
 
+/// Node values, and over terrain the ground at the nodes (GroundNode in core/structure.hpp).
 double node_block_bytes(const Scene& scene) {
-    return std::pow(4, scene.dimensions) * node_reals * real_bytes(scene);
+    const bool ground = !scene.structures.empty() && scene.structures[0].shape == StructureShape::ground;
+    return std::pow(4, scene.dimensions) *
+           (node_reals * real_bytes(scene) + (ground ? 8.0 * (scene.dimensions + 3) : 0.0));
 }
 
 /// What the grid's pressure keeps of a block's cells and nodes (core/grid_pressure.hpp): geometry as factors of its

@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "core/ground.hpp"
+#include "core/morton.hpp"
 #include "io/disk_file.hpp"
 #include "records/outline.hpp"
 #include "scene/scene_keys.hpp"
-#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 namespace {
@@ -33,65 +33,29 @@ HazardMaps::HazardMaps(const Scene& scene, const Comm& comm) : scene_(scene), co
     for (Column& c : columns_) c[arrival] = never;
 }
 
-std::int64_t HazardMaps::column_along(std::size_t axis, double x) const {
-    const double at = std::floor((x - scene_.min[axis]) / scene_.hazard.cell);
-    return static_cast<std::int64_t>(std::clamp(at, 0.0, static_cast<double>(size_[axis] - 1)));
-}
-
-/// Columns under the occupied blocks of all ranks.
+/// Those over the occupied blocks of all ranks are summed.
 template <class Real>
-HazardMaps::Window HazardMaps::window_of(const Simulation<Real, 3>& sim) const {
-    constexpr double far = 1e300;
-    double low[2] = {far, far}, high[2] = {-far, -far};
-    sim.each_piece({"position"}, [&](const SharePiece<Real, 3>& piece) {
-        for (int b = piece.begin; b < piece.end; ++b)
-            for (int a = 0; a < 2 && !piece.slots(b).empty(); ++a) {
-                const double at =
-                    4.0 * piece.tables.position[static_cast<std::size_t>(b)][a] - sim.method().stencil.offset();
-                low[a] = std::min(low[a], at), high[a] = std::max(high[a], at + 4);
-            }
-    });
-    Window w{};
-    for (std::size_t a = 0; a < 2; ++a) {
-        const double from = comm_.min(low[a]), to = comm_.max(high[a]);
-        if (!(from < to)) continue;  // all have left
-        w.first[a] = column_along(a, scene_.min[a] + from * scene_.cell);
-        w.size[a] = column_along(a, scene_.min[a] + to * scene_.cell) - w.first[a] + 1;
+PlanColumns HazardMaps::columns_of(const Simulation<Real, 3>& sim) const {
+    PlanColumns c{sim.plan_places(), scene_.hazard.cell, {size_[0], size_[1]}, {}, {},
+                  volume_unit_,      mass_unit_,         momentum_unit_};
+    const std::int64_t most = std::numeric_limits<std::int64_t>::max();
+    std::int64_t low[2] = {most, most}, high[2] = {-1, -1};
+    for (Key key : sim.block_counts().key) {
+        const auto at = Morton<3>::decode(key);
+        for (std::size_t a = 0; a < 2; ++a) {
+            const auto block = static_cast<std::int32_t>(at[a]);
+            const int axis = static_cast<int>(a);
+            low[a] = std::min(low[a], c.along(axis, c.places.at(axis, block, 0)));
+            high[a] = std::max(high[a], c.along(axis, c.places.at(axis, block, 4)));
+        }
     }
-    return w;
-}
-
-/// Adds this rank's particles. Returns the largest of their speeds [m/s].
-template <class Real>
-double HazardMaps::add_columns(const Simulation<Real, 3>& sim, const Window& window,
-                               std::vector<std::int64_t>& sums) const {
-    double fastest = 0;
-    const auto add = [&](std::size_t at, double value) {
-        const auto whole = static_cast<std::int64_t>(std::llround(std::clamp(value, -9e15, 9e15)));
-#pragma omp atomic
-        sums[at] += whole;
-    };
-    sim.each_piece({"position", "volume", "mass", "velocity"}, [&](const SharePiece<Real, 3>& piece) {
-#pragma omp parallel for schedule(dynamic, 64) reduction(max : fastest)
-        for (int b = piece.begin; b < piece.end; ++b)
-            for (std::uint32_t s : piece.slots(b)) {
-                const std::array<double, 3> x = place_of(sim, piece, b, s);
-                const std::int64_t i = column_along(0, x[0]) - window.first[0];
-                const std::int64_t j = column_along(1, x[1]) - window.first[1];
-                const std::size_t at = Sums::count * static_cast<std::size_t>(i + window.size[0] * j);
-                const auto m = static_cast<double>(piece.p.mass[s]);
-                add(at, static_cast<double>(piece.p.volume[s]) / volume_unit_);
-                add(at + 1, m / mass_unit_);
-                double square = 0;
-                for (int a = 0; a < 3; ++a) {
-                    const auto v = static_cast<double>(piece.p.velocity[s][a]);
-                    square += v * v;
-                    add(at + 2 + static_cast<std::size_t>(a), m * v / momentum_unit_);
-                }
-                fastest = std::max(fastest, square);
-            }
-    });
-    return std::sqrt(fastest);
+    for (std::size_t a = 0; a < 2; ++a) {
+        const std::int64_t from = -comm_.max(-low[a]), to = comm_.max(high[a]);
+        if (from > to) continue;  // all have left
+        c.first[a] = from;
+        c.count[a] = to - from + 1;
+    }
+    return c;
 }
 
 HazardMaps::Flow HazardMaps::flow_of(const std::int64_t* s) const {
@@ -105,13 +69,13 @@ HazardMaps::Flow HazardMaps::flow_of(const std::int64_t* s) const {
     return {depth, speed, mass / volume * speed * speed};
 }
 
-void HazardMaps::take(double time, const Window& window, const std::vector<std::int64_t>& sums) {
+void HazardMaps::take(double time, const PlanColumns& seen, const std::vector<std::int64_t>& sums) {
     for (Column& c : columns_) c[deposit] = 0;
-    for (std::int64_t j = 0; j < window.size[1]; ++j)
-        for (std::int64_t i = 0; i < window.size[0]; ++i) {
-            const Flow f = flow_of(sums.data() + Sums::count * (i + window.size[0] * j));
+    for (std::int64_t j = seen.first[1]; j < seen.first[1] + seen.count[1]; ++j)
+        for (std::int64_t i = seen.first[0]; i < seen.first[0] + seen.count[0]; ++i) {
+            const Flow f = flow_of(sums.data() + seen.place(i, j));
             if (f.depth == 0) continue;
-            Column& c = columns_[static_cast<std::size_t>(window.first[0] + i + size_[0] * (window.first[1] + j))];
+            Column& c = columns_[static_cast<std::size_t>(i + size_[0] * j)];
             c[deposit] = f.depth;
             c[max_depth] = std::max(c[max_depth], f.depth);
             if (f.depth < scene_.hazard.threshold) continue;
@@ -129,27 +93,27 @@ std::vector<std::string> HazardMaps::gauge_columns() const {
     return names;
 }
 
-void HazardMaps::observe_gauges(const Window& window, const std::vector<std::int64_t>& sums) {
+void HazardMaps::observe_gauges(const PlanColumns& seen, const std::vector<std::int64_t>& sums) {
     gauges_.clear();
     for (const GaugeSpec& gauge : scene_.hazard.gauges) {
-        const std::int64_t i = column_along(0, gauge.x) - window.first[0];
-        const std::int64_t j = column_along(1, gauge.y) - window.first[1];
+        const std::int64_t i = seen.along(0, gauge.x), j = seen.along(1, gauge.y);
+        const std::int64_t beyond[2] = {i - seen.first[0], j - seen.first[1]};
         Flow f;
-        if (i >= 0 && j >= 0 && i < window.size[0] && j < window.size[1])
-            f = flow_of(sums.data() + Sums::count * (i + window.size[0] * j));
+        if (beyond[0] >= 0 && beyond[1] >= 0 && beyond[0] < seen.count[0] && beyond[1] < seen.count[1])
+            f = flow_of(sums.data() + seen.place(i, j));
         gauges_.insert(gauges_.end(), {f.depth, f.speed, f.pressure});
     }
 }
 
 template <class Real>
 void HazardMaps::sample(const Simulation<Real, 3>& sim) {
-    const Window window = window_of(sim);
-    std::vector<std::int64_t> sums(Sums::count * window.columns(), 0);
-    const double v = comm_.max(add_columns(sim, window, sums));
+    const PlanColumns seen = columns_of(sim);
+    std::vector<std::int64_t> sums(seen.all_sums(), 0);
+    const double v = std::sqrt(comm_.max(sim.sum_columns(seen, sums)));
     comm_.sum(sums);
     const double time = sim.clock().time;
-    take(time, window, sums);
-    observe_gauges(window, sums);
+    take(time, seen, sums);
+    observe_gauges(seen, sums);
     const double g = std::hypot(scene_.gravity[0], scene_.gravity[1], scene_.gravity[2]);
     const double way = 0.5 * scene_.hazard.cell;  // 2 way / (v + sqrt(v^2 + 2 g way)) has no cancellation
     const double root = v + std::sqrt(v * v + 2 * g * way);

@@ -48,28 +48,15 @@ class HazardMaps {
     enum Map { max_depth, max_speed, max_pressure, max_momentum_flux, arrival, deposit, maps };
     using Column = std::array<double, maps>;
 
-    /// Whole numbers of one column: volume, mass, momentum.
-    struct Sums {
-        std::int64_t volume = 0, mass = 0, momentum[3] = {};
-        static constexpr int count = 5;
-    };
-    struct Window {
-        std::int64_t first[2], size[2];
-        std::size_t columns() const { return static_cast<std::size_t>(size[0] * size[1]); }
-    };
-
     template <class Real>
-    Window window_of(const Simulation<Real, 3>& sim) const;
-    template <class Real>
-    double add_columns(const Simulation<Real, 3>& sim, const Window& window, std::vector<std::int64_t>& sums) const;
+    PlanColumns columns_of(const Simulation<Real, 3>& sim) const;
     /// Of one column now: a speed only where it is deep enough to tell one.
     struct Flow {
         double depth = 0, speed = 0, pressure = 0;
     };
     Flow flow_of(const std::int64_t* sums) const;
-    void observe_gauges(const Window& window, const std::vector<std::int64_t>& sums);
-    void take(double time, const Window& window, const std::vector<std::int64_t>& sums);
-    std::int64_t column_along(std::size_t axis, double x) const;
+    void observe_gauges(const PlanColumns& seen, const std::vector<std::int64_t>& sums);
+    void take(double time, const PlanColumns& seen, const std::vector<std::int64_t>& sums);
     std::string text_of(int map) const;
     std::string image_of(int map) const;
     std::string outline() const;

@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "simulation/diagnostics.hpp"
-
 namespace moraine {
 namespace {
 
@@ -16,12 +14,6 @@ constexpr double remembered = 2;  ///< distance from a section up to which place
 /// Whether c lies to the left of the way from a to b, or on it.
 bool is_left(const InPlan& a, const InPlan& b, const InPlan& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0;
-}
-
-double distance_to(const InPlan& a, const InPlan& b, const InPlan& x) {
-    const double ex = b[0] - a[0], ey = b[1] - a[1], square = ex * ex + ey * ey;
-    const double t = std::clamp(((x[0] - a[0]) * ex + (x[1] - a[1]) * ey) / square, 0.0, 1.0);
-    return std::hypot(x[0] - a[0] - t * ex, x[1] - a[1] - t * ey);
 }
 
 }  // namespace
@@ -41,13 +33,11 @@ SectionFlow::SectionFlow(const Scene& scene, const Comm& comm)
     for (const MaterialSpec& material : scene.materials) density = std::max(density, material.density);
     volume_unit_ = std::ldexp(scene.cell * scene.cell * scene.cell, -36);  // 2^27 cells full
     mass_unit_ = density * volume_unit_;
-}
-
-bool SectionFlow::is_near(const InPlan& x, double reach) const {
-    for (const SectionSpec& section : scene_.hazard.sections)
-        for (std::size_t k = 0; k + 1 < section.points.size(); ++k)
-            if (distance_to(section.points[k], section.points[k + 1], x) < reach) return true;
-    return false;
+    for (const SectionSpec& section : scene.hazard.sections)
+        for (std::size_t k = 0; k + 1 < section.points.size(); ++k) {
+            const InPlan &from = section.points[k], &to = section.points[k + 1];
+            segments_.push_back({{from[0], from[1]}, {to[0], to[1]}});
+        }
 }
 
 SectionFlow::InPlan SectionFlow::start_of_way(InPlan from, const InPlan& to) const {
@@ -60,28 +50,11 @@ SectionFlow::InPlan SectionFlow::start_of_way(InPlan from, const InPlan& to) con
 
 template <class Real>
 std::vector<SectionFlow::Moved> SectionFlow::near_particles(const Simulation<Real, 3>& sim) const {
-    const double reach = remembered * scene_.hazard.cell, diagonal = 2 * std::sqrt(2.0) * scene_.cell;
+    const PlanLines lines{sim.plan_places(), segments_.data(), static_cast<int>(segments_.size()),
+                          remembered * scene_.hazard.cell};
     std::vector<Moved> near;
-    sim.each_piece({"position", "volume", "mass", "id"}, [&](const SharePiece<Real, 3>& piece) {
-        for (int b = piece.begin; b < piece.end; ++b) {
-            if (piece.slots(b).empty()) continue;
-            InPlan middle;
-            for (int a = 0; a < 2; ++a) {
-                const double corner =
-                    4.0 * piece.tables.position[static_cast<std::size_t>(b)][a] - sim.method().stencil.offset();
-                middle[static_cast<std::size_t>(a)] =
-                    scene_.min[static_cast<std::size_t>(a)] + (corner + 2) * scene_.cell;
-            }
-            if (!is_near(middle, reach + diagonal)) continue;
-            for (std::uint32_t s : piece.slots(b)) {
-                const std::array<double, 3> x = place_of(sim, piece, b, s);
-                if (is_near({x[0], x[1]}, reach))
-                    near.push_back({{piece.p.id[s], {x[0], x[1]}},
-                                    static_cast<double>(piece.p.volume[s]),
-                                    static_cast<double>(piece.p.mass[s])});
-            }
-        }
-    });
+    for (const NearParticle& p : sim.particles_near(lines))
+        near.push_back({{p.id, {p.x[0], p.x[1]}}, p.volume, p.mass});
     std::sort(near.begin(), near.end(), [](const Moved& a, const Moved& b) { return a.now.id < b.now.id; });
     return near;
 }

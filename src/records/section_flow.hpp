@@ -52,7 +52,6 @@ class SectionFlow {
         double volume, mass;
     };
 
-    bool is_near(const InPlan& x, double reach) const;
     /// The image of `from` from which the way to `to` is the shorter one.
     InPlan start_of_way(InPlan from, const InPlan& to) const;
     template <class Real>
@@ -65,6 +64,7 @@ class SectionFlow {
     double volume_unit_ = 1, mass_unit_ = 1;
     std::vector<std::array<std::int64_t, 2>> sums_;  ///< volume and mass, of each section
     double time_ = -1;                               ///< of the last sample [s]; negative: none
+    std::vector<PlanSegment> segments_;              ///< of all sections
     std::vector<Seen> seen_;                         ///< near a section at the last sample, on this rank; by id
     std::vector<double> values_;
 };

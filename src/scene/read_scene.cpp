@@ -65,6 +65,13 @@ class Reader {
             load_sections(scene_, places_);
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
+        each_of("inflow", [&](const toml::table& table, const std::string& path) {
+            BodySpec body;
+            read_table(&table, "inflow", path, inflow_rows(), body);
+            body.material = material_of(table, path);
+            load_inflow(scene_, body, places_);
+            scene_.bodies.push_back(std::move(body));
+        });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);

@@ -9,7 +9,10 @@ namespace moraine {
 
 /// Where a body stands in the scene: "body.NAME", "release.NAME".
 inline std::string path_of(const BodySpec& body) {
-    return (body.shape == BodyShape::layer ? "release." : "body.") + body.name;
+    return (body.shape == BodyShape::layer    ? "release."
+            : body.shape == BodyShape::inflow ? "inflow."
+                                              : "body.") +
+           body.name;
 }
 
 /// numerics.substeps = "auto", until all of the scene is read.

@@ -142,7 +142,8 @@ void check_overlaps(const Scene& scene, const Places& places) {
     for (std::size_t b = 0; b < n; ++b) extents.push_back(extent_in(scene, b));
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < a; ++b)
-            if (may_touch(extents[a], extents[b], scene.dimensions)) {
+            if (scene.bodies[a].release_time == scene.bodies[b].release_time && !scene.bodies[a].hydrograph &&
+                !scene.bodies[b].hydrograph && may_touch(extents[a], extents[b], scene.dimensions)) {
                 check_overlap(scene, places, a, b);
                 check_overlap(scene, places, b, a);
             }
@@ -179,11 +180,12 @@ void check_bodies(const Scene& scene, const Places& places) {
                "Put particles of one material into one table?");
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
+        const bool draped = body.shape == BodyShape::layer || body.shape == BodyShape::inflow;
         if (body.shape != BodyShape::table) {
             if (body.shape == BodyShape::polygon || body.shape == BodyShape::layer)
                 check_polygon(body.points, path_of(body), places);
             check_form(scene, body, places);
-            if (body.shape != BodyShape::layer) check_extent(scene, body, extent_of(body, scene.dimensions), places);
+            if (!draped) check_extent(scene, body, extent_of(body, scene.dimensions), places);
             check_lattice(scene, body, places);
         }
         check_start(scene, body, places);
@@ -196,7 +198,8 @@ void check_particles(const Scene& scene, const Places& places) {
         const BodySeeds seeds(scene, static_cast<int>(b));
         std::int64_t particles = 0;
         for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);
-        if (body.shape == BodyShape::layer) check_extent(scene, body, extent_of_particles(scene, b), places);
+        if (body.shape == BodyShape::layer || body.shape == BodyShape::inflow)
+            check_extent(scene, body, extent_of_particles(scene, b), places);
         if (particles == 0)
             refuse(places.of(path_of(body)), fmt::format("{} has no particles", path_of(body)),
                    "it is smaller than their spacing", "Use a smaller domain.cell or more particles_per_cell?");

@@ -73,7 +73,8 @@ void lay_height(Scene& scene) {
     const double low = ground.table[2][0];
     double high = ground.table[2][1];
     for (const BodySpec& body : scene.bodies) {
-        const double v = std::hypot(body.velocity[0], body.velocity[1], body.velocity[2]);
+        double v = std::hypot(body.velocity[0], body.velocity[1], body.velocity[2]);
+        if (body.hydrograph) v = *std::max_element(body.hydrograph->speed.begin(), body.hydrograph->speed.end());
         if (body.shape != BodyShape::table)
             high = std::max(high, extent_of(body, scene.dimensions).upper[up] + (g > 0 ? 0.5 * v * v / g : 0));
     }

@@ -10,6 +10,7 @@
 #include "core/ground.hpp"
 #include "core/hash.hpp"
 #include "core/material/laws.hpp"
+#include "scene/scene_check.hpp"
 
 namespace moraine {
 
@@ -85,7 +86,7 @@ std::uint64_t hash_of(const std::vector<T>& list) {
 
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
-        const std::string key = (b.shape == BodyShape::layer ? "release." : "body.") + b.name;
+        const std::string key = path_of(b);
         add(all, key + ".material", b.material);
         add(all, key + ".shape", b.shape);
         add(all, key + ".min", b.min);
@@ -106,6 +107,12 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic.surface", b.geostatic_surface);
         add(all, key + ".geostatic.k0", b.geostatic_k0);
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
+        if (b.release_time > 0) add(all, key + ".start", b.release_time);
+        if (b.hydrograph) {
+            add(all, key + ".time", b.hydrograph->time);
+            add(all, key + ".discharge", b.hydrograph->discharge);
+            add(all, key + ".speed", b.hydrograph->speed);
+        }
         if (b.thickness_raster) add(all, key + ".thickness.raster", hash_of(b.thickness_raster->height));
         if (b.start.over_consolidation_ratio != 1)
             add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);

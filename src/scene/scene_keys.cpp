@@ -56,6 +56,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, terrain_rows());
     append(keys, hazard_rows());
     append(keys, release_rows());
+    append(keys, inflow_rows());
     append(keys, structure_rows());
     return keys;
 }
@@ -122,6 +123,8 @@ std::string type_text(const SceneKey& key) {
             return "a list of strings";
         case KeyType::points:
             return "a list of at least three [x, y]" + unit;
+        case KeyType::line:
+            return "a list of at least two [x, y]" + unit;
         case KeyType::list:
             return "a list of numbers" + unit;
         case KeyType::truth:

@@ -32,6 +32,7 @@ enum class KeyType {
     axes,               ///< list of "x", "y", "z"
     words,              ///< list of strings
     points,             ///< list of [x, y], at least three
+    line,               ///< list of [x, y], at least two
     list,               ///< list of numbers
     truth,              ///< true or false
 };
@@ -72,7 +73,7 @@ struct KeyValue {
     std::vector<double> numbers;                ///< vector, pair, per_axis, list
     std::vector<int> axes;                      ///< axes: 0, 1, 2
     std::vector<std::string> words;             ///< words
-    std::vector<std::array<double, 2>> points;  ///< points
+    std::vector<std::array<double, 2>> points;  ///< points, line
 
     Triple triple() const;
 };
@@ -97,6 +98,7 @@ const std::vector<KeyRow<FacedWall>>& wall_rows();
 const std::vector<KeyRow<StructureSpec>>& structure_rows();
 /// Of [[release]]: a body that is a layer.
 const std::vector<KeyRow<BodySpec>>& release_rows();
+const std::vector<KeyRow<BodySpec>>& inflow_rows();
 /// Of [hazard], and what hazard.maps may name.
 const std::vector<KeyRow<Scene>>& hazard_rows();
 const std::vector<std::string>& hazard_map_names();

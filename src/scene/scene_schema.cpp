@@ -85,6 +85,8 @@ Named type_of(const SceneKey& key) {
             return list_of(strings_of(choices_of(key)), 0);
         case KeyType::points:
             return list_of(list_of(number, 2, 2), 3);
+        case KeyType::line:
+            return list_of(list_of(number, 2, 2), 2);
         case KeyType::list:
             return list_of(number, 0);
         case KeyType::truth:

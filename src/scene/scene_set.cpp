@@ -72,7 +72,9 @@ toml::table& listed_member(toml::table& root, const std::string& list, const std
 
 std::string label_of_list(const std::string& table) {
     if (table == "wall") return "face";
-    return table == "material" || table == "body" || table == "structure" || table == "release" ? "name" : "";
+    return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow"
+               ? "name"
+               : "";
 }
 
 void apply_set(toml::table& root, const std::string& assignment) {

@@ -25,6 +25,9 @@ void smooth_model(Scene& scene, const StructureSpec& spec, const std::string& pa
 /// scene.structures[0]. Throws InputError.
 std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& places);
 
+/// Reads the table of an inflow over the terrain, which is scene.structures[0]. Throws InputError.
+void load_inflow(Scene& scene, BodySpec& spec, const Places& places);
+
 /// Reads the gauges of [hazard]. Throws InputError.
 void load_gauges(Scene& scene, const Places& places);
 

@@ -1,4 +1,4 @@
-// Keys of [terrain], [[release]] and [hazard].
+// Keys of [terrain], [[release]], [[inflow]] and [hazard].
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -108,6 +108,41 @@ const std::vector<KeyRow<BodySpec>> releases{
       .standard = "[0, 0, 0]",
       .meaning = "At the start."},
      [](B& b, const V& v) { b.velocity = v.triple(); }},
+    {{.table = "release",
+      .name = "start",
+      .unit = "s",
+      .standard = "0",
+      .range = {0, std::numeric_limits<double>::infinity(), false, false},
+      .meaning = "When it is released: it comes in at the end of the first step that ends then or later."},
+     [](B& b, const V& v) { b.release_time = v.real; }},
+};
+
+const std::vector<KeyRow<BodySpec>> inflows{
+    {{.table = "inflow", .name = "name", .type = name, .meaning = "By which --set refers to it."},
+     [](B& b, const V& v) { b.name = v.text; }},
+    // Resolved to Scene::materials by the reader, which knows their names.
+    {{.table = "inflow", .name = "material", .type = name, .meaning = "Name of a material."}, [](B&, const V&) {}},
+    {{.table = "inflow",
+      .name = "line",
+      .type = line,
+      .unit = "m",
+      .meaning = "Points in plan, at least 2: soil comes in over it, to the left of the way along it."},
+     [](B& b, const V& v) { b.points = v.points; }},
+    {{.table = "inflow",
+      .name = "table",
+      .type = text,
+      .meaning = "A .csv with a header time,discharge,speed and rows in s, m3/s and m/s, between which it is linear; "
+                 "before the first and behind the last nothing comes in. Relative to the scene."},
+     [](B& b, const V& v) { b.file = v.text; }},
+    {{.table = "inflow",
+      .name = "particles_per_cell",
+      .type = per_axis,
+      .standard = "2",
+      .range = {1, 32},
+      .meaning = "Along the flow, along the line and normal to the ground."},
+     [](B& b, const V& v) {
+         for (std::size_t a = 0; a < v.numbers.size(); ++a) b.particles_per_cell[a] = static_cast<int>(v.numbers[a]);
+     }},
 };
 
 const std::vector<KeyRow<Scene>> hazards{
@@ -165,6 +200,9 @@ const std::vector<std::string>& hazard_map_names() {
 
 const std::vector<KeyRow<BodySpec>>& release_rows() {
     return releases;
+}
+const std::vector<KeyRow<BodySpec>>& inflow_rows() {
+    return inflows;
 }
 const std::vector<KeyRow<StructureSpec>>& terrain_rows() {
     return terrain;

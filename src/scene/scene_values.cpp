@@ -147,9 +147,11 @@ std::vector<double> pair(const toml::node& node, const KeyContext& c) {
     return ends;
 }
 
-std::vector<std::array<double, 2>> points(const toml::node& node, const KeyContext& c) {
+const std::vector<std::string> axis_names{"x", "y", "z"};
+
+std::vector<std::array<double, 2>> points(const toml::node& node, const KeyContext& c, std::size_t least) {
     const toml::array& list = array(node, c);
-    if (list.size() < 3)
+    if (list.size() < least)
         refuse(c.place, fmt::format("{} has {} points", c.path, list.size()), "must be " + type_text(c.key),
                "Add the missing corners?");
     std::vector<std::array<double, 2>> out;
@@ -180,7 +182,6 @@ std::string kind_of(const toml::node& node) {
 }
 
 KeyValue read_value(const toml::node& node, const KeyContext& c) {
-    static const std::vector<std::string> axis_names{"x", "y", "z"};
     KeyValue value;
     switch (c.key.type) {
         case KeyType::text:
@@ -217,7 +218,8 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             for (const toml::node& item : array(node, c)) value.words.push_back(string(item, c));
             break;
         case KeyType::points:
-            value.points = points(node, c);
+        case KeyType::line:
+            value.points = points(node, c, c.key.type == KeyType::line ? 2 : 3);
             break;
         case KeyType::list:
             for (const toml::node& item : array(node, c)) value.numbers.push_back(real(item, c));

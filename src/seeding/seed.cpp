@@ -31,6 +31,8 @@ BodySeeds::BodySeeds(const Scene& scene, int body)
         table_ = read_particle_table(scene, body_);
     else if (body_.shape == BodyShape::layer)
         layer_.emplace(scene, body_);
+    else if (body_.shape == BodyShape::inflow)
+        inflow_.emplace(scene, body_);
     else
         lattice_ = lattice_of(scene, body_);
 }
@@ -38,6 +40,7 @@ BodySeeds::BodySeeds(const Scene& scene, int body)
 std::int64_t BodySeeds::rows() const {
     if (body_.shape == BodyShape::table) return static_cast<std::int64_t>(table_.x.size());
     if (layer_) return layer_->rows();
+    if (inflow_) return inflow_->layers();
     return lattice_.count[static_cast<std::size_t>(scene_.dimensions - 1)];
 }
 
@@ -58,6 +61,7 @@ void BodySeeds::each_point(std::int64_t first, std::int64_t last, const F& f) co
 std::int64_t BodySeeds::count(std::int64_t first, std::int64_t last) const {
     if (body_.shape == BodyShape::table) return last - first;
     if (layer_) return layer_->count(first, last);
+    if (inflow_) return inflow_->count(first, last);
     if (body_.shape == BodyShape::box)
         return (last - first) * lattice_.count[0] * (scene_.dimensions == 2 ? 1 : lattice_.count[1]);
     std::int64_t sum = 0;
@@ -68,6 +72,10 @@ std::int64_t BodySeeds::count(std::int64_t first, std::int64_t last) const {
 void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, std::vector<Seed>& out) const {
     if (body_.shape == BodyShape::table) {
         for (std::int64_t r = first; r < last; ++r) out.push_back(table_seed(r));
+        return;
+    }
+    if (inflow_) {
+        for (std::int64_t row = first; row < last; ++row) fill_at(row, inflow_->time(row), out);
         return;
     }
     const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
@@ -85,6 +93,15 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
         const std::uint64_t id = base | static_cast<std::uint64_t>(point);
         const Triple x = body_.seeding == Seeding::jittered ? jittered(id, lattice_x) : lattice_x;
         out.push_back({id, index_, x, mass, volume, start_velocity(body_, x)});
+    });
+}
+
+void BodySeeds::fill_at(std::int64_t row, double time, std::vector<Seed>& out) const {
+    if (!inflow_) return fill(row, row + 1, 1, out);
+    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
+    const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
+    inflow_->each(row, time, [&](std::int64_t number, const Triple& x, double volume, const Triple& velocity) {
+        out.push_back({base | static_cast<std::uint64_t>(number), index_, x, density * volume, volume, velocity});
     });
 }
 

@@ -8,7 +8,8 @@
 //   would leave its body stays on the lattice
 //
 // A row is a plane of the lattice across its last axis (2-D: a line), a line along x of a layer's columns
-// (seeding/seed_layer.hpp, which says what volumes they have), or a particle of a table.
+// (seeding/seed_layer.hpp, which says what volumes they have), a particle of a table, or a layer of an inflow
+// (seeding/inflow.hpp) when it comes in.
 // In 2-D all is per metre of thickness.
 
 #include <array>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "core/scene_spec.hpp"
+#include "seeding/inflow.hpp"
 #include "seeding/seed_layer.hpp"
 #include "seeding/seed_region.hpp"
 #include "seeding/seed_table.hpp"
@@ -47,6 +49,11 @@ class BodySeeds {
     /// Appends the particles of rows [first, last); `total` is the count of all rows.
     void fill(std::int64_t first, std::int64_t last, std::int64_t total, std::vector<Seed>& out) const;
 
+    /// When a row comes in [s]; 0: it is there from the start. Rows do so in order.
+    double time_of(std::int64_t row) const { return inflow_ ? inflow_->time(row) : body_.release_time; }
+    /// Appends the particles of a row at the end of the step in which it comes in [s].
+    void fill_at(std::int64_t row, double time, std::vector<Seed>& out) const;
+
   private:
     template <class F>
     void each_point(std::int64_t first, std::int64_t last, const F& f) const;
@@ -59,6 +66,7 @@ class BodySeeds {
     Lattice lattice_;
     ParticleTable table_;
     std::optional<Layer> layer_;
+    std::optional<Inflow> inflow_;
 };
 
 inline std::int64_t seed_rows(const Scene& scene, int body) {

@@ -42,13 +42,14 @@ Extent extent_of(const BodySpec& body, int dimensions) {
     if (body.shape == BodyShape::sphere)
         for (std::size_t a = 0; a < static_cast<std::size_t>(dimensions); ++a)
             e.lower[a] = body.center[a] - body.radius, e.upper[a] = body.center[a] + body.radius;
-    if (body.shape == BodyShape::polygon || body.shape == BodyShape::layer)
+    const bool draped = body.shape == BodyShape::layer || body.shape == BodyShape::inflow;
+    if (body.shape == BodyShape::polygon || draped)
         for (std::size_t a = 0; a < 2; ++a) {
             const auto [low, high] = std::minmax_element(body.points.begin(), body.points.end(),
                                                          [a](const auto& p, const auto& q) { return p[a] < q[a]; });
             e.lower[a] = (*low)[a], e.upper[a] = (*high)[a];
         }
-    if (body.shape == BodyShape::layer)
+    if (draped)
         for (std::size_t a = 0; a < 3; ++a) {
             if (a == 2) e.lower[2] = body.ground->table[2][0], e.upper[2] = body.ground->table[2][1];
             e.lower[a] -= a == 2 ? 0 : body.thickness, e.upper[a] += body.thickness;
@@ -62,6 +63,7 @@ double measure_of(const BodySpec& body, int dimensions) {
         return dimensions == 2 ? disk : disk * body.radius * 4 / 3;
     }
     if (body.shape == BodyShape::layer) return layer_volume(body);
+    if (body.shape == BodyShape::inflow) return body.hydrograph->volume;
     const double height = dimensions == 2 ? 1 : body.max[2] - body.min[2];
     if (body.shape == BodyShape::polygon) return 0.5 * std::abs(twice_area(body)) * height;
     return (body.max[0] - body.min[0]) * (body.max[1] - body.min[1]) * height;
@@ -86,7 +88,7 @@ bool is_inside(const BodySpec& body, int dimensions, const Triple& x) {
     if (body.shape == BodyShape::polygon) return within_height && is_in_polygon(body, x[0], x[1]);
     if (body.shape == BodyShape::box)
         return within_height && x[0] > body.min[0] && x[0] < body.max[0] && x[1] > body.min[1] && x[1] < body.max[1];
-    if (body.shape == BodyShape::table) return false;
+    if (body.shape == BodyShape::table || body.shape == BodyShape::inflow) return false;
     double square = 0;
     for (std::size_t a = 0; a < static_cast<std::size_t>(dimensions); ++a)
         square += (x[a] - body.center[a]) * (x[a] - body.center[a]);

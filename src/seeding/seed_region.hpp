@@ -24,7 +24,7 @@ struct Lattice {
     }
 };
 
-/// Smallest box around a body that is not a table; of a layer one that holds it.
+/// Smallest box around a body that is not a table; of a layer or an inflow one that holds it.
 struct Extent {
     Triple lower{}, upper{};
 };
@@ -37,7 +37,7 @@ double measure_of(const BodySpec& body, int dimensions);
 /// Whether a place in plan is in the body's polygon; an edge owns its lower end.
 bool is_in_polygon(const BodySpec& body, double x, double y);
 
-/// Strictly inside, up to rounding; a table has no inside.
+/// Strictly inside, up to rounding; tables and inflows have no inside.
 bool is_inside(const BodySpec& body, int dimensions, const Triple& x);
 
 Lattice lattice_of(const Scene& scene, const BodySpec& body);

@@ -161,7 +161,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     else if (clock_.signal > 0)
         choose_step();
     else if (clock_.dt == 0)  // nothing is there, nor was; once all have left, time goes on as before
-        clock_.dt = scene_.end - clock_.time;
+        clock_.dt = expects_supply() ? (1 + 1e-9) * (supply_.next() - clock_.time) : scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.gravity_impulse[a] += scene_.gravity[a] * clock_.dt;
     engine_->expect_outgoing(agreed_.migration_bound);

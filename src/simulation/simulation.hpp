@@ -20,6 +20,7 @@
 #include "simulation/rebalance.hpp"
 #include "simulation/run_clock.hpp"
 #include "simulation/run_counts.hpp"
+#include "simulation/supply.hpp"
 
 namespace moraine {
 
@@ -51,7 +52,8 @@ class Simulation {
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
-    /// An imbalance check if one is due now, and a new epoch if the old one is used up. Collective.
+    /// Who is due comes in; an imbalance check if one is due now, and a new epoch if the old one is used up.
+    /// Collective.
     void balance();
 
     /// Brings the share into the binned state. Collective.
@@ -69,6 +71,9 @@ class Simulation {
     /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
     void make_epochs_async(bool async);
+
+    /// Whether some are still to come in.
+    bool expects_supply() const { return supply_.next() < scene_.end; }
 
     const Scene& scene() const { return scene_; }
     const Comm& comm() const { return comm_; }
@@ -102,7 +107,15 @@ class Simulation {
     /// Volumes at the nodes that this rank counts, as in comm/engine.hpp. Binned state only. Collective.
     std::optional<NodeVolumes> node_volumes() { return engine_->node_volumes(); }
     /// Occupied blocks of this rank. Binned state only. Not collective.
-    BlockCounts block_counts() { return engine_->block_counts(false); }
+    BlockCounts block_counts() const { return engine_->block_counts(false); }
+    /// For maps and sections, as in comm/engine.hpp. Binned state only.
+    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) const {
+        return engine_->sum_columns(columns, sums);
+    }
+    std::vector<NearParticle> particles_near(const PlanLines& lines) const { return engine_->particles_near(lines); }
+    PlanPlaces plan_places() const {
+        return {{scene_.min[0], scene_.min[1], scene_.min[2]}, scene_.cell, method_.stencil.offset()};
+    }
     /// Of all ranks and who holds them, in key order; bins the particles first. Collective.
     std::vector<BlockLoad> block_loads();
 
@@ -129,8 +142,11 @@ class Simulation {
     void synchronize();
     bool must_synchronize() const { return !(async_ && engine_->leaves_host_free()); }
     void begin_check();
-    void continue_check();
+    void continue_check(bool now);
     void repartition(EpochTables<Dim> tables);
+
+    // simulation_supply.cpp
+    void admit();
 
     // simulation_start.cpp
     void seed_rows();
@@ -157,6 +173,7 @@ class Simulation {
     Agreement agreed_, own_;
     Phases phases_;
     Acceleration body_force_;
+    Supply supply_;
     EpochLifetime epoch_;
     NextEpoch<Dim> next_epoch_;
     Rebalance<Dim> rebalance_;

@@ -11,10 +11,12 @@ namespace moraine {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
+    const bool some_come = supply_.next() <= clock_.time;
     rebalance_.want(clock_.step);
-    if (rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();
-    if (rebalance_.is_under_way()) continue_check();
+    if (!some_come && rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();
+    if (rebalance_.is_under_way()) continue_check(some_come);
     if (rebalance_.is_under_way()) return;
+    if (some_come) return admit();
     const bool used_up = epoch_.is_used_up();
     const bool wants_next = used_up || (async_ && epoch_.state() == EpochLifetime::State::in_guard_layer);
     if (must_synchronize() && wants_next) synchronize();
@@ -109,12 +111,12 @@ void Simulation<Real, Dim>::begin_check() {
     });
 }
 
-/// What is due is taken: blocks move, or all stays.
+/// What is due is taken: blocks move, or all stays. now: it cannot wait.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::continue_check() {
+void Simulation<Real, Dim>::continue_check(bool now) {
     std::optional<EpochTables<Dim>> tables;
     phases_.time(Phase::balance, [&] {
-        rebalance_.advance(clock_.step, agreed_.making != 0, epoch_.is_used_up() || epoch_.next_is_used_up());
+        rebalance_.advance(clock_.step, agreed_.making != 0, now || epoch_.is_used_up() || epoch_.next_is_used_up());
         if (rebalance_.state() == Rebalance<Dim>::State::due) tables = rebalance_.take();
     });
     if (!tables) return;

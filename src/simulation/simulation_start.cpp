@@ -8,37 +8,11 @@
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 #include "simulation/diagnostics.hpp"
+#include "simulation/place_seed.hpp"
 
 namespace moraine {
 
 namespace {
-
-/// The state of one seed, in its slot.
-template <class Real, int Dim>
-Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const DomainBlocks<Dim>& domain,
-               const ParticleView<Real, Dim>& p, const Seed& seed, std::uint32_t slot) {
-    const BodySpec& body = scene.bodies[static_cast<std::size_t>(seed.body)];
-    BlockPosition<Dim> block{};
-    for (int a = 0; a < Dim; ++a) {
-        const auto i = static_cast<std::size_t>(a);
-        const Place<Real> at = place_along(scene, method, a, seed.x[i]);
-        block[i] = at.block;
-        p.position[slot][a] = at.u;
-        p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
-    }
-    domain.wrap(block);
-    p.id[slot] = seed.id;
-    p.body[slot] = static_cast<std::uint16_t>(seed.body);
-    p.mass[slot] = static_cast<Real>(seed.mass);
-    p.volume[slot] = static_cast<Real>(seed.mass / scene.materials[static_cast<std::size_t>(body.material)].density);
-    p.stress[slot] = zero_sym<Real, Dim>();
-    const double height = seed.x[static_cast<std::size_t>(up_axis(scene))];
-    const Vec<Real, 3> stress = geostatic_stress<Real>(scene, body, height);
-    for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
-    clear_rest(p, slot);
-    method.law_of(seed.body).begin(body.start, p, slot);
-    return Morton<Dim>::encode(block);
-}
 
 /// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
 /// so that a seed needs memory only until it is a particle.
@@ -48,6 +22,7 @@ BinnedBlocks seed_share(const Scene& scene, const Comm& comm, const Method<Host,
     std::vector<std::pair<Key, std::uint32_t>> placed;
     std::vector<Seed> seeds;
     for (int body = 0; body < static_cast<int>(scene.bodies.size()); ++body) {
+        if (Supply::comes_later(scene.bodies[static_cast<std::size_t>(body)])) continue;
         const BodySeeds part(scene, body);
         const std::int64_t first = part.rows() * comm.rank() / comm.size();
         const std::int64_t last = part.rows() * (comm.rank() + 1) / comm.size();
@@ -117,6 +92,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       loads_(scene.balance, comm, make_engine ? device_costs : host_costs, Block<Dim>::cells),
       reduction_(comm),
       structures_(scene),
+      supply_(scene),
       next_epoch_(
           domain_, method_.stencil, comm.rank(),
           [this](const BlockPosition<Dim>& at) {
@@ -203,10 +179,18 @@ void Simulation<Real, Dim>::set_scales() {
             heaviest = std::max(heaviest, static_cast<double>(piece.p.mass[s]));
         }
     });
+    std::int64_t to_come = 0;
+    Supply(scene_).take(Supply::never, [&](const std::vector<Seed>& seeds) {
+        for (const Seed& seed : seeds) {
+            lightest = std::min(lightest, seed.mass);
+            heaviest = std::max(heaviest, seed.mass);
+        }
+        to_come += static_cast<std::int64_t>(seeds.size());
+    });
     lightest = comm_.min(lightest);
     heaviest = comm_.max(heaviest);
     clock_.mass_cutoff = lightest * (sizeof(Real) == 8 ? 1e-18 : 1e-12);
-    const auto particles = static_cast<double>(comm_.sum(engine_->census().particles));
+    const auto particles = static_cast<double>(comm_.sum(engine_->census().particles) + to_come);
     clock_.quantum_scale = Quantum::for_largest(heaviest * particles).scale;
 }
 
@@ -267,6 +251,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
     own_.square_speed = clock_.square_speed;
+    supply_.skip_to(clock_.time);
     loads_.resume(clock_.step);
 }
 

@@ -5,6 +5,7 @@
 #include "gpu/transport/transport.hpp"
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
+#include "terrain_scene.hpp"
 
 using namespace moraine;
 
@@ -143,6 +144,14 @@ TEST_CASE("thin layers on structures that rest, move and are free end with the s
     rounds.transfer = Transfer::apic;
     rounds.stress_update = StressUpdate::musl;
     compare<2>(rounds, 60);
+}
+
+TEST_CASE("a valley whose bed varies ends with the same bits on any number of devices") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        Scene scene = test::small_valley(InterfaceLaw::voellmy, true);
+        scene.precision = precision;
+        compare<3>(scene, 60);
+    }
 }
 
 TEST_CASE("light nodes are limited alike whoever owns their tiles") {

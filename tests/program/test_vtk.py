@@ -5,6 +5,7 @@ import sys
 
 import moraine
 from moraine import INPUTS, SMALL_SCENE, checkpoints, sets, summary, table
+from valley import SCENE, ValleyTest, heights
 
 try:
     import numpy as np
@@ -103,6 +104,79 @@ class Vtk(moraine.ProgramTest):
         self.assertGreaterEqual(len(Series(name).times), 25)
         self.run_scene(scene, name, *keys, "--restart", checkpoints(name)[-1], ranks=3)
         self.assertEqual(self.compare(name, "xy", ["velocity"], 1e-6)[1], 101)
+
+
+class Surroundings(ValleyTest):
+    STRUCTURES = """
+[[structure]]
+name = "house"
+shape = "box"
+min = [16.0, 3.0, 0.0]
+max = [18.0, 6.0, 4.0]
+contact = { law = "smooth" }
+[[structure]]
+name = "pillar"
+shape = "cylinder"
+from = [14.0, 9.0, 0.0]
+to = [14.0, 9.0, 5.0]
+radius = 0.5
+contact = { law = "smooth" }
+[[structure]]
+name = "ball"
+shape = "sphere"
+center = [20.0, 9.0, 3.0]
+radius = 1.0
+contact = { law = "smooth" }
+[[structure]]
+name = "back"
+shape = "plane"
+point = [0.5, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+contact = { law = "smooth" }
+[[structure]]
+name = "gate"
+shape = "box"
+min = [22.0, 0.0, 0.0]
+max = [22.5, 12.0, 8.0]
+contact = { law = "smooth" }
+motion = { kind = "velocity", velocity = [0.0, 0.0, 1.0] }
+"""
+
+    def test_terrain_and_what_stands_still_are_surfaces_of_their_size_beside_the_series(self):
+        self.write(SCENE + self.STRUCTURES)
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(directory / "surroundings.vtkhdf"))
+        reader.Update()
+        data = vtk.vtkPolyData.SafeDownCast(reader.GetOutputAsDataSet())
+        points = vtk_to_numpy(data.GetPoints().GetData())
+        structure = vtk_to_numpy(data.GetCellData().GetArray("structure"))
+        self.assertEqual(sorted(set(structure)), [0, 1, 2, 3, 4])
+        area, seen = [0.0] * 5, [[] for _ in range(5)]
+        for k in range(data.GetNumberOfCells()):
+            numbers = data.GetCell(k).GetPointIds()
+            x = points[[numbers.GetId(i) for i in range(numbers.GetNumberOfIds())]]
+            fan = np.cross(x[1:-1] - x[0], x[2:] - x[0]).sum(axis=0)
+            area[structure[k]] += np.linalg.norm(fan) / 2
+            seen[structure[k]].extend(x)
+        ground = np.array(seen[0])
+        self.assertEqual(sum(structure == 0), 12 * 6)
+        for x, y, z in ground[::7]:
+            self.assertAlmostEqual(z, heights(x, y), delta=1e-4)
+        self.assertAlmostEqual(area[1], 2 * (2 * 3 + 2 * 4 + 3 * 4), places=9)
+        self.assertAlmostEqual(area[2] / (np.pi * (5 + 0.5)), 1, delta=0.01)
+        self.assertAlmostEqual(area[3] / (4 * np.pi), 1, delta=0.01)
+        self.assertAlmostEqual(area[4], 12 * 16, places=9)
+        self.assertEqual([np.min(np.array(seen[3])[:, a]).round(3) for a in range(3)], [19, 8, 2])
+
+    def test_lines_in_2d(self):
+        directory = self.run_scene(INPUTS / "pipe_penetration.toml", "run", *sets(time__end=0, domain__cell=0.1))
+        self.assertFalse((directory / "surroundings.vtkhdf").exists(), "its pipe moves")
+        directory = self.run_scene(INPUTS / "sliding_block.toml", "block", *sets(time__end=0))
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(directory / "surroundings.vtkhdf"))
+        reader.Update()
+        self.assertEqual(vtk.vtkPolyData.SafeDownCast(reader.GetOutputAsDataSet()).GetNumberOfLines(), 1)
 
 
 if __name__ == "__main__":

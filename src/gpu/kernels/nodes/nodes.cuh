@@ -31,13 +31,23 @@ struct FluidNodeWork : NodeWork<Real, Dim> {
 template <class Real, int Dim, bool Fluid>
 using NodeWorkOf = std::conditional_t<Fluid, FluidNodeWork<Real, Dim>, NodeWork<Real, Dim>>;
 
+/// The ground at the nodes of the node block c (gpu/kernels/gaps/gaps.cu); null: there is none.
+template <int Dim>
+__device__ __forceinline__ GroundNode<Dim>* ground_of_block(const ContactField<Dim>& contact, int c) {
+    return contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells : nullptr;
+}
+
 /// Whether a structure is near the node block c. Others look at none.
 template <class Real, int Dim>
 __device__ __forceinline__ bool structure_near(const NodeWork<Real, Dim>& w, int c) {
+    const GroundNode<Dim>* ground = ground_of_block(w.contact, c);
+    if (ground && ground->surface.distance < far_from_ground) return true;
     int lowest[Dim];
     for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-    for (int k = 0; k < w.contact.count; ++k)
-        if (is_near(w.contact, w.contact.structure[k], lowest)) return true;
+    for (int k = 0; k < w.contact.count; ++k) {
+        const Structure<Dim>& s = w.contact.structure[k];
+        if (s.shape != StructureShape::ground && is_near<false>(w.contact, s, lowest)) return true;
+    }
     return false;
 }
 
@@ -112,20 +122,23 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
     return counted_by >= 0 && ((around.own >> counted_by) & 1);
 }
 
-/// e_i of node n of a node block whose lowest node is `lowest`. filling: v_i / h^d.
+/// e_i of node n of the node block c whose lowest node is `lowest`. filling: v_i / h^d.
 template <int Width, class Real, int Dim>
 __device__ __forceinline__ Real excess_of_node(const ContactField<Dim>& contact,
-                                               const NodeCapacity<Real, Dim>& capacity, const int (&lowest)[Dim],
-                                               const int (&node)[Dim], Real filling) {
+                                               const NodeCapacity<Real, Dim>& capacity, int c, int n,
+                                               const int (&lowest)[Dim], const int (&node)[Dim], Real filling) {
     constexpr double reach = 0.5 * Width;
-    if (structure_within(contact, lowest, Block<Dim>::side, reach) && reaches_structure(contact, node, reach))
+    const GroundNode<Dim>* ground = ground_of_block(contact, c);
+    if (ground && ground[n].surface.distance < reach * contact.cell) return at_structure<Real>;
+    if (structure_within<false>(contact, lowest, Block<Dim>::side, reach) &&
+        reaches_structure<false>(contact, node, reach))
         return at_structure<Real>;
     return node_excess(filling, capacity.of(node));
 }
 
 /// P_i or e_i of a node of the node block c; total: s_i.
 template <int Width, bool Contact, class Real, int Dim>
-__device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, int c, const int (&node)[Dim],
+__device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, int c, int n, const int (&node)[Dim],
                                              Real mass, Real total) {
     const bool solid = mass > w.round.mass_cutoff;
     if (!w.fluid.shifts) return solid ? total / mass : Real(0);
@@ -134,7 +147,7 @@ __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, 
         int lowest[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-        return excess_of_node<Width>(w.contact, w.fluid.capacity, lowest, node, filling);
+        return excess_of_node<Width>(w.contact, w.fluid.capacity, c, n, lowest, node, filling);
     }
     return node_excess(filling, w.fluid.capacity.of(node));
 }
@@ -159,12 +172,13 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
     Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
     if constexpr (Contact) {
         const bool near = structure_near(w, c);
+        GroundNode<Dim>* ground = ground_of_block(w.contact, c);
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr, [&](auto& v) {
             const auto gap_of = [&](int k) {
                 return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
             return near && touch_structures(w.contact, node, sums[0], w.round.contact_time(), counting, w.quantum,
-                                            gap_of, v, given);
+                                            gap_of, v, given, ground ? ground + n : nullptr);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
@@ -192,7 +206,7 @@ __device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
     if constexpr (Marks) first[quad - 1] = sums[0];
-    if constexpr (Fluid) second[quad - 1] = mean_of_node<Width, Contact>(w, c, node, sums[0], force[quad - 1]);
+    if constexpr (Fluid) second[quad - 1] = mean_of_node<Width, Contact>(w, c, n, node, sums[0], force[quad - 1]);
     store_row(out, first);
     store_row(out + 1, second);
 }

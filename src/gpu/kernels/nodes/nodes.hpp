@@ -44,6 +44,9 @@ class DeviceStructures {
     bool empty_ = false;  ///< the sums are to begin anew
 };
 
+/// Distance of nodes of blocks that the ground is not near, and more than that of any other [m].
+inline constexpr double far_from_ground = 1e300;
+
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
 inline constexpr int light_counts = 4;
 

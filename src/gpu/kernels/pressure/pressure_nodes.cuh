@@ -24,7 +24,7 @@ __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, i
     }
     first[quad - 1] = sums[0];
     held.filling = force[quad - 1] * w.inverse_volume;
-    second[quad - 1] = excess_of_node<3>(w.contact, w.capacity, lowest, node, held.filling);
+    second[quad - 1] = excess_of_node<3>(w.contact, w.capacity, c, n, lowest, node, held.filling);
     Quad<Real>* out = values_of_node(w.view, c, n);
     store_row(out, first);
     store_row(out + 1, second);

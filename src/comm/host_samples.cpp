@@ -1,0 +1,66 @@
+// The host's engine: what maps and sections ask of its particles (core/plan_samples.hpp).
+
+#include <algorithm>
+
+#include "comm/host_engine.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+double HostEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
+    double fastest = 0;
+    if constexpr (Dim == 3) {
+        const ListView<Dim> list = patch_.list();
+        const ParticleView<Real, Dim> p = patch_.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        std::int64_t* const all = sums.data();
+#pragma omp parallel for schedule(dynamic, 64) reduction(max : fastest)
+        for (int b = 0; b < patch_.own(); ++b) {
+            const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
+            for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+                const std::uint32_t s = list.slot[k];
+                const std::int64_t i = columns.along(0, columns.places.of<Real>(0, at[0], p.position[s][0]));
+                const std::int64_t j = columns.along(1, columns.places.of<Real>(1, at[1], p.position[s][1]));
+                std::int64_t* const to = all + columns.place(i, j);
+                const double square =
+                    columns.add_particle<Real>(static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s]),
+                                               p.velocity[s], [&](int q, std::int64_t whole) {
+#pragma omp atomic
+                                                   to[q] += whole;
+                                               });
+                fastest = std::max(fastest, square);
+            }
+        }
+    }
+    return fastest;
+}
+
+template <class Real, int Dim>
+std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines& lines) {
+    std::vector<NearParticle> near;
+    const ListView<Dim> list = patch_.list();
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    for (int b = 0; b < patch_.own(); ++b) {
+        const Vec<std::int32_t, Dim>& at = patch_.tables().position[static_cast<std::size_t>(b)];
+        if (list.count(b) == 0 || !lines.is_near_block(at)) continue;
+        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+            const std::uint32_t s = list.slot[k];
+            const double x = lines.places.of<Real>(0, at[0], p.position[s][0]);
+            const double y = lines.places.of<Real>(1, at[1], p.position[s][1]);
+            if (lines.is_near(x, y, lines.reach))
+                near.push_back({p.id[s], {x, y}, static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s])});
+        }
+    }
+    return near;
+}
+
+/// Of one precision and dimension.
+#define MORAINE_SAMPLES(Real, Dim)                                                                      \
+    template double HostEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
+    template std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines&);
+MORAINE_SAMPLES(float, 2)
+MORAINE_SAMPLES(float, 3)
+MORAINE_SAMPLES(double, 2)
+MORAINE_SAMPLES(double, 3)
+
+}  // namespace moraine

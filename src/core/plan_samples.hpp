@@ -1,0 +1,124 @@
+#pragma once
+// What hazard maps and sections (records/) ask of particles, on the host and on devices: sums over the columns of a map
+// in plan, and who is near a line.
+//
+//   column   floor((x - min) / a) along x and y, a: side of a map cell
+//   sums     V_p, m_p and m_p v_p as whole numbers of a unit: the same in any order, by any thread and on any rank
+//
+// Products that a device would contract with a sum are rounded first, so that both find the same column.
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/position.hpp"
+#include "core/vec.hpp"
+
+namespace moraine {
+
+/// a b, rounded.
+MORAINE_HD double rounded_product(double a, double b) {
+#if defined(__CUDA_ARCH__)
+    return __dmul_rn(a, b);
+#else
+    return a * b;
+#endif
+}
+
+/// Where the particles of a scene are.
+struct PlanPlaces {
+    double origin[3];  ///< the domain's lower corner [m]
+    double cell;       ///< h [m]
+    double offset;     ///< Stencil::offset() [cells]
+
+    /// Of a block's coordinate along an axis [m]; cells: from the block's lower end.
+    MORAINE_HD double at(int axis, std::int32_t block, double cells) const {
+        return origin[axis] + rounded_product(cell, 4.0 * block + cells - offset);
+    }
+    template <class Real>
+    MORAINE_HD double of(int axis, std::int32_t block, Coordinate<Real> u) const {
+        return at(axis, block, double(u) / double(one_cell<Real>));
+    }
+};
+
+/// Columns of a map, and the rectangle of them that is summed.
+struct PlanColumns {
+    static constexpr int sums = 5;  ///< of a column: volume, mass, momentum
+
+    PlanPlaces places;
+    double side;                      ///< a [m]
+    std::int64_t size[2];             ///< columns of the map along x and y
+    std::int64_t first[2], count[2];  ///< of the rectangle
+    double volume_unit, mass_unit;    ///< [m3, kg]
+    double momentum_unit;             ///< [kg m/s]
+
+    MORAINE_HD std::int64_t along(int axis, double x) const {
+        using std::floor;
+        const double at = floor((x - places.origin[axis]) / side), last = double(size[axis] - 1);
+        return static_cast<std::int64_t>(at < 0 ? 0.0 : (at > last ? last : at));
+    }
+    /// Place of the sums of column (i, j) of the map.
+    MORAINE_HD std::size_t place(std::int64_t i, std::int64_t j) const {
+        return std::size_t(sums) * static_cast<std::size_t>(i - first[0] + count[0] * (j - first[1]));
+    }
+    std::size_t all_sums() const { return std::size_t(sums) * static_cast<std::size_t>(count[0] * count[1]); }
+
+    MORAINE_HD static std::int64_t whole(double value) {
+        using std::llround;
+        const double most = 9e15;
+        return llround(value < -most ? -most : (value > most ? most : value));
+    }
+    /// Calls add(sum, whole number) for a particle of volume V, mass m and velocity v. Returns |v|^2.
+    template <class Real, class Add>
+    MORAINE_HD double add_particle(double V, double m, const Vec<Real, 3>& v, const Add& add) const {
+        add(0, whole(V / volume_unit));
+        add(1, whole(m / mass_unit));
+        double square = 0;
+        for (int a = 0; a < 3; ++a) {
+            square += rounded_product(double(v[a]), double(v[a]));
+            add(2 + a, whole(rounded_product(m, double(v[a])) / momentum_unit));
+        }
+        return square;
+    }
+};
+
+/// A straight piece of a line in plan.
+struct PlanSegment {
+    double from[2], to[2];  ///< [m]
+};
+
+/// Pieces of all lines, and how near to one of them is near.
+struct PlanLines {
+    PlanPlaces places;
+    const PlanSegment* segment;
+    int count;
+    double reach;  ///< [m]
+
+    MORAINE_HD bool is_near(double x, double y, double within) const {
+        for (int k = 0; k < count; ++k) {
+            const PlanSegment& s = segment[k];
+            const double ex = s.to[0] - s.from[0], ey = s.to[1] - s.from[1];
+            const double px = x - s.from[0], py = y - s.from[1];
+            const double along = rounded_product(px, ex) + rounded_product(py, ey);
+            double t = along / (rounded_product(ex, ex) + rounded_product(ey, ey));
+            t = t < 0 ? 0 : (t > 1 ? 1 : t);
+            const double dx = px - rounded_product(t, ex), dy = py - rounded_product(t, ey);
+            if (rounded_product(dx, dx) + rounded_product(dy, dy) < rounded_product(within, within)) return true;
+        }
+        return false;
+    }
+    /// Whether a particle of the block at `position` may be near.
+    template <int Dim>
+    MORAINE_HD bool is_near_block(const Vec<std::int32_t, Dim>& position) const {
+        const double half_diagonal = 2.8285 * places.cell;
+        return is_near(places.at(0, position[0], 2), places.at(1, position[1], 2), reach + half_diagonal);
+    }
+};
+
+/// A particle near a line.
+struct NearParticle {
+    std::uint64_t id;
+    double x[2];          ///< [m]
+    double volume, mass;  ///< [m3, kg]
+};
+
+}  // namespace moraine

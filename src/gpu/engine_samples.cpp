@@ -1,0 +1,60 @@
+// The engine's samples for hazard maps and sections (core/plan_samples.hpp): what goes to the host are sums of columns
+// and the particles near a line, not the share.
+
+#include <bit>
+
+#include "gpu/engine.hpp"
+
+namespace moraine::gpu {
+
+template <class Real, int Dim>
+double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
+    if constexpr (Dim == 3) {
+        samples_.sums.resize(columns.all_sums());
+        samples_.fastest.resize(1);
+        check(cudaMemsetAsync(samples_.sums.data(), 0, columns.all_sums() * sizeof(std::int64_t), stream_),
+              "Emptying sums");
+        check(cudaMemsetAsync(samples_.fastest.data(), 0, sizeof(std::uint64_t), stream_), "Emptying sums");
+        gpu::sum_columns(view(), columns, samples_.sums.data(), samples_.fastest.data(), stream_);
+        stream_.wait();
+        sums = samples_.sums.host(reading_);
+        return std::bit_cast<double>(samples_.fastest.host(reading_).front());
+    }
+    return 0;
+}
+
+/// Where more are near than there is capacity for, they are asked for again.
+template <class Real, int Dim>
+std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLines& lines) {
+    if constexpr (Dim == 3) {
+        if (samples_.segments.size() == 0) {
+            samples_.segments.assign(lines.segment, static_cast<std::size_t>(lines.count));
+            samples_.near.resize(256);
+            samples_.count.resize(1);
+        }
+        PlanLines there = lines;
+        there.segment = samples_.segments.data();
+        for (;;) {
+            check(cudaMemsetAsync(samples_.count.data(), 0, sizeof(std::uint32_t), stream_), "Emptying a list");
+            find_near(view(), there, samples_.near.data(), static_cast<std::uint32_t>(samples_.near.capacity()),
+                      samples_.count.data(), stream_);
+            stream_.wait();
+            const std::size_t n = samples_.count.host(reading_).front();
+            const bool fits = n <= samples_.near.capacity();
+            samples_.near.resize(n);
+            if (fits) return samples_.near.host(reading_);
+        }
+    }
+    return {};
+}
+
+/// Of one precision and dimension.
+#define MORAINE_SAMPLES(Real, Dim)                                                                        \
+    template double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
+    template std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLines&);
+MORAINE_SAMPLES(float, 2)
+MORAINE_SAMPLES(float, 3)
+MORAINE_SAMPLES(double, 2)
+MORAINE_SAMPLES(double, 3)
+
+}  // namespace moraine::gpu

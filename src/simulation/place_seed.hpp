@@ -1,0 +1,49 @@
+#pragma once
+// The state of a seed (seeding/seed.hpp) as a particle: in a slot of a share, and the block it is binned in.
+
+#include "comm/topology.hpp"
+#include "seeding/seed_state.hpp"
+
+namespace moraine {
+
+/// The block of a seed.
+template <class Real, int Dim>
+Key key_of_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const DomainBlocks<Dim>& domain,
+                const Seed& seed) {
+    BlockPosition<Dim> block{};
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        block[i] = place_along(scene, method, a, seed.x[i]).block;
+    }
+    domain.wrap(block);
+    return Morton<Dim>::encode(block);
+}
+
+/// The state of one seed, in its slot.
+template <class Real, int Dim>
+Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const DomainBlocks<Dim>& domain,
+               const ParticleView<Real, Dim>& p, const Seed& seed, std::uint32_t slot) {
+    const BodySpec& body = scene.bodies[static_cast<std::size_t>(seed.body)];
+    BlockPosition<Dim> block{};
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        const Place<Real> at = place_along(scene, method, a, seed.x[i]);
+        block[i] = at.block;
+        p.position[slot][a] = at.u;
+        p.velocity[slot][a] = static_cast<Real>(seed.velocity[i]);
+    }
+    domain.wrap(block);
+    p.id[slot] = seed.id;
+    p.body[slot] = static_cast<std::uint16_t>(seed.body);
+    p.mass[slot] = static_cast<Real>(seed.mass);
+    p.volume[slot] = static_cast<Real>(seed.mass / scene.materials[static_cast<std::size_t>(body.material)].density);
+    p.stress[slot] = zero_sym<Real, Dim>();
+    const double height = seed.x[static_cast<std::size_t>(up_axis(scene))];
+    const Vec<Real, 3> stress = geostatic_stress<Real>(scene, body, height);
+    for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
+    clear_rest(p, slot);
+    method.law_of(seed.body).begin(body.start, p, slot);
+    return Morton<Dim>::encode(block);
+}
+
+}  // namespace moraine
