@@ -48,7 +48,7 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
         core.row[CoreRows<Real, Dim>::ln_J_row] = w.view.p.core[CoreRows<Real, Dim>::ln_J_row][s];
         Vec<Coordinate<Real>, Dim> u;
         for (int a = 0; a < Dim; ++a) u[a] = core.coordinate(a);
-        const ParticleGap own = gap_of<Real, Dim>(w.contact, structure, block, u, core.volume(), core.ln_J());
+        const ParticleGap<Dim> own = gap_of<Real, Dim>(w.contact, structure, block, u, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) continue;
         each_gap_node<Shape>(w.view.context.walls, border, block, u, half_box<Shape>(w.view, s), own,
                              [&](int n, const NodeGap& told) {
