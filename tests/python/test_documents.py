@@ -106,6 +106,16 @@ class Rules(unittest.TestCase):
                 self.assertLessEqual(max(map(len, prose_of(page))), 500)
                 self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:|\bAsked\b")
 
+    def test_the_first_page_begins_with_two_pictures_and_is_short(self):
+        text = (ROOT / "README.md").read_text()
+        self.assertLessEqual(len(text.splitlines()), 100)
+        self.assertEqual(len(re.findall(r"!\[[^\]]+\]\(docs/pictures/", text.split("## ")[0])), 2)
+        for part in ("Two commands", "What it is for, and what not", "How fast", "How exact", "Requirements"):
+            self.assertIn(f"\n## {part}\n", text)
+        fast = text.split("## How fast")[1].split("## Requirements")[0]
+        for entry in re.findall(r"^\* (?:.+\n(?: +.+\n)*)", fast, re.M):  # each figure leads to its page, and names its commit
+            self.assertRegex(" ".join(entry.split()), r"\]\([\w/-]+\.md\).*[0-9a-f]{7}\b.*\)\.")
+
     def test_the_change_log_has_releases_of_short_entries(self):
         lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
         self.assertGreaterEqual(sum(line.startswith("## ") for line in lines), 2)
