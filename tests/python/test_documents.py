@@ -126,6 +126,16 @@ class Rules(unittest.TestCase):
             self.assertLessEqual(len(line), 230, line)
             self.assertTrue(not line or line[0] != " ", "an entry is one line: " + line)
 
+    def test_the_release_is_the_same_everywhere(self):
+        """python/VERSION is the version; the latest release of CHANGELOG, its notes and CITATION.cff are of it."""
+        version = (ROOT / "python/VERSION").read_text().strip()
+        latest, dated = re.search(r"^## (\d[\d.]*)\n\nOf (\d{4}-\d\d-\d\d)\b", (ROOT / "CHANGELOG.md").read_text(), re.M).groups()
+        self.assertEqual(latest, version)
+        citation = (ROOT / "CITATION.cff").read_text()
+        self.assertIn(f"\nversion: {version}\n", citation)
+        self.assertIn(f'\ndate-released: "{dated}"\n', citation)
+        self.assertTrue((ROOT / f"docs/releases/{version}.md").read_text().startswith(f"# Release {version}\n\nOf {dated}."))
+
     def test_pages_speak_of_problems_by_plain_names(self):
         """Codes stand in commands, between backquotes, and behind links."""
         sys.path.insert(0, str(ROOT / "benchmarks"))
