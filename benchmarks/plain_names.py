@@ -61,11 +61,9 @@ NAMES = {
     "T2": "block on a parabola",
     "T6": "slab at rest on rough ground",
     "T7": "steady slab with drag",
-    "GATE": "limit",
-    "TARGET": "goal",
 }
 CODE = re.compile(r"(?<![\w/#.-])(" + "|".join(sorted(map(re.escape, NAMES), key=len, reverse=True)) + r")(?![\w-]|\.(?:md|svg|cpp|hpp))")
-KEPT = re.compile(r"(`[^`\n]*`|\]\([^)\n]*\)|^    (?:benchmarks|build|scripts)/[^\n]*$)", re.MULTILINE)
+KEPT = re.compile(r"(^```[\s\S]*?^```$|`[^`\n]*`|\]\([^)\n]*\)|^    (?:benchmarks|build|scripts)/[^\n]*$)", re.MULTILINE)
 
 
 def plain(code):

@@ -10,7 +10,7 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_
 
 say() { echo "$(basename "$0"): $*" >&2; }
 
-# fail CODE MESSAGE: exit codes are those of the program (README): 1 internal, 2 input, 4 the machine.
+# fail CODE MESSAGE: exit codes are those of the program (docs/guide/results.md): 1 internal, 2 input, 4 the machine.
 fail() {
     say "$2"
     exit "$1"

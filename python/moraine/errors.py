@@ -4,7 +4,7 @@
 class Error(Exception):
     """A problem in the form `problem (why). suggestion?`.
 
-    `code` is the exit code of the program where that is what failed (2: the input is wrong; see the README for
+    `code` is the exit code of the program where that is what failed (2: the input is wrong; see docs/guide/results.md for
     the others), else 2.
 
     >>> raise Error("no run is named (the list is empty). Give a directory?")

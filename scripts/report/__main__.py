@@ -165,6 +165,7 @@ def alone_words(runs):
 
 def make(options, missing):
     import page
+    import together
     from runs import Run, unique_names
     runs = [Run(directory) for directory in options.runs]
     unique_names(runs)
@@ -175,6 +176,7 @@ def make(options, missing):
     title = "Moraine: " + ", ".join(sorted({run.summary["title"] or run.summary["scene"] for run in runs}))
     columns, rows = run_rows(runs)
     parts.append("<section>\n<h2>The computation</h2>\n" + page.table(columns, rows) + words_on_answers(runs) + alone_words(runs) + "\n</section>")
+    parts.append(together.sharing(runs))
     parts += [*map(page.section, plots), "<section>\n<h2>Machine and commit</h2>\n" + page.table(*machine_rows(runs), words=True) + "\n</section>"]
     lacking = (install_words(missing) or lacking) + left_out(plots, runs)
     if lacking:

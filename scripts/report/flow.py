@@ -3,6 +3,7 @@ import html
 import math
 
 import page
+import together
 from charts import Chart, Line, section
 
 STRONG = 8  # structures at most with a chart of their own
@@ -177,6 +178,7 @@ def pictures(run):
     try:
         import planes
         frames, ks, stills = planes.open_frames(run.path)
+        run.opened = frames, ks
         shown = planes.pictures(frames, ks, stills, f"movie_{run.key}")
         return shown, depths(run, frames, stills), ""
     except ImportError as missing:
@@ -184,6 +186,19 @@ def pictures(run):
                          "python3-matplotlib python3-h5py</code>."
     except Exception as wrong:  # a record that cannot be drawn costs its pictures, and not the page
         return "", None, f"Pictures of the flow of {html.escape(run.name)}: {html.escape(str(wrong) or type(wrong).__name__)}"
+
+
+def maps(run):
+    """HTML of the hazard maps, and why there are none where the run has some."""
+    if not (run.path / "maps").is_dir():
+        return "", ""
+    try:
+        import hazards
+        return hazards.maps(run.path), ""
+    except ImportError as missing:
+        return "", f"Hazard maps: {missing}. Install them by <code>sudo apt-get install python3-matplotlib</code>."
+    except Exception as wrong:  # as for pictures
+        return "", f"Hazard maps of {html.escape(run.name)}: {html.escape(str(wrong) or type(wrong).__name__)}"
 
 
 def distinct(runs):
@@ -198,19 +213,20 @@ def sections(runs):
         run.key = str(k)
         heading = "The flow" if len(flows) == 1 else f"The flow of {run.name}"
         shown, depth, why = pictures(run)
-        missing += [why] if why else []
+        mapped, unmapped = maps(run)
+        missing += [words for words in (why, unmapped) if words]
         mine = [chart for chart in [depth, energies(run), unaccounted(run), *forces(run)] if chart]
         if len(flows) == 1:
             mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows), sleepers(flows)) if chart]
         if len(run.structures) > STRONG:
             missing.append(f"Forces on {len(run.structures) - STRONG} more structures of {html.escape(run.name)}: see its structures.csv.")
         charts += mine
-        parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{warnings(run)}{shown}\n"
+        parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{warnings(run)}{shown}{mapped}\n"
                      f'<div class="charts">{"".join(map(section, mine))}</div>\n</section>')
     if len(flows) > 1:
-        both = [chart for chart in (fronts(flows), speeds(flows), fillings(flows), sleepers(flows)) if chart]
+        both = [chart for chart in (fronts(flows), speeds(flows), *together.forces(flows), fillings(flows), sleepers(flows)) if chart]
         charts += both
-        parts.insert(0, f'<section>\n<h2>The flows together</h2>\n<div class="charts">{"".join(map(section, both))}</div>\n</section>')
+        parts.insert(0, together.flows(runs, flows, both))
     return parts, charts, missing
 
 

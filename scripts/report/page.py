@@ -47,6 +47,9 @@ section > .chart { max-width: 60rem; } section > .chart .area { height: 15rem; }
 .barname { font-size: 0.85rem; } .barline { display: flex; height: 1.8rem; } .barline span { overflow: hidden; font-size: 0.8rem; line-height: 1.8rem; text-align: center; }
 .legend .square { width: 0.9rem; height: 0.9rem; border: 0; } .narrow { display: none; }
 @media (max-width: 47rem) { .narrow { display: block; } .narrow + .scroll { display: none; } .bars { grid-template-columns: minmax(0, 1fr); gap: 0.2rem; } }
+.pane .scale { position: absolute; right: 3%; bottom: 0.5rem; height: 6px; border: 1px solid #111; background: linear-gradient(to right, #111 50%, #fff 50%); }
+.pane .scaled { left: auto; right: 3%; bottom: 0.9rem; transform: none; } .beside { display: grid; gap: 1rem 1.6rem; margin: 1rem 0; }
+@media (min-width: 47rem) { .beside.two { grid-template-columns: repeat(2, minmax(0, 1fr)); } .beside.three { grid-template-columns: repeat(3, minmax(0, 1fr)); } }
 .control { display: flex; align-items: center; gap: 0.8rem; margin: 0.4rem 0; } .control input { flex: 1; min-width: 6rem; } .control output { min-width: 6.5rem; }
 button { font: inherit; padding: 0.25rem 0.9rem; min-width: 4.5rem; }
 """

@@ -9,6 +9,8 @@
 #include "core/rest_interval.hpp"
 #include "core/sleep.hpp"
 #include "predict/prediction.hpp"
+#include "predict/scene_warnings.hpp"
+#include "predict/step_speed.hpp"
 #include "scene/scene_keys.hpp"
 #include "seeding/seed_region.hpp"
 
@@ -89,21 +91,22 @@ std::string output_line(const Scene& scene, const Prediction& p) {
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"
 std::string steps_line(const Scene& scene, const Prediction& p) {
     if (scene.substeps == 1) return fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
-    // A step of S substeps costs 1.1 + 0.17 S steps of particles' pressure on a host (docs/adr/0009).
-    const double gain = p.steps_without / (p.steps * (1.1 + 0.17 * p.substeps));
+    const double gain = p.steps_without / (p.steps * substep_cost(p.substeps));
     return fmt::format("steps      {:.0f} of {} substeps to t = {} s; {:.0f} without, in about {:.2g} times the time\n",
                        p.steps, p.substeps, scene.end, p.steps_without, gain);
 }
 
 }  // namespace
 
-std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
+std::string check_report(const Scene& scene, const CheckedRun& run) {
     const Prediction p = predict(scene);
+    const int ranks = run.ranks;
     std::string text = fmt::format("{}: good\n", scene.path);
     if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
     text += fmt::format("particles  {}\n", p.particles);
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);
+    for (const std::string& warning : scene_warnings(scene)) text += fmt::format("warning    {}\n", warning);
     text += structure_lines(scene);
     text += release_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");
@@ -112,6 +115,9 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
                                      : fmt::format("cfl {:.3g}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
                                                    courant_number(scene), p.max_wave_speed, p.max_speed));
     text += steps_line(scene, p);
+    text += fmt::format("time       {}\n", run.timing.empty() ? run_time_text(scene, p, ranks, run.on_devices) +
+                                                                    " (--time measures it here)"
+                                                              : run.timing);
     if (scene.rest.stops)
         text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
                             100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
@@ -120,7 +126,7 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
         text +=
             fmt::format("sleep      blocks may: less than {:.4g} m in {:.4g} s, and {:.4g} Pa of a density of 1000\n",
                         scene.sleep.displacement * scene.cell, sleep_interval(scene), 1000 * sleep_rule(scene).weight);
-    if (writes_particles) text += output_line(scene, p);
+    if (run.writes_particles) text += output_line(scene, p);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
     text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
@@ -128,7 +134,7 @@ std::string check_report(const Scene& scene, int ranks, bool writes_particles) {
     if (ranks > 1)
         text += fmt::format("           {} on each of {} GPUs\n", bytes_text(bytes_on_device(scene, p, ranks)), ranks);
     text += fmt::format("           {} of the host for each of {} rank{} on GPUs\n",
-                        bytes_text(host_bytes_with_device(scene, p, ranks, writes_particles)), ranks,
+                        bytes_text(host_bytes_with_device(scene, p, ranks, run.writes_particles)), ranks,
                         ranks == 1 ? "" : "s");
     return text;
 }

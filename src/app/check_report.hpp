@@ -7,8 +7,16 @@
 
 namespace moraine {
 
-/// What `moraine check` prints: particles, blocks, step and memory for `ranks` ranks. Not collective. Throws InputError
+/// What is asked about a scene.
+struct CheckedRun {
+    int ranks = 1;
+    bool on_devices = false;
+    bool writes_particles = true;
+    std::string timing = {};  ///< what was measured of its time; empty: it is predicted
+};
+
+/// What `moraine check` prints: warnings, particles, blocks, step, time and memory. Not collective. Throws InputError
 /// if a table of particles is bad.
-std::string check_report(const Scene& scene, int ranks, bool writes_particles = true);
+std::string check_report(const Scene& scene, const CheckedRun& run);
 
 }  // namespace moraine

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "io/disk_file.hpp"
+#include "predict/scene_warnings.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
 #include "records/scene_record.hpp"
@@ -100,7 +101,10 @@ void Driver<Real, Dim>::begin() {
         fmt::print(stderr, "{}\n", sim_.trigger().notice());
     lock_ = claim_run_directory(comm_, directory_, claim);
     catch_stop_signals();
-    if (comm_.is_root() && !options_.quiet) fmt::print(stderr, "{}\n", device_message_);
+    if (comm_.is_root() && !options_.quiet) {
+        for (const std::string& warning : scene_warnings(scene_)) fmt::print(stderr, "Warning: {}\n", warning);
+        fmt::print(stderr, "{}\n", device_message_);
+    }
     const RunClock<Dim>& clock = sim_.clock();
     std::optional<ResumeAfter> resume;
     if (claim == RunClaim::resume) resume = ResumeAfter{"step", static_cast<double>(clock.step), history_row};

@@ -18,6 +18,7 @@
 #include "app/driver.hpp"
 #include "app/options.hpp"
 #include "app/report_page.hpp"
+#include "app/step_timing.hpp"
 #include "comm/comm.hpp"
 #include "core/error.hpp"
 #include "io/input_error.hpp"
@@ -41,10 +42,12 @@ int tell(const Comm& comm, int code, const std::string& message) {
     return code;
 }
 
-/// Where the scene is to run; `check --ranks P` tells of other machines, whose memory is not known here. Collective.
+/// Where the scene is to run; `check` without --time tells of other machines, whose memory is not known here.
+/// Collective.
 Machine machine_of(const Comm& comm, const Options& options) {
     Machine machine{comm.size(), comm.on_this_machine().size, host_memory()};
-    if (options.command == "check") machine = {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
+    if (options.command == "check" && !options.time)
+        machine = {options.ranks, 1, options.ranks == 1 ? host_memory() : 0};
     machine.devices = wants_device(options.device, comm);
     machine.writes_particles = !options.no_particles;
     return machine;
@@ -79,6 +82,20 @@ void choose_threads(const Comm& comm) {
     omp_set_num_threads(std::max(1, omp_get_num_procs() / comm.on_this_machine().size));
 }
 
+/// The host's threads, or devices that have space for the scene. Collective.
+DeviceChoice prepare_device(const Scene& scene, const Options& options, const Comm& comm) {
+    choose_threads(comm);
+    const DeviceChoice device = choose_device(options.device, comm, options.transport);
+    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
+    return device;
+}
+
+void check(const Scene& scene, const Options& options, const Comm& comm, const Machine& machine) {
+    CheckedRun run{options.time ? comm.size() : options.ranks, machine.devices, !options.no_particles};
+    if (options.time) run.timing = time_steps(scene, comm, prepare_device(scene, options, comm));
+    if (comm.is_root()) fmt::print("{}", check_report(scene, run));
+}
+
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
     const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
@@ -86,15 +103,12 @@ void execute(const Options& options, const Comm& comm) {
         check_capacity(s, machine);
     });
     if (options.command == "check") {
-        if (comm.is_root()) fmt::print("{}", check_report(scene, options.ranks, !options.no_particles));
+        check(scene, options, comm, machine);
         return;
     }
     for (const std::string& notice : scene.notices)
         if (comm.is_root() && !options.quiet) fmt::print(stderr, "{}\n", notice);
-    choose_threads(comm);
-    const DeviceChoice device = choose_device(options.device, comm, options.transport);
-    if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
-    run_scene(scene, options, comm, device);
+    run_scene(scene, options, comm, prepare_device(scene, options, comm));
 }
 
 int run_program(int argc, char** argv) {

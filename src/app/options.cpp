@@ -23,7 +23,7 @@ struct Command {
 
 constexpr Command commands[] = {
     {"run", "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"},
-    {"check", "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps and memory\n"},
+    {"check", "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps, minutes and memory\n"},
     {"replay",
      "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded loads\n"},
     {"converge", "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is\n"},
@@ -80,7 +80,10 @@ po::options_description check_options(Options& o) {
         "device", po::value(&o.device)->value_name("NAME"),
         "as in run: with a device, the host's memory is that beside it")(
         "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
-        "ranks", po::value(&o.ranks)->value_name("P"), "predict the memory of one of P ranks (default: 1)");
+        "ranks", po::value(&o.ranks)->value_name("P"), "predict memory and time of one of P ranks (default: 1)")(
+        "time", po::bool_switch(&o.time),
+        "make a second of steps, and say the minutes of the run from them; in parallel as run")(
+        "transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
     return options;
 }
 
@@ -175,6 +178,9 @@ Options parse_options(int argc, const char* const* argv) {
     check_choice("--transport", o.transport, transports());
     if (!o.partitioner.empty()) check_choice("--partitioner", o.partitioner, partitioners());
     if (o.ranks < 1) refuse_argument(fmt::format("--ranks {}", o.ranks), "must be at least 1", "Did you mean 1?");
+    if (o.time && o.ranks > 1)
+        refuse_argument(fmt::format("--time with --ranks {}", o.ranks), "what is not running cannot be timed",
+                        fmt::format("Use mpirun -n {} moraine check {} --time?", o.ranks, o.scene));
     return o;
 }
 

@@ -22,6 +22,7 @@ struct Options {
     bool quiet = false;
     bool no_particles = false;  ///< outputs are the records alone, without particles.vtkhdf
     int ranks = 1;              ///< check: to predict memory for
+    bool time = false;          ///< check: step for a second
     ReplayOptions replay;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// scene.json: what stands around the particles of a run, for pictures: domain, walls, structures.
+// scene.json: what stands around the particles of a run, for pictures: domain, walls, structures; and what makes the
+// scene the one it is, for comparisons.
 //
 // Keys and values are those of the scene with all that --set changed, so that a picture needs no scene file. It is
 // written when the run begins: a run that goes on, or was killed, can be drawn too. Where structures have moved to is
@@ -11,6 +12,7 @@
 #include "core/scene_spec.hpp"
 #include "io/json_text.hpp"
 #include "records/version.hpp"
+#include "scene/scene_identity.hpp"
 
 namespace moraine {
 
@@ -78,6 +80,13 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     return named;
 }
 
+/// All that the answer depends on, by which a report says in what runs differ.
+inline Json keys(const Scene& scene) {
+    Json::Named named;
+    for (const auto& [key, value] : scene_identity(scene)) named.emplace_back(key, in_words(key, value));
+    return named;
+}
+
 }  // namespace scene_record
 
 inline Json surroundings(const Scene& scene) {
@@ -91,7 +100,8 @@ inline Json surroundings(const Scene& scene) {
                                               {"max", scene_record::vector(scene, scene.max)},
                                               {"cell", scene.cell}}},
                        {"wall", scene_record::walls(scene)},
-                       {"structure", structures}};
+                       {"structure", structures},
+                       {"keys", scene_record::keys(scene)}};
 }
 
 }  // namespace moraine

@@ -11,6 +11,7 @@
 #include "core/hash.hpp"
 #include "core/material/laws.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_keys.hpp"
 
 namespace moraine {
 
@@ -177,6 +178,25 @@ std::string identity_text(const Scene& scene) {
     return text;
 }
 
+std::string in_words(const std::string& key, const std::string& value) {
+    const std::size_t dot = key.rfind('.');
+    if (dot == std::string::npos) return value;
+    std::string table = key.substr(0, dot);  // wall.x-min, structure.pipe.contact: without the name
+    const std::size_t label = table.find('.');
+    if (label != std::string::npos) {
+        const std::size_t rest = table.find('.', label + 1);
+        table = table.substr(0, label) + (rest == std::string::npos ? "" : table.substr(rest));
+    }
+    for (const SceneKey& known : all_scene_keys()) {
+        if (known.table != table || known.name != key.substr(dot + 1) || known.type != KeyType::choice) continue;
+        const std::vector<std::string>& words = known.choices;
+        if (words.size() == 2 && (value == "true" || value == "false")) return words[value == "true" ? 0 : 1];
+        for (std::size_t k = 0; k < words.size(); ++k)
+            if (value == fmt::format("{}", k)) return words[k];
+    }
+    return value;
+}
+
 std::string first_difference(const Scene& scene, const std::string& stored) {
     std::map<std::string, std::string> before;
     std::istringstream lines(stored);
@@ -187,7 +207,8 @@ std::string first_difference(const Scene& scene, const std::string& stored) {
     for (const auto& [key, value] : scene_identity(scene)) {
         const auto it = before.find(key);
         if (it == before.end()) return key + " is new";
-        if (it->second != value) return fmt::format("{} is {} and was {}", key, value, it->second);
+        if (it->second != value)
+            return fmt::format("{} is {} and was {}", key, in_words(key, value), in_words(key, it->second));
         before.erase(it);
     }
     return before.empty() ? "" : before.begin()->first + " is gone";

@@ -16,6 +16,9 @@ std::vector<std::pair<std::string, std::string>> scene_identity(const Scene& sce
 /// The identity as text, one `key = value` per line, for a checkpoint's header.
 std::string identity_text(const Scene& scene);
 
+/// What a value of the identity is in a scene: kinds, which it holds as numbers, by their words.
+std::string in_words(const std::string& key, const std::string& value);
+
 /// The first key in which `scene` differs from a stored identity, with both values; empty: the same.
 std::string first_difference(const Scene& scene, const std::string& stored);
 

@@ -56,6 +56,17 @@ std::string suggestion_for(const std::string& name, const std::string& path, con
     return fmt::format("Use one of {}?", listed(valid));
 }
 
+/// A key that other laws have: what it is for is said, instead of a suggestion that would name the same key.
+void refuse_other_law(const std::string& name, const std::string& full, const std::string& path,
+                      const std::string& place) {
+    std::vector<std::string> laws;
+    for (const SceneKey& key : all_scene_keys())
+        if (key.table == "material" && key.name == name) laws.insert(laws.end(), key.only.begin(), key.only.end());
+    if (!laws.empty())
+        refuse(place, fmt::format("{} is not used", full), "it is for law " + listed(laws),
+               fmt::format("Remove it, or set {}.law?", path));
+}
+
 class NameCheck {
   public:
     explicit NameCheck(const std::string& file) : file_(file) {}
@@ -66,10 +77,10 @@ class NameCheck {
             const std::string name(key.str());
             const std::string full = path.empty() ? name : fmt::format("{}.{}", path, name);
             const std::string place = place_of(node, file_);
-            if (std::find(valid.begin(), valid.end(), name) == valid.end())
-                refuse(place, fmt::format("{} is not a key", full),
-                       section == "material" ? "no such key, or not one of this law" : "no such key",
-                       suggestion_for(name, path, valid));
+            if (std::find(valid.begin(), valid.end(), name) == valid.end()) {
+                if (section == "material") refuse_other_law(name, full, path, place);
+                refuse(place, fmt::format("{} is not a key", full), "no such key", suggestion_for(name, path, valid));
+            }
             const std::string inner = section.empty() ? name : fmt::format("{}.{}", section, name);
             if (path.empty() && !label_of_list(name).empty())
                 list(node, name);

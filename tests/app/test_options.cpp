@@ -56,6 +56,9 @@ TEST_CASE("check takes a scene, --set and --ranks") {
     CHECK(o.command == "check");
     CHECK(o.sets.size() == 1);
     CHECK(o.ranks == 8);
+    CHECK_FALSE(o.time);
+    CHECK(parse({"check", "s.toml", "--time", "--transport", "host"}).time);
+    CHECK(said_of({"check", "s.toml", "--time", "--ranks", "2"}).ends_with("mpirun -n 2 moraine check s.toml --time?"));
     CHECK(said_of({"check", "s.toml", "--overwrite"}).starts_with("--overwrite (moraine check has no such option)"));
     CHECK(said_of({"check", "s.toml", "--ranks", "0"}).starts_with("--ranks 0 (must be at least 1)"));
     CHECK_FALSE(said_of({"check", "s.toml", "--ranks", "many"}).empty());

@@ -109,7 +109,7 @@ TEST_CASE("outputs are predicted by their bytes, times and steps between") {
 }
 
 TEST_CASE("the report names all that a run will need") {
-    const std::string report = check_report(read_scene(inputs_folder() + "/elastic_bar.toml"), 4);
+    const std::string report = check_report(read_scene(inputs_folder() + "/elastic_bar.toml"), {.ranks = 4});
     for (const char* word : {"particles  800", "blocks", "dt", "steps", "output", "memory", "4 ranks"}) {
         CAPTURE(word);
         CHECK(report.find(word) != std::string::npos);

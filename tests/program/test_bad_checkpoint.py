@@ -104,6 +104,19 @@ class BadCheckpoint(moraine.ProgramTest):
                 on = (None, 3) if key == "material.jelly.density" else (None,)
                 self.assert_refused(self.good, "--set", f"{key}={value}", says=[key, str(self.good)], on=on)
 
+    def test_kinds_that_differ_are_named_by_their_words(self):
+        for key, value, words in (("numerics.shape", '"linear"', "numerics.shape is linear and was quadratic"),
+                                  ("numerics.transfer", '"flip"', "numerics.transfer is flip and was apic"),
+                                  ("numerics.precision", '"single"', "numerics.precision is single and was double"),
+                                  ("numerics.stress_update", '"musl"', "numerics.stress_update is musl and was usl"),
+                                  ("numerics.light_nodes", '"free"', "numerics.light_nodes is free and was limited"),
+                                  ("numerics.boundary", '"plain"', "numerics.boundary is plain and was spline"),
+                                  ("material.jelly.volumetric", '"cell"', "material.jelly.volumetric is cell and was particle"),
+                                  ("body.block.seeding", '"jittered"', "body.block.seeding is jittered and was lattice"),
+                                  ("wall.y-min.kind", '"free-slip"', "wall.y-min.kind is free-slip and was no-slip")):
+            with self.subTest(key):
+                self.assert_refused(self.good, "--set", f"{key}={value}", says=[f"({words})"], on=(None,))
+
     def test_end_output_balance_and_ranks_may_change(self):
         keys = sets(time__end=0.2, output__interval=0.01, output__fields='["pressure"]', balance__partitioner="shuffle",
                     balance__trigger="every", balance__interval=1)

@@ -65,6 +65,63 @@ class Check(moraine.ProgramTest):
             self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.03 * size)  # metadata
         self.assertEqual(row, 24)
 
+    UNITS = {"s": 1, "min": 60, "h": 3600, "days": 86400}
+
+    def seconds(self, *words):
+        """What check says of the time of the run, and how it knows."""
+        value, unit, how = re.search(r"(?m)^time +about ([-.e\d]+) (s|min|h|days) (.+)$", self.report(*words)).groups()
+        return float(value) * self.UNITS[unit], how
+
+    def test_its_time_is_that_of_a_table_for_one_core_or_several(self):
+        scene = INPUTS / "strip_footing.toml"
+        alone, how = self.seconds(scene)
+        self.assertIn("on one core of an Intel Xeon", how)
+        self.assertAlmostEqual(alone, self.said("particles", scene) * self.said("steps", scene) / 6.39e6, delta=0.05 * alone)
+        quarter, how = self.seconds(scene, "--ranks", "4")
+        self.assertIn("on 4 cores evenly loaded", how)
+        self.assertAlmostEqual(quarter, alone / 4, delta=0.1 * quarter)
+        device, how = self.seconds(INPUTS / "slurry_runout_3d.toml", "--device", "cuda")
+        self.assertIn("on one NVIDIA H200", how)
+        self.assertLess(device, 60)
+
+    def test_a_second_of_steps_gives_the_time_here_on_any_ranks_and_writes_nothing(self):
+        scene = INPUTS / "pipe_penetration.toml"
+        for ranks in (None, 1, 3):
+            with self.subTest(ranks=ranks):
+                ended = call("check", scene, "--time", "--device", "cpu", ranks=ranks, folder=self.folder)
+                self.assertEqual((ended.code, ended.err), (0, ""), ended)
+                value, unit, steps, each, on = re.search(
+                    r"(?m)^time +about (\S+) (\w+) by (\d+) steps of (\S+) ms \((\d+) ranks? of 1 thread on the host\), without outputs$",
+                    ended.out).groups()
+                self.assertEqual(int(on), ranks or 1)
+                self.assertGreater(int(steps) * float(each), 990)
+                expected = float(re.search(r"(?m)^steps +(\d+)", ended.out)[1]) * float(each) / 1e3
+                self.assertAlmostEqual(float(value) * self.UNITS[unit], expected, delta=0.1 * expected + 0.5 * self.UNITS[unit])
+                self.assertIn(f"of {on} rank", re.search(r"(?m)^memory .*", ended.out)[0].replace("each of", "of"))
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_run_of_less_than_a_second_is_timed_as_a_whole(self):
+        self.assertRegex(self.report(INPUTS / "first_scene.toml", "--time", *sets(time__end=0.01)), r"(?m)^time +\S+ s for the whole run \(1 rank of")
+
+    def test_only_what_runs_is_timed(self):
+        line = self.assert_one_problem(call("check", INPUTS / "first_scene.toml", "--time", "--ranks", "4"))
+        self.assertIn("mpirun -n 4 moraine check", line)
+
+    def test_what_is_rarely_meant_is_warned_of_by_check_and_by_a_run(self):
+        scene = INPUTS / "first_scene.toml"
+        for keys, words in ((sets(domain__cell=0.5), r"body\.block is 2 cells over its least side .+ domain\.cell of 0\.25 m\?"),
+                            (sets(material__clay__poisson=0.499), r"material\.clay\.poisson = 0\.499 makes steps 2\.2 times as short .+Use 0\.495\?"),
+                            (sets(body__block__velocity="[30, 0]"), r"body\.block may flow at Mach 0\.\d+ .+ times as large\?")):
+            with self.subTest(words):
+                self.assertRegex(self.report(scene, *keys), rf"(?m)^warning +{words}$")
+                ended = call("run", scene, *keys, *sets(time__end=0), "--output", self.folder / "run", "--overwrite")
+                self.assertRegex(ended.err, rf"(?m)^Warning: {words}$")
+                ended = call("run", scene, *keys, *sets(time__end=0), "--output", self.folder / "run", "--overwrite", "--quiet")
+                self.assertEqual((ended.code, ended.err), (0, ""))
+        for scene in sorted(INPUTS.glob("*.toml")):
+            with self.subTest(scene.name):
+                self.assertNotIn("\nwarning", self.report(scene))
+
     def test_its_answer_is_said_once_on_three_ranks(self):
         ended = call("check", INPUTS / "first_scene.toml", ranks=3)
         self.assertEqual((ended.code, len(re.findall("(?m)^particles ", ended.out)), ended.err), (0, 1, ""), ended)
@@ -79,6 +136,16 @@ class Check(moraine.ProgramTest):
     def test_a_key_that_is_not_there_is_refused(self):
         line = self.assert_one_problem(call("check", INPUTS / "first_scene.toml", "--set", "domain.cel=1"))
         self.assertIn("domain.cell", line)
+
+    def test_a_suggestion_never_names_what_was_written(self):
+        """A key of another law, shape or kind is there, and the message says of which."""
+        for key, words in (("material.clay.friction_angle", "it is for law drucker-prager). Remove it, or set material.clay.law?"),
+                           ("material.clay.yield_stress", "it is for law herschel-bulkley, bingham). Remove it, or set material.clay.law?"),
+                           ("body.block.radius", "it is for shape sphere). Remove it, or set body.block.shape?"),
+                           ("wall.x-min.friction", "it is for kind friction). Remove it, or set wall.x-min.kind?")):
+            with self.subTest(key):
+                line = self.assert_one_problem(call("check", INPUTS / "first_scene.toml", "--set", f"{key}=1"))
+                self.assertIn(f"{key} is not used ({words}", line)
 
     def test_help_of_a_command_is_of_that_one_alone(self):
         for words in (["run", "--help"], ["help", "run"], ["run", "scene.toml", "--help"]):

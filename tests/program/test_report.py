@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 
 import chromium
 import moraine
+import valley
 from moraine import INPUTS, call, sets, summary, table
 
 SCENE = INPUTS / "slurry_runout.toml"
@@ -96,6 +97,12 @@ class Report(moraine.ProgramTest):
             xml.etree.ElementTree.fromstring(figure)
         self.assertLess(page.headings.index("The flow"), page.headings.index("Where the time went"))
         self.assertEqual(len([heading for heading in page.headings if heading.startswith("The flow")]), 1)  # one answer, one flow
+        self.assertIn("The same flow, shared out in several ways", page.headings)
+        quick, slow = sorted(found[:2], key=lambda s: -s["particle_steps_per_s"])
+        ratio = quick["particle_steps_per_s"] / slow["particle_steps_per_s"]
+        self.assertIn(f"is {ratio:.2f} times as fast", text)
+        self.assertIn(f"On 2 ranks {quick['partitioner']}-2 (", text)
+        self.assertNotIn("Side by side", page.headings)  # they did the same
         self.check_files(runs)
 
     def check_files(self, runs):
@@ -127,10 +134,10 @@ class Report(moraine.ProgramTest):
         self.assertIn("output.block_loads=on", text)
         self.assertNotIn("Who held which block", text)
 
-    def structure_run(self, *words):
+    def structure_run(self, *words, name="pipe"):
         """A pipe that is pushed into clay, on one rank."""
         keys = sets(domain__cell=0.2, time__end=0.4, output__interval=0.1)
-        return self.run_scene(INPUTS / "pipe_penetration.toml", "pipe", *keys, *words)
+        return self.run_scene(INPUTS / "pipe_penetration.toml", name, *keys, *words)
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_the_flow_comes_first_with_pictures_structures_and_a_slider(self):
@@ -154,6 +161,58 @@ class Report(moraine.ProgramTest):
         with open(self.folder / "report_files/force_0_0.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 2 * len((self.folder / "pipe/structures.csv").read_text().splitlines()[1:]))
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_methods_stand_side_by_side_with_what_differs_and_what_it_changed(self):
+        runs = [self.structure_run(*sets(numerics__transfer=name), name=name) for name in ("apic", "flip")]
+        self.report(*runs)
+        text = (self.folder / "report.html").read_text()
+        page = Page(text)
+        self.assertEqual((page.open, page.fetched, len(page.ids)), ([], [], len(set(page.ids))))
+        self.assertEqual(page.headings[1:4], ["Side by side", "The flow of apic", "The flow of flip"])
+        table_text = text.split("<h2>Side by side</h2>")[1].split("</table>")[0]
+        self.assertEqual(re.findall(r'<th [^>]*>([^<]*)</th>', table_text), ["run", "numerics.transfer", "largest speed [m/s]", "force on pipe [kN]", "wall [s]"])
+        rows = [re.findall("<td>([^<]*)</td>", row) for row in table_text.split("<tr>")[2:]]
+        self.assertEqual([row[:2] for row in rows], [["apic", "apic"], ["flip", "flip"]])
+        for run, row in zip(runs, rows):
+            force = max((r["force_x_N"] ** 2 + r["force_y_N"] ** 2) ** 0.5 for r in table(run, "structures.csv"))
+            self.assertAlmostEqual(float(row[3]), force / 1e3, delta=1e-3 * force / 1e3)
+        beside = text.split("<h3>At the same times</h3>")[1].split('class="charts"')[0]
+        self.assertEqual(re.findall(r"<h4>(\w+), t = ([\d.]+) s</h4>", beside), [(name, time) for time in ("0.1", "0.3", "0.4") for name in ("apic", "flip")])
+        self.assertEqual(beside.count("<img "), 6)
+        with open(self.folder / "report_files/forces_0.csv", newline="") as file:
+            self.assertEqual({row["line"] for row in csv.DictReader(file)}, {"apic", "flip"})
+        levels = [runs[0], self.structure_run(*sets(domain__cell=0.1), name="fine")]
+        (levels[1] / "scene.json").unlink()  # of an older version: then only what summary.json says is compared
+        self.assertEqual(self.report(*levels).err, "")
+        self.assertIn("<h2>Side by side</h2>", (self.folder / "report.html").read_text())
+
+    def valley_run(self):
+        self.write(valley.grid(), "valley.asc"), self.write(valley.AREA, "area.csv")
+        return self.run_scene(self.write(valley.SCENE), "valley", "--device", "cpu", *sets(time__end=0.6, output__interval=0.15))
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_hazard_maps_lie_over_the_ground_with_scale_and_legend(self):
+        run = self.valley_run()
+        self.report(run)
+        text = (self.folder / "report.html").read_text()
+        page = Page(text)
+        self.assertEqual((page.open, page.fetched), ([], []))
+        shown = text.split("<h3>Hazard maps</h3>")[1]
+        names = {path.stem for path in (run / "maps").iterdir() if path.suffix in (".tif", ".asc")}
+        self.assertEqual(set(re.findall(r'id="map-(\w+)-valley"', shown)), names)
+        for words in ("reached by the flow", "height of the ground, every", '<b class="scaled">5 m</b>', "largest depth [m]", "linear-gradient"):
+            self.assertIn(words, shown)
+        self.assertNotIn("The ground is not shown", shown)
+        (self.folder / "valley.asc").rename(self.folder / "gone.asc")
+        self.report(run)
+        self.assertIn("The ground is not shown", (self.folder / "report.html").read_text())
+        for path in (run / "maps").glob("max_depth.*"):
+            path.write_bytes(path.read_bytes()[:40])
+        self.assertEqual(self.report(run).err, "")
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("Hazard maps of valley: ", text.split("Not on this page")[1])
+        self.assertIn("<h3>Energies</h3>", text)
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_warnings_and_numbers_that_are_none_are_shown_without_a_traceback(self):
@@ -215,10 +274,10 @@ class Report(moraine.ProgramTest):
     @unittest.skipUnless(has_matplotlib() and chromium.PROGRAM, "no matplotlib, or no Chromium")
     def test_chromium_shows_it_at_three_widths_light_and_dark(self):
         runs = [self.structure_run(), *self.runs()[:2]]
-        for name, words in (("one", runs[:1]), ("many", runs)):
+        for name, words in (("one", runs[:1]), ("many", runs), ("maps", [self.valley_run()])):
             self.report(*words, "--output", f"{name}.html")
         with chromium.Browser() as browser:
-            for name in ("one", "many"):
+            for name in ("one", "many", "maps"):
                 for width in (390, 768, 1400):
                     for dark in (False, True):
                         with self.subTest(f"{name} {width} {dark}"):

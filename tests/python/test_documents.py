@@ -104,7 +104,17 @@ class Rules(unittest.TestCase):
             with self.subTest(str(page.relative_to(ROOT))):
                 self.assertLess(len(page.read_text().splitlines()), 200)
                 self.assertLessEqual(max(map(len, prose_of(page))), 500)
-                self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:")
+                self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:|\bAsked\b")
+
+    def test_the_first_page_begins_with_two_pictures_and_is_short(self):
+        text = (ROOT / "README.md").read_text()
+        self.assertLessEqual(len(text.splitlines()), 100)
+        self.assertEqual(len(re.findall(r"!\[[^\]]+\]\(docs/pictures/", text.split("## ")[0])), 2)
+        for part in ("Two commands", "What it is for, and what not", "How fast", "How exact", "Requirements"):
+            self.assertIn(f"\n## {part}\n", text)
+        fast = text.split("## How fast")[1].split("## Requirements")[0]
+        for entry in re.findall(r"^\* (?:.+\n(?: +.+\n)*)", fast, re.M):  # each figure leads to its page, and names its commit
+            self.assertRegex(" ".join(entry.split()), r"\]\([\w/-]+\.md\).*[0-9a-f]{7}\b.*\)\.")
 
     def test_the_change_log_has_releases_of_short_entries(self):
         lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
@@ -116,6 +126,16 @@ class Rules(unittest.TestCase):
             self.assertLessEqual(len(line), 230, line)
             self.assertTrue(not line or line[0] != " ", "an entry is one line: " + line)
 
+    def test_the_release_is_the_same_everywhere(self):
+        """python/VERSION is the version; the latest release of CHANGELOG, its notes and CITATION.cff are of it."""
+        version = (ROOT / "python/VERSION").read_text().strip()
+        latest, dated = re.search(r"^## (\d[\d.]*)\n\nOf (\d{4}-\d\d-\d\d)\b", (ROOT / "CHANGELOG.md").read_text(), re.M).groups()
+        self.assertEqual(latest, version)
+        citation = (ROOT / "CITATION.cff").read_text()
+        self.assertIn(f"\nversion: {version}\n", citation)
+        self.assertIn(f'\ndate-released: "{dated}"\n', citation)
+        self.assertTrue((ROOT / f"docs/releases/{version}.md").read_text().startswith(f"# Release {version}\n\nOf {dated}."))
+
     def test_pages_speak_of_problems_by_plain_names(self):
         """Codes stand in commands, between backquotes, and behind links."""
         sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -125,3 +145,64 @@ class Rules(unittest.TestCase):
             with self.subTest(str(page.relative_to(ROOT))):
                 self.assertEqual(page.read_text(), names.in_words(page.read_text()))
         self.assertEqual(names.in_words("S6 and [E1](E1.md): `run S6`"), "energy over many periods and [vibrating bar](E1.md): `run S6`")
+
+
+class Evidence(unittest.TestCase):
+    """One page per problem in docs/evidence: statement, sketch, result, plot, verdict, command; its figures are those of the pages it names."""
+
+    FOLDER = ROOT / "docs/evidence"
+
+    def pages(self):
+        found = sorted(set(self.FOLDER.glob("*.md")) - {self.FOLDER / "README.md"})
+        self.assertGreater(len(found), 20)
+        return [(page, page.read_text()) for page in found]
+
+    def test_each_page_has_all_parts_in_order(self):
+        parts = (r"^# \S.*\n\n(<a id=\"[\w-]+\"></a>)+\n\n\S", r"!\[Sketch of the problem\]\({name}\.svg\)", r"^## Result\n\n\| what \| measured \| (goal|limit) \| verdict \|",
+                 r"!\[[^\]]+\]\([^)]+\.svg\)\n\n[A-Z]", r"^## Verdict\n\n(Met|Missed)\b", r"^## Repeat\n\n```\n\S", r"^Details: \[")
+        for page, text in self.pages():
+            at = 0
+            for part in parts:
+                with self.subTest(f"{page.name}: {part}"):
+                    found = re.compile(part.replace("{name}", page.stem), re.M).search(text, at)
+                    self.assertTrue(found)
+                    at = found.end()
+            for row in self.results(text):
+                self.assertRegex(row[3], r"^(met$|missed|of at most)", page.name)
+            if "| missed" in text:
+                self.assertRegex(" ".join(text.split("## Verdict")[1].split()), "(?i)miss|not monotone|10 % of|changes by", page.name)
+
+    @staticmethod
+    def results(text):
+        lines = [line for line in text.split("## Result")[1].split("##")[0].splitlines() if line.startswith("|")]
+        return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+    def test_figures_are_those_of_the_pages_that_are_named(self):
+        for page, text in self.pages():
+            named = [(page.parent / link.split("#")[0]).resolve() for link in re.findall(r"\]\(([^)]+\.md[^)]*)\)", text.split("Details:")[1])]
+            words = " ".join(path.read_text() for path in named)
+            for what, measured, *_ in self.results(text):
+                with self.subTest(f"{page.name}: {what}"):
+                    for figure in re.findall(r"\d+(?:\.\d+)?(?:e-?\d+)?", measured):
+                        self.assertTrue(re.search(rf"(?<![\d.]){re.escape(figure)}(?![\d])", words), f"{figure} is not there")
+
+    def test_pages_are_listed_and_their_drawings_and_commands_are_there(self):
+        index, site = (self.FOLDER / "README.md").read_text(), (ROOT / "docs/site/mkdocs.yml").read_text()
+        for page, text in self.pages():
+            with self.subTest(page.name):
+                self.assertIn(f"]({page.name})", index)
+                self.assertIn(f"docs/evidence/{page.name}", site)
+                for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
+                    self.assertTrue((page.parent / picture).is_file(), picture)
+                for script in re.findall(r"^(benchmarks/\S+)", text.split("## Repeat")[1], re.M):
+                    self.assertTrue(os.access(ROOT / script, os.X_OK), script)
+                for name in re.findall(r"-R verification\.(test_\w+)", text):
+                    self.assertTrue((ROOT / f"tests/verification/{name}.cpp").is_file(), name)
+
+    def test_drawings_are_those_that_the_script_makes(self):
+        sys.path.insert(0, str(ROOT / "docs/site"))
+        self.addCleanup(sys.path.remove, str(ROOT / "docs/site"))
+        drawn = importlib.import_module("draw_evidence").pictures()
+        self.assertEqual({path.name for path in self.FOLDER.glob("*.svg")}, set(drawn))
+        for name, text in drawn.items():
+            self.assertEqual((self.FOLDER / name).read_text(), text, name + ": run docs/site/draw_evidence.py")

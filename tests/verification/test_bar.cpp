@@ -34,17 +34,17 @@ void check(const Choice& choice, double periods, const Bounds& bounds, const Mot
 
 }  // namespace
 
-TEST_CASE("E1: APIC keeps frequency and energy over 100 periods, at rest and adrift, at the GATE") {
+TEST_CASE("E1: APIC keeps frequency and energy over 100 periods, at rest and adrift, at the limit") {
     check(quadratic_apic_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, free_end);
     check(quadratic_apic_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, adrift);
 }
 
-TEST_CASE("E1: the paper's FLIP and USL keeps frequency and energy over 100 periods at the GATE") {
+TEST_CASE("E1: the paper's FLIP and USL keeps frequency and energy over 100 periods at the limit") {
     check(gimp_flip_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, free_end);
     check(contiguous_flip_usl, 100, {.dfreq = 2.5e-3, .least = 0.9, .most = 1.02}, adrift);
 }
 
-TEST_CASE("E1: FMPM(3) keeps frequency and energy over 100 periods at the TARGET, at rest and adrift") {
+TEST_CASE("E1: FMPM(3) keeps frequency and energy over 100 periods at the goal, at rest and adrift") {
     for (const Motion& motion : {faint_free_end, faint_adrift})
         check(quadratic_fmpm3, 100, {.dfreq = 1e-4, .least = 0.99, .most = 1.01}, motion, 0.3);
 }

@@ -41,7 +41,7 @@ constexpr Column hard{.height = 10, .young = 125e3, .density = 1000, .gravity = 
 
 }  // namespace
 
-TEST_CASE("E2: GIMP converges to the stress of a column under its own weight at the GATE of order 0.9") {
+TEST_CASE("E2: GIMP converges to the stress of a column under its own weight at the limit of order 0.9") {
     const std::vector<Settled> r = refine(gimp_flip_usl, 4);
     for (std::size_t k = 1; k < r.size(); ++k) CHECK(order(r[k - 1].stress, r[k].stress) >= 0.9);
     CHECK(r.back().stress <= 3e-3);

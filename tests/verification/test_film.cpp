@@ -143,7 +143,7 @@ double creep(const Film& film, const Choice& choice) {
 
 }  // namespace
 
-TEST_CASE("R9: APIC finds the films from rest within the TARGET of 1 % at 20 cells of depth") {
+TEST_CASE("R9: APIC finds the films from rest within the goal of 1 % at 20 cells of depth") {
     for (const Named& f : films) {
         const Profile r = report(f.name, f.film, 20, quadratic_apic_usl);
         CHECK(r.velocity <= 0.01);
@@ -152,7 +152,7 @@ TEST_CASE("R9: APIC finds the films from rest within the TARGET of 1 % at 20 cel
     }
 }
 
-TEST_CASE("R9: FLIP finds the films from rest within the GATE of 5 % at 20 cells of depth") {
+TEST_CASE("R9: FLIP finds the films from rest within the limit of 5 % at 20 cells of depth") {
     for (const Choice& choice : {quadratic_flip_usl, gimp_flip_usl})
         for (const Named& f : films) {
             const Profile r = report(f.name, f.film, 20, choice);
@@ -161,7 +161,7 @@ TEST_CASE("R9: FLIP finds the films from rest within the GATE of 5 % at 20 cells
         }
 }
 
-TEST_CASE("R9: grains of mu(I) at 24 degrees find Bagnold's profile from rest within the TARGET of 1 %") {
+TEST_CASE("R9: grains of mu(I) at 24 degrees find Bagnold's profile from rest within the goal of 1 %") {
     BagnoldFilm film;
     CHECK(film.surface_velocity() == doctest::Approx(1.541).epsilon(5e-4));
     film.diameter = 5e-3;  // the same profile at a fifth of the speed, found in a fifth of the time

@@ -38,7 +38,7 @@ constexpr double large = 0.05;  ///< they do from 16 cells on
 
 }  // namespace
 
-TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 1-D") {
+TEST_CASE("E3: at small amplitude the displacement converges at the limit of order 1.9 in 1-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, quadratic_apic_musl, gimp_flip_usl,
                                  contiguous_tpic_usl, cubic_apic_usl})
         for (bool periodic : {true, false}) {
@@ -54,7 +54,7 @@ TEST_CASE("E3: splines converge in stress at the same order, GIMP at first order
     CHECK(converge(small, 1, true, gimp_flip_usl, {32, 64}).stress >= 0.9);
 }
 
-TEST_CASE("E3: at small amplitude the displacement converges at the GATE of order 1.9 in 2-D") {
+TEST_CASE("E3: at small amplitude the displacement converges at the limit of order 1.9 in 2-D") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl})
         for (bool periodic : {true, false}) CHECK(converge(small, 2, periodic, choice, {16, 32}).displacement >= 1.9);
     const Orders fine = converge(small, 2, true, quadratic_apic_usl, {32, 64});
@@ -62,7 +62,7 @@ TEST_CASE("E3: at small amplitude the displacement converges at the GATE of orde
     CHECK(fine.finest.displacement <= 8e-3);
 }
 
-TEST_CASE("E3: with cell crossing the displacement converges at the GATE of order 1.5 up to 64 cells") {
+TEST_CASE("E3: with cell crossing the displacement converges at the limit of order 1.5 up to 64 cells") {
     for (const Choice& choice : {quadratic_flip_usl, quadratic_apic_usl, gimp_flip_usl, contiguous_tpic_usl})
         for (bool periodic : {true, false}) CHECK(converge(large, 1, periodic, choice, {32, 64}).displacement >= 1.5);
     CHECK(converge(large, 2, true, quadratic_apic_usl, {32, 64}).displacement >= 1.5);
@@ -75,7 +75,7 @@ TEST_CASE("E3: with cell crossing contiguous GIMP converges at second order in s
 }
 
 TEST_CASE(
-    "E3: FMPM is at the TARGET of 5e-4 at 64 cells in 1-D, with quadratic splines and, across cells, contiguous GIMP"
+    "E3: FMPM is at the goal of 5e-4 at 64 cells in 1-D, with quadratic splines and, across cells, contiguous GIMP"
     "GIMP") {
     for (int axes : {1, 2}) {
         const Orders still = converge(small, axes, true, quadratic_fmpm3, {32, 64});

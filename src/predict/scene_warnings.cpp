@@ -1,0 +1,73 @@
+#include "predict/scene_warnings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/material/laws.hpp"
+#include "core/method.hpp"
+#include "predict/prediction.hpp"
+#include "seeding/seed_region.hpp"
+
+namespace moraine {
+namespace {
+
+constexpr double fewest_cells = 4, stiffest_poisson = 0.495, most_mach = 0.3;
+
+/// P-wave modulus over shear modulus.
+double wave_over_shear(double poisson) {
+    return (2 - 2 * poisson) / (1 - 2 * poisson);
+}
+
+/// Axes along which a body fills the domain have no cells to count: a strip in 3-D may be as narrow as one.
+void warn_of_cells(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
+    const Extent e = extent_of(body, scene.dimensions);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+        const double side = e.upper[a] - e.lower[a];
+        if (side < (scene.max[a] - scene.min[a]) * (1 - 1e-9)) least = std::min(least, side / scene.cell);
+    }
+    if (least >= fewest_cells * (1 - 1e-9)) return;
+    all.push_back(fmt::format(
+        "body.{} is {:.3g} cells over its least side (fewer than 4 do not resolve a flow). A domain.cell of {:.3g} m?",
+        body.name, least, scene.cell * least / fewest_cells));
+}
+
+/// The speed of a fall from the body's top to its bottom beside that of the start.
+void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
+    const Extent e = extent_of(body, scene.dimensions);
+    double square = norm(body.velocity) * norm(body.velocity);
+    for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        square += 2 * std::abs(scene.gravity[a]) * (e.upper[a] - e.lower[a]);
+    const double speed = std::sqrt(square), wave = wave_speed(scene, body);
+    if (speed <= most_mach * wave) return;
+    const std::string& material = scene.materials[static_cast<std::size_t>(body.material)].name;
+    all.push_back(
+        fmt::format("body.{} may flow at Mach {:.2g} ({:.3g} m/s by its height and start, waves {:.3g} m/s: above 0.3 "
+                    "it is squeezed by its own speed). An elasticity of material.{} {:.2g} times as large?",
+                    body.name, speed / wave, speed, wave, material, std::pow(speed / wave / most_mach, 2)));
+}
+
+}  // namespace
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+    std::vector<std::string> all;
+    for (const BodySpec& body : scene.bodies) {
+        if (body.shape == BodyShape::table || body.shape == BodyShape::layer) continue;  // `check` counts a layer's
+        warn_of_cells(scene, body, all);
+        warn_of_mach(scene, body, all);
+    }
+    for (const MaterialSpec& m : scene.materials) {
+        const double poisson = poisson_ratio(m);
+        if (poisson <= stiffest_poisson || poisson >= 0.5) continue;
+        all.push_back(fmt::format(
+            "material.{}.poisson = {:.6g} makes steps {:.2g} times as short as 0.495 does (which is incompressible "
+            "enough for a flow). Use 0.495?",
+            m.name, poisson, std::sqrt(wave_over_shear(poisson) / wave_over_shear(stiffest_poisson))));
+    }
+    return all;
+}
+
+}  // namespace moraine

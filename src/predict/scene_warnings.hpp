@@ -1,0 +1,15 @@
+#pragma once
+// What a scene may have and is rarely meant: too few cells over a body, a Poisson's ratio that makes steps short for
+// nothing, an elasticity so soft that the flow compresses it. Such a scene runs; `moraine check` and a run say so.
+
+#include <string>
+#include <vector>
+
+#include "core/scene_spec.hpp"
+
+namespace moraine {
+
+/// One sentence each: problem (why). remedy? Not collective.
+std::vector<std::string> scene_warnings(const Scene& scene);
+
+}  // namespace moraine
