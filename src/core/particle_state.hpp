@@ -133,6 +133,7 @@ constexpr auto history_variables(std::integer_sequence<int, K...>) {
 }
 
 /// In files and messages behind all others.
+template <class Real, int Dim>
 constexpr auto sleep_variables() {
     constexpr auto present = [](const ColumnNeeds& n) { return n.sleep; };
     return std::tuple{
@@ -201,7 +202,7 @@ constexpr auto particle_state() {
         std::tuple{variable<Vec<Real, Dim>>(
             "body_force", "m/s2", real, [](const ColumnNeeds& n) { return n.body_force; }, zero,
             [](auto& v) -> auto& { return v.body_force; }, RowPlaces{}, Lifetime::step)},
-        detail::sleep_variables());
+        detail::sleep_variables<Real, Dim>());
 }
 
 /// Calls f(variable) for each entry of the table.

@@ -55,8 +55,8 @@ class NodePair {
         device_gaps.forget();
         device_gaps.make(sample.patch.tables(), field, false, width, nullptr);
         gpu::check(cudaMemset(device_gaps.tiles(), 0, gaps.size() * sizeof(NodeGap)), "Emptying gaps");
-        gpu::find_gaps(device.view, sample.scene.shape, there.place(structures, nullptr), device_gaps.interior(),
-                       device_gaps.tiles(), nullptr);
+        gpu::find_gaps(device.view, sample.scene.shape, there.place(structures, nullptr), device_gaps,
+                       device_gaps.interior(), nullptr);
         gpu::check(cudaDeviceSynchronize(), "Finding gaps");
     }
 
@@ -86,7 +86,7 @@ class NodePair {
                                           structures.field(), pairs.interior().data(), count};
         for (int k = 0; k < count; ++k) limit(k);
         gpu::DeviceStructures<Dim> there;
-        gpu::limit_depths(device.view, there.place(structures, nullptr), device_gaps.interior(), nullptr);
+        gpu::limit_depths(device.view, there.place(structures, nullptr), device_gaps, device_gaps.interior(), nullptr);
         gpu::check(cudaDeviceSynchronize(), "Limiting depths");
         double worst = 0;
         int moved = 0;
