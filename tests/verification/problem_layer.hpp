@@ -21,7 +21,7 @@ namespace moraine::verification {
 
 enum class Soil { bingham, sand, plug };  ///< plug: a Bingham soil that does not yield
 
-struct Layer {
+struct SlidingLayer {
     double turn;       ///< of the grid [deg]; below 0: on the cylinder
     double thickness;  ///< [cells]
     InterfaceLaw law;
@@ -53,7 +53,8 @@ class LayerProblem {
     static constexpr double radius = 80;                                    ///< [cells]
     double length() const { return std::max(16.0, 5 * layer_.thickness); }  ///< [cells]
 
-    explicit LayerProblem(const Layer& layer) : layer_(layer), turn_(layer.on_cylinder() ? 0 : layer.turn * pi / 180) {}
+    explicit LayerProblem(const SlidingLayer& layer)
+        : layer_(layer), turn_(layer.on_cylinder() ? 0 : layer.turn * pi / 180) {}
 
     /// Both from the particles' places.
     double height(const std::array<double, 2>& x) const {
@@ -148,7 +149,7 @@ class LayerProblem {
         return {s * std::cos(turn_) - n * std::sin(turn_), s * std::sin(turn_) + n * std::cos(turn_), 0};
     }
 
-    Layer layer_;
+    SlidingLayer layer_;
     double turn_;
     std::array<double, 2> middle_{};
 };
@@ -176,7 +177,7 @@ inline double hover_of(const LayerProblem& problem, Run<>& run) {
     return volume > 0 ? moment / volume : 0;
 }
 
-inline Measured measure(const Layer& layer, double share = 1) {
+inline Measured measure(const SlidingLayer& layer, double share = 1) {
     LayerProblem problem(layer);
     const Scene scene = problem.scene();  // the run refers to it
     Run<> run(scene);

@@ -11,8 +11,8 @@ constexpr InterfaceLaw coulomb = InterfaceLaw::coulomb, undrained = InterfaceLaw
                        rough = InterfaceLaw::rough, smooth = InterfaceLaw::smooth;
 constexpr double cylinder = -1;
 
-std::vector<Layer> layers() {
-    std::vector<Layer> all;
+std::vector<SlidingLayer> layers() {
+    std::vector<SlidingLayer> all;
     const auto add = [&](double turn, double thickness, InterfaceLaw law, Soil soil, Transfer transfer) {
         all.push_back({turn, thickness, law, soil, transfer});
     };
@@ -41,7 +41,7 @@ struct Bounds {
     double acceleration = 0.01;
 };
 
-Bounds bounds_of(const Layer& layer) {
+Bounds bounds_of(const SlidingLayer& layer) {
     Bounds b;
     // The last node that holds stands 0.29 h under this plane: soil fills the cell down to it.
     if (layer.turn == 0 && !layer.on_cylinder()) b.sunk = 0.26;
@@ -56,7 +56,7 @@ Bounds bounds_of(const Layer& layer) {
 
 TEST_CASE("C8: a layer of any thickness stays on its bed and slides as a rigid block") {
     const char* only = std::getenv("MORAINE_LAYER");
-    for (const Layer& layer : layers()) {
+    for (const SlidingLayer& layer : layers()) {
         if (only && layer.name().find(only) == std::string::npos) continue;
         const Measured m = measure(layer);
         say(
