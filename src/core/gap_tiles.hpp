@@ -16,18 +16,13 @@ struct NodeGap {
     static constexpr double gap_quanta = 16777216;   ///< per cell
     static constexpr double area_quanta = 33554432;  ///< per face of a cell; 128 of them fit
 
-    static constexpr double aside = 64;  ///< added to the gaps of soil that lies beside the node [cells]
-
     std::int32_t gap = none;  ///< least signed distance of the soil [1 / gap_quanta cells]
     std::uint32_t area = 0;   ///< [1 / area_quanta faces]
 
     static MORAINE_HD std::int32_t fixed(double cells) {
         using std::rint;
-        const double most = 0.49 * aside;  // so that what lies beside is always more than what lies over the node
+        const double most = 120;
         return static_cast<std::int32_t>(rint((cells < -most ? -most : (cells > most ? most : cells)) * gap_quanta));
-    }
-    static MORAINE_HD std::int32_t set_aside(std::int32_t gap) {
-        return gap + static_cast<std::int32_t>(aside * gap_quanta);
     }
     static MORAINE_HD std::uint32_t fixed_area(double faces) {
         using std::rint;
@@ -38,10 +33,7 @@ struct NodeGap {
         area += o.area;
     }
     MORAINE_HD bool is_none() const { return gap == none; }
-    MORAINE_HD double cells() const {
-        const double all = gap / gap_quanta;
-        return all > 0.5 * aside ? all - aside : all;
-    }
+    MORAINE_HD double cells() const { return gap / gap_quanta; }
     MORAINE_HD double faces() const { return area / area_quanta; }
 };
 

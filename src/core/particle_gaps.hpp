@@ -1,7 +1,7 @@
 #pragma once
 // What particles tell nodes about structures: the gap, and how much of the surface the soil lies on.
 //
-//   g_i = min over the particles over node i of (d(x_p) - s_p / 2),          s_p = V_p^(1/D)        [cells]
+//   g_i = min over the particles that reach node i of (d(x_p) - s_p / 2),    s_p = V_p^(1/D)        [cells]
 //   A_i = sum_p w_ip a_p,    a_p = (s_p / J_p^(1/D))^(D-1) where d(x_p) < s_p, else 0               [cells^(D-1)]
 //
 // s_p is the side of a square or cube of the particle's present volume: soil of rows s_p apart touches when the centres
@@ -9,10 +9,6 @@
 // own size off the surface lies on it, and stands for a face of its cube: one row of a lattice, and of a disordered
 // body as many as fill a layer of that depth; pressed soil keeps its width. Both follow from particles alone. The mass
 // of a node, which told the gap before, cannot tell a thin layer that touches from a thick one at a distance.
-//
-// A particle is over the nodes that it reaches within a cell along the surface; a node that nothing is over takes all
-// that reach it. Else a round body feels the surface 1.5 h before it comes to it, where it may be x^2 / 2R away: nodes
-// ahead of a disk that rolls are held, those behind it recede and are not, and it rolls uphill (docs/adr/0007).
 //
 // A block's particles give to a tile of their own per structure, as in P2G, but in whole numbers: fixed-point minima
 // and sums are the same in any order, by any thread and on any rank. Tiles of blocks that others need travel with the
@@ -36,8 +32,6 @@ inline constexpr double lying_below = 0.9;  ///< distance of a particle that lie
 inline constexpr double lying_above = 1.1;  ///< of one that does not
 /// Particles further off a surface are not looked at [cells].
 inline constexpr double particle_reach = 1.5;
-/// A particle further off a node along the surface lies beside it [cells].
-inline constexpr double over_node = 1;
 
 /// Whether a particle of the block at `position` may be looked at. Exact distances grow by at most the way walked.
 template <int Dim>
@@ -64,11 +58,9 @@ GroundBound<Dim> bound_of_block(const ContactField<Dim>& f, const Structure<Dim>
 }
 
 /// Of one particle: what it tells the nodes that it reaches.
-template <int Dim>
 struct ParticleGap {
-    std::int32_t gap;         ///< fixed point; NodeGap::none: too far
-    double area;              ///< a_p [cells^(D-1)]
-    Vec<double, Dim> normal;  ///< of the surface
+    std::int32_t gap;  ///< fixed point; NodeGap::none: too far
+    double area;       ///< a_p [cells^(D-1)]
 };
 
 /// Side of a square or cube.
@@ -88,38 +80,34 @@ MORAINE_HD Vec<double, Dim> contact_place(const ContactField<Dim>& f, const Stru
     return image_near(f, s, x);
 }
 
-/// By the surface that the particle sees.
+/// d: distance of the particle [cells].
 template <class Real, int Dim>
-MORAINE_HD ParticleGap<Dim> gap_at(const ContactField<Dim>& f, const Surface<Dim>& seen, Real volume, Real ln_J) {
+MORAINE_HD ParticleGap gap_at(const ContactField<Dim>& f, double d, Real volume, Real ln_J) {
     using std::exp;
-    const double d = seen.distance / f.cell;
-    if (!(d < particle_reach)) return {NodeGap::none, 0, seen.normal};
+    if (!(d < particle_reach)) return {NodeGap::none, 0};
     const double size = side_of<Dim>(double(volume)) / f.cell;
     const double lies = ramp(d / size, lying_below, lying_above);
     const double width = side_of<Dim>(double(volume) * exp(-double(ln_J))) / f.cell;
-    return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width), seen.normal};
+    return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width)};
 }
 
 template <class Real, int Dim>
-MORAINE_HD ParticleGap<Dim> gap_of(const ContactField<Dim>& f, const Structure<Dim>& s,
-                                   const Vec<std::int32_t, Dim>& block, const Vec<Coordinate<Real>, Dim>& u,
-                                   Real volume, Real ln_J) {
-    return gap_at(f, surface(s, f.corners, contact_place<Real>(f, s, block, u)), volume, ln_J);
+MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
+                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
+    return gap_at(f, surface(s, f.corners, contact_place<Real>(f, s, block, u)).distance / f.cell, volume, ln_J);
 }
 
 /// Calls f(node of the tile, what it is told) for the nodes that a particle reaches; half: of its box, where the shape
 /// has one [cells]. Weights of ghosts behind walls go to the nodes that they follow, as the masses do.
 template <class Shape, class Real, int Dim, class F>
 MORAINE_HD void each_gap_node(const Walls<Real, Dim>& walls, bool border, const Vec<std::int32_t, Dim>& block,
-                              const Vec<Coordinate<Real>, Dim>& u, const Vec<Real, Dim>& half,
-                              const ParticleGap<Dim>& own, const F& f) {
+                              const Vec<Coordinate<Real>, Dim>& u, const Vec<Real, Dim>& half, const ParticleGap& own,
+                              const F& f) {
     constexpr int width = Shape::width;
     Real w[Dim][width], dw[Dim][width];
-    double lowest[Dim];  // from the particle to the first node [cells]
     int cell = 0;
     for (int a = Dim - 1; a >= 0; --a) {
         const int c = cell_of<Real>(u[a]);
-        lowest[a] = -double(fraction_of<Real>(u[a])) - double(Shape::template reach<Real>);
         cell = 4 * cell + c;
         Shape::weights(fraction_of<Real>(u[a]), half[a], w[a], dw[a]);
         if constexpr (width > 2)
@@ -128,12 +116,7 @@ MORAINE_HD void each_gap_node(const Walls<Real, Dim>& walls, bool border, const 
     const int first = tile_offset<Dim, width>(cell);
     each_node<Dim, width>([&](int at, int i, int j, int k) {
         const double weight = double(w[0][i]) * double(w[1][j]) * (Dim == 2 ? 1.0 : double(w[Dim - 1][k]));
-        if (!(weight > 0)) return;
-        const double arm[3] = {lowest[0] + i, lowest[1] + j, lowest[Dim - 1] + k};
-        double square = 0, across = 0;
-        for (int a = 0; a < Dim; ++a) square += arm[a] * arm[a], across += arm[a] * own.normal[a];
-        const bool over = square - across * across <= over_node * over_node;
-        f(first + at, NodeGap{over ? own.gap : NodeGap::set_aside(own.gap), NodeGap::fixed_area(weight * own.area)});
+        if (weight > 0) f(first + at, NodeGap{own.gap, NodeGap::fixed_area(weight * own.area)});
     });
 }
 
@@ -176,17 +159,17 @@ struct ParticlesToGaps {
         const Vec<std::int32_t, Dim>& block = table.position[b];
         std::uint32_t slot[chunk];
         Vec<double, Dim> place[chunk];
-        Surface<Dim> seen[chunk];
+        double distance[chunk];
         int near = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             slot[near] = list.slot[from + k];
             place[near] = contact_place<Real>(field, structure, block, p.position[slot[near]]);
             near += !(bound && bound->is_clear(place[near]));
         }
-        for (int k = 0; k < near; ++k) seen[k] = surface(structure, field.corners, place[k]);
+        for (int k = 0; k < near; ++k) distance[k] = surface(structure, field.corners, place[k]).distance / field.cell;
         for (int k = 0; k < near; ++k) {
             const std::uint32_t s = slot[k];
-            const ParticleGap<Dim> own = gap_at<Real, Dim>(field, seen[k], p.volume[s], p.ln_J[s]);
+            const ParticleGap own = gap_at<Real, Dim>(field, distance[k], p.volume[s], p.ln_J[s]);
             if (own.gap == NodeGap::none) continue;
             Vec<Real, Dim> half = zero_vec<Real, Dim>();
             if constexpr (Shape::sized)

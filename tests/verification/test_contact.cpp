@@ -1,11 +1,5 @@
 // C1 to C7: an elastic block on a rigid plane. It rests with its weight on it, sticks below the angle of friction,
-// slides on the exact path above it, is braked by no more than the strength of an undrained interface, and bounces. A
-// disk rolls.
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-
+// slides on the exact path above it, is braked by no more than the strength of an undrained interface, and bounces.
 #include "verification/contact_block.hpp"
 #include "verification/drive.hpp"
 
@@ -52,48 +46,6 @@ double slide_error(const Brick& b, double time, bool balanced = false) {
     return error;
 }
 
-/// A table of particles that fill a disk: rings h/2 apart round a middle at height `up`.
-void write_disk(const std::string& path, const Brick& b, double radius, double up) {
-    std::ofstream file(path);
-    file << "x,y,mass\n";
-    const double spacing = 0.5 * b.h;
-    for (int ring = 0; ring < std::lround(radius / spacing); ++ring) {
-        const long count = std::max(1L, std::lround(2 * pi * (ring + 0.5)));
-        const double area = pi * spacing * spacing * (2 * ring + 1) / static_cast<double>(count);
-        for (long i = 0; i < count; ++i) {
-            const double angle = 2 * pi * (static_cast<double>(i) + 0.5 * (ring % 2)) / static_cast<double>(count),
-                         r = (ring + 0.5) * spacing;
-            file << fmt::format("{},{},{}\n", r * std::cos(angle), up + r * std::sin(angle), b.density * area);
-        }
-    }
-}
-
-/// Error of the way of a disk of so many cells' radius that rolls down 10 degrees for 1 s, over the way.
-double roll_error(double radius_cells, Transfer transfer) {
-    const double radius = 0.16;
-    Brick b;
-    b.h = radius / radius_cells;
-    b.slope = 10 * degree;
-    b.lift = 0.37;
-    Scene scene = block_scene(b, InterfaceLaw::coulomb);
-    scene.transfer = transfer;
-    scene.flip = standard_flip(transfer);
-    scene.min = {-4 * radius, -8 * b.h, 0}, scene.max = {12 * radius, 4 * radius, 0};
-    const std::string path =
-        (std::filesystem::temp_directory_path() / fmt::format("moraine_disk_{}.csv", getpid())).string();
-    write_disk(path, b, radius, b.lift * b.h + radius);
-    BodySpec disk;
-    disk.shape = BodyShape::table;
-    disk.file = path;
-    scene.bodies = {disk};
-    scene.structures[0].friction = 0.3;
-    ContactRun run(scene);
-    std::filesystem::remove(path);
-    run.until(1);
-    const double t = run.run.time();
-    return run.moved(along) / (b.gravity * std::sin(b.slope) * t * t / 3) - 1;
-}
-
 }  // namespace
 
 TEST_CASE("C1: a resting block gives its weight to the plane, and does not creep") {
@@ -120,14 +72,6 @@ TEST_CASE("C2: below the angle of friction a block stays where it is") {
     const double slip = (block.moved(along) - settled) / b.h;
     say(fmt::format("C2 10 degrees, tan 15: slip {:.1e} h in 2e4 steps", slip));
     CHECK(std::fabs(slip) <= 1e-4);
-}
-
-TEST_CASE("C3: a disk rolls down an incline as fast as one that is rigid") {
-    for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
-        const double error = roll_error(8, transfer);
-        say(fmt::format("C3 {}, R/h = 8: way {:.4f}", transfer == Transfer::flip ? "FLIP" : "APIC", error));
-        CHECK(std::fabs(error) <= 0.04);
-    }
 }
 
 TEST_CASE("C4: an undrained interface takes its strength times the area, whatever presses on it") {

