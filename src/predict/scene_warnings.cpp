@@ -55,7 +55,9 @@ void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::str
 std::vector<std::string> scene_warnings(const Scene& scene) {
     std::vector<std::string> all;
     for (const BodySpec& body : scene.bodies) {
-        if (body.shape == BodyShape::table || body.shape == BodyShape::layer) continue;  // `check` counts a layer's
+        // `check` counts the cells of layers and inflows.
+        if (body.shape == BodyShape::table || body.shape == BodyShape::layer || body.shape == BodyShape::inflow)
+            continue;
         warn_of_cells(scene, body, all);
         warn_of_mach(scene, body, all);
     }

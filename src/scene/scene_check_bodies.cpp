@@ -195,6 +195,7 @@ void check_bodies(const Scene& scene, const Places& places) {
 void check_particles(const Scene& scene, const Places& places) {
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
+        if (body.shape == BodyShape::inflow && body.hydrograph->time[0] >= scene.end) continue;  // a run of no time
         const BodySeeds seeds(scene, static_cast<int>(b));
         std::int64_t particles = 0;
         for (std::int64_t r = 0; r < seeds.rows() && particles == 0; ++r) particles = seeds.count(r, r + 1);

@@ -68,7 +68,7 @@ void load_inflow(Scene& scene, BodySpec& spec, const Places& places) {
         hydrograph.discharge.push_back(discharge);
         hydrograph.speed.push_back(speed);
     }
-    if (hydrograph.time[0] >= scene.end)
+    if (hydrograph.time[0] > 0 && hydrograph.time[0] >= scene.end)
         refuse(file, fmt::format("the first time is {} s", hydrograph.time[0]),
                fmt::format("the run ends at {} s", scene.end), "Does the table begin at 0?");
     spec.hydrograph = std::make_shared<const Hydrograph>(hydrograph);
