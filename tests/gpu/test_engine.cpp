@@ -5,6 +5,26 @@ using namespace moraine::test;
 
 // The device's answer is the host's but for rounding: whole runs side by side, every field of every particle.
 
+namespace {
+
+/// Rounding of single precision grows in a nearly incompressible flow, by how much the host shows: the device is at most
+/// twice as far from the answer in double as the host is, in every field.
+void follow_double(const Scene& single, int steps) {
+    const Outcome exact = run<double, 3>(single, steps, false);
+    const Outcome host = run<float, 3>(single, steps, false), device = run<float, 3>(single, steps, true);
+    CHECK(device.hash == run<float, 3>(single, steps, true).hash);
+    for (std::size_t k = 0; k < exact.values.size(); ++k) {
+        CAPTURE(exact.values[k].name);
+        const double of_host = difference(exact.values[k], host.values[k]);
+        const double of_device = difference(exact.values[k], device.values[k]);
+        MESSAGE(single.name << " " << exact.values[k].name << ": host " << of_host << ", device " << of_device);
+        CHECK(of_host < 0.01);
+        CHECK(of_device <= 2 * of_host + 1e-7);
+    }
+}
+
+}  // namespace
+
 TEST_CASE("after 200 steps every field of the example scenes is the host's to 1e-10 of its scale") {
     for (const char* name : {"slurry_runout", "granular_column", "elastic_bar"})
         compare(input(name, {"numerics.precision=\"double\""}), 200, 1e-10);
@@ -140,6 +160,6 @@ TEST_CASE("a law of three scalars that begin by stress gives the host's answer, 
 TEST_CASE("single precision on the device follows the host's") {
     for (const char* transfer : {"numerics.transfer=flip", "numerics.transfer=apic", "numerics.transfer=aflip"}) {
         compare(input("slurry_runout", {"numerics.precision=single", transfer}), 50, 1e-4);
-        compare(input("slurry_runout_3d", {"numerics.precision=single", "domain.cell=0.2", transfer}), 30, 1e-4);
+        follow_double(input("slurry_runout_3d", {"numerics.precision=single", "domain.cell=0.2", transfer}), 30);
     }
 }

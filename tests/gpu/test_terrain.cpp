@@ -11,6 +11,7 @@ using namespace moraine::test;
 
 namespace {
 
+/// The simulation refers to the scene, which must outlive it.
 template <class Real>
 std::unique_ptr<Simulation<Real, 3>> started(const Scene& scene, const Comm& comm, const DeviceChoice& device) {
     auto sim = std::make_unique<Simulation<Real, 3>>(
@@ -78,18 +79,21 @@ TEST_CASE("rasters of the ground's law change the answer") {
 }
 
 TEST_CASE("ground gives the host's answer for every shape, in rounds, and in single precision") {
+    // fast enough to be on the ground early in the few steps: what falls freely holds nothing but rounding
+    Scene fast = small_valley(InterfaceLaw::voellmy, true);
+    for (BodySpec& body : fast.bodies) body.velocity = {2, 0.3, -8};
     for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::cubic}) {
         CAPTURE(int(shape));
-        Scene scene = small_valley(InterfaceLaw::voellmy, true);
+        Scene scene = fast;
         scene.shape = shape;
         scene.cfl = 0.2;
-        compare(scene, 40, 1e-8);
+        compare(scene, 80, 1e-8);
     }
-    Scene rounds = small_valley(InterfaceLaw::voellmy, true);
+    Scene rounds = fast;
     rounds.transfer = Transfer::apic;
     rounds.stress_update = StressUpdate::musl;
     compare(rounds, 60, 1e-8);
-    Scene single = small_valley(InterfaceLaw::voellmy, true);
+    Scene single = fast;
     single.precision = Precision::single_;
     compare(single, 40, 1e-4);
 }
@@ -128,8 +132,9 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
     const Comm comm(MPI_COMM_WORLD);
     for (double side : {0.03, 0.2, 0.7}) {
         CAPTURE(side);
-        auto host = started<double>(small_valley(InterfaceLaw::voellmy, true), comm, {});
-        auto device = started<double>(host->scene(), comm, choose_device("cuda", comm));
+        const Scene scene = small_valley(InterfaceLaw::voellmy, true);
+        auto host = started<double>(scene, comm, {});
+        auto device = started<double>(scene, comm, choose_device("cuda", comm));
         const PlanColumns columns = columns_of(*device, side);
         std::vector<std::int64_t> of_host(columns.all_sums(), 0), of_device(columns.all_sums(), 0);
         CHECK(host->sum_columns(columns, of_host) == device->sum_columns(columns, of_device));
@@ -145,8 +150,9 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
 
 TEST_CASE("particles near lines are those of the host, also where they are more than a first list holds") {
     const Comm comm(MPI_COMM_WORLD);
-    auto host = started<float>(small_valley(InterfaceLaw::voellmy, false), comm, {});
-    auto device = started<float>(host->scene(), comm, choose_device("cuda", comm));
+    const Scene scene = small_valley(InterfaceLaw::voellmy, false);
+    auto host = started<float>(scene, comm, {});
+    auto device = started<float>(scene, comm, choose_device("cuda", comm));
     const PlanSegment segments[] = {{{0.5, 0}, {0.9, 1.2}}, {{0.9, 1.2}, {1.2, 0.1}}};
     const auto by_id = [](const NearParticle& a, const NearParticle& b) { return a.id < b.id; };
     const PlanLines lines{host->plan_places(), segments, 2, 0.15};
