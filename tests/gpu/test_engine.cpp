@@ -7,8 +7,8 @@ using namespace moraine::test;
 
 namespace {
 
-/// Rounding of single precision grows in a nearly incompressible flow, by how much the host shows: the device is at most
-/// twice as far from the answer in double as the host is, in every field.
+/// Rounding of single precision grows in a nearly incompressible flow, by how much the host shows: the device is at
+/// most twice as far from the answer in double as the host is, in every field.
 void follow_double(const Scene& single, int steps) {
     const Outcome exact = run<double, 3>(single, steps, false);
     const Outcome host = run<float, 3>(single, steps, false), device = run<float, 3>(single, steps, true);
