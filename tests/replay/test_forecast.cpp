@@ -52,9 +52,9 @@ std::vector<Carry> carries_of(const std::vector<Interval>& intervals) {
     return carries;
 }
 
-ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals, int ranks, bool relabelled = false) {
+ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals, int ranks, bool relabelled = false,
+                        const TimeModel& m = model()) {
     const Layout l = layout();
-    const TimeModel m = model();
     const std::vector<Carry> carries = carries_of(intervals);
     Forecast f(spec, l, weights, ranks, m, relabelled);
     for (std::size_t k = 0; k < intervals.size(); ++k) {
@@ -164,5 +164,29 @@ TEST_CASE(
             const ForecastResult r = forecast(spec, intervals, ranks, true);
             CHECK(r.computing + r.migration >= best.seconds * (1 - 1e-3));
         }
+    }
+}
+
+TEST_CASE("hosts change who is called what and what crosses, and neither loads nor the halo") {
+    BalanceSpec spec;
+    spec.trigger = Trigger::every;
+    const ForecastResult plain = forecast(spec, moving_heap(9, 3), 8, true);
+    CHECK(plain.tiles_between == 0);  // nobody asked
+    double before = 0;
+    for (const int each : {8, 4, 2, 1}) {
+        TimeModel m = model();
+        m.ranks_per_host = each;
+        m.within = m.network;
+        const ForecastResult found = forecast(spec, moving_heap(9, 3), 8, true, m);
+        CHECK(found.tiles == plain.tiles);
+        CHECK(found.imbalance_sum == plain.imbalance_sum);
+        CHECK(found.sending == doctest::Approx(plain.sending).epsilon(1e-9));
+        CHECK((found.tiles_between == 0) == (each == 8));
+        CHECK((found.tiles_between == found.tiles) == (each == 1));
+        CHECK(found.tiles_between >= before);
+        before = found.tiles_between;
+        m.within = {m.network.latency / 10, m.network.bandwidth * 10};
+        const ForecastResult faster = forecast(spec, moving_heap(9, 3), 8, true, m);
+        CHECK((faster.sending < found.sending) == (each > 1));
     }
 }
