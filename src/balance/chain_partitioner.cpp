@@ -5,6 +5,7 @@
 
 #include "balance/cut.hpp"
 #include "balance/hilbert.hpp"
+#include "balance/host_relabel.hpp"
 #include "balance/least_migration.hpp"
 #include "balance/relabel.hpp"
 
@@ -68,22 +69,29 @@ Links links_by_layer(const Layout& layout, int axis, std::span<const BlockLoad> 
     return links;
 }
 
+std::vector<std::int32_t> ChainPartitioner::relabelled(std::span<const BlockLoad> blocks,
+                                                       std::span<const std::int32_t> parts,
+                                                       std::span<const std::int32_t> wanted) const {
+    return renamed({parts.begin(), parts.end()}, host_count(hosts_) > 1 ? relabel_on_hosts(blocks, parts, hosts_)
+                                                                        : relabel(blocks, parts, ranks_, wanted));
+}
+
 std::vector<std::int32_t> ChainPartitioner::owners(std::span<const BlockLoad> blocks, std::int64_t) const {
     const Links links = order_(blocks);
-    const std::vector<std::int32_t> parts = parts_of(links, exact_cut(weights_of(blocks, links), ranks_));
-    return renamed(parts, relabel(blocks, parts, ranks_));
+    return relabelled(blocks, parts_of(links, exact_cut(weights_of(blocks, links), ranks_)));
 }
 
 std::vector<Option> ChainPartitioner::options(std::span<const BlockLoad> blocks, std::int64_t) const {
     const Links links = order_(blocks);
     const std::vector<std::int64_t> weights = weights_of(blocks, links);
     const std::vector<std::int32_t> parts = parts_of(links, exact_cut(weights, ranks_));
-    std::vector<Option> options{{PlanKind::natural, parts},
-                                {PlanKind::relabelled, renamed(parts, relabel(blocks, parts, ranks_))}};
+    std::vector<Option> options{
+        {PlanKind::natural, host_count(hosts_) > 1 ? renamed(parts, ranks_by_host(hosts_)) : parts},
+        {PlanKind::relabelled, relabelled(blocks, parts)}};
     const OwnerAffinity homes = affinity_of(blocks, links, static_cast<std::int64_t>(weights.size()), ranks_);
     if (const auto least = least_migration(weights, homes, ranks_, migration_tolerance)) {
         const std::vector<std::int32_t> pieces = parts_of(links, least->cuts);
-        options.push_back({PlanKind::least, renamed(pieces, relabel(blocks, pieces, ranks_, least->rank_of))});
+        options.push_back({PlanKind::least, relabelled(blocks, pieces, least->rank_of)});
     }
     return options;
 }

@@ -7,12 +7,14 @@
 //   equal-slabs   the occupied layers of blocks along balance.axis, as wholes: slabs of equal load
 //
 // A pure function of the blocks: the same weights give the same cut, so a balanced flow at rest moves
-// nothing. options() adds the parts in natural order and the cut that moves least.
+// nothing. options() adds the parts in natural order and the cut that moves least. Where ranks are on several hosts
+// parts in a row stay on one (host_relabel.hpp), in natural order too.
 
 #include <functional>
 
 #include "balance/least_migration.hpp"
 #include "balance/partitioner.hpp"
+#include "comm/host_groups.hpp"
 
 namespace moraine {
 
@@ -27,7 +29,9 @@ class ChainPartitioner final : public Partitioner {
   public:
     using Order = std::function<Links(std::span<const BlockLoad>)>;
 
-    ChainPartitioner(const char* name, int ranks, Order order) : name_(name), ranks_(ranks), order_(std::move(order)) {}
+    /// `hosts`: of each rank; of one host, or nothing, parts may go to any rank.
+    ChainPartitioner(const char* name, int ranks, Order order, HostOfRank hosts = {})
+        : name_(name), ranks_(ranks), order_(std::move(order)), hosts_(std::move(hosts)) {}
 
     const char* name() const override { return name_; }
     std::vector<std::int32_t> owners(std::span<const BlockLoad> blocks, std::int64_t round) const override;
@@ -36,9 +40,13 @@ class ChainPartitioner final : public Partitioner {
     std::vector<Option> options(std::span<const BlockLoad> blocks, std::int64_t round) const override;
 
   private:
+    std::vector<std::int32_t> relabelled(std::span<const BlockLoad> blocks, std::span<const std::int32_t> parts,
+                                         std::span<const std::int32_t> wanted = {}) const;
+
     const char* name_;
     int ranks_;
     Order order_;
+    HostOfRank hosts_;
 };
 
 }  // namespace moraine

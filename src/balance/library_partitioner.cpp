@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "balance/host_relabel.hpp"
 #include "balance/relabel.hpp"
 
 namespace moraine {
@@ -53,7 +54,10 @@ std::vector<std::int32_t> LibraryPartitioner::parts(std::span<const BlockLoad> b
 std::vector<std::int32_t> LibraryPartitioner::owners(std::span<const BlockLoad> blocks, std::int64_t) const {
     if (ranks_ == 1 || blocks.empty()) return std::vector<std::int32_t>(blocks.size(), 0);
     std::vector<std::int32_t> owner = parts(blocks);
-    const std::vector<std::int32_t> rank_of = relabel(blocks, owner, ranks_);
+    const bool on_hosts = host_count(hosts_) > 1;
+    if (on_hosts) owner = numbered_along_curve(std::move(owner), ranks_);
+    const std::vector<std::int32_t> rank_of =
+        on_hosts ? relabel_on_hosts(blocks, owner, hosts_) : relabel(blocks, owner, ranks_);
     for (std::int32_t& part : owner) part = rank_of[part];
     return owner;
 }

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "balance/partitioner.hpp"
+#include "comm/host_groups.hpp"
 
 namespace moraine {
 
@@ -15,7 +16,9 @@ class LibraryPartitioner final : public Partitioner {
     /// A part in [0, parts) for each block, in key order; more blocks than parts, at least 2 parts, some weight.
     using Find = std::function<std::vector<std::int32_t>(std::span<const BlockLoad> blocks, int parts)>;
 
-    LibraryPartitioner(const char* name, int ranks, Find find) : name_(name), ranks_(ranks), find_(std::move(find)) {}
+    /// `hosts`: of each rank; of one host, or nothing, parts may go to any rank.
+    LibraryPartitioner(const char* name, int ranks, Find find, HostOfRank hosts = {})
+        : name_(name), ranks_(ranks), find_(std::move(find)), hosts_(std::move(hosts)) {}
 
     const char* name() const override { return name_; }
     std::vector<std::int32_t> owners(std::span<const BlockLoad> blocks, std::int64_t round) const override;
@@ -29,6 +32,7 @@ class LibraryPartitioner final : public Partitioner {
     const char* name_;
     int ranks_;
     Find find_;
+    HostOfRank hosts_;
 };
 
 }  // namespace moraine

@@ -17,6 +17,12 @@ namespace {
 using Blocks = std::span<const BlockLoad>;
 using Made = std::unique_ptr<Partitioner>;
 
+/// How many there are, and which share a host (nothing: all).
+struct Ranks {
+    int count;
+    const HostOfRank& hosts;
+};
+
 int checked_axis(const BalanceSpec& spec, const Layout& layout) {
     if (spec.axis < 0 || spec.axis >= layout.dimensions)
         throw InputError("balance.axis = " + std::to_string(spec.axis) + " (a scene of " +
@@ -25,46 +31,48 @@ int checked_axis(const BalanceSpec& spec, const Layout& layout) {
     return spec.axis;
 }
 
-Made make_morton(const BalanceSpec&, const Layout&, int ranks) {
-    return std::make_unique<ChainPartitioner>("morton", ranks, links_along_morton);
+Made make_morton(const BalanceSpec&, const Layout&, const Ranks& ranks) {
+    return std::make_unique<ChainPartitioner>("morton", ranks.count, links_along_morton, ranks.hosts);
 }
 
-Made make_hilbert(const BalanceSpec&, const Layout& layout, int ranks) {
-    return std::make_unique<ChainPartitioner>("hilbert", ranks,
-                                              [=](Blocks blocks) { return links_along_hilbert(layout, blocks); });
-}
-
-Made make_equal_slabs(const BalanceSpec& spec, const Layout& layout, int ranks) {
+Made make_hilbert(const BalanceSpec&, const Layout& layout, const Ranks& ranks) {
     return std::make_unique<ChainPartitioner>(
-        "equal-slabs", ranks,
-        [=, axis = checked_axis(spec, layout)](Blocks blocks) { return links_by_layer(layout, axis, blocks); });
+        "hilbert", ranks.count, [=](Blocks blocks) { return links_along_hilbert(layout, blocks); }, ranks.hosts);
+}
+
+Made make_equal_slabs(const BalanceSpec& spec, const Layout& layout, const Ranks& ranks) {
+    return std::make_unique<ChainPartitioner>(
+        "equal-slabs", ranks.count,
+        [=, axis = checked_axis(spec, layout)](Blocks blocks) { return links_by_layer(layout, axis, blocks); },
+        ranks.hosts);
 }
 
 template <class Slabbed>
-Made make_slabs(const BalanceSpec& spec, const Layout& layout, int ranks) {
-    return std::make_unique<Slabbed>(layout, checked_axis(spec, layout), ranks);
+Made make_slabs(const BalanceSpec& spec, const Layout& layout, const Ranks& ranks) {
+    return std::make_unique<Slabbed>(layout, checked_axis(spec, layout), ranks.count);
 }
 
-Made make_cartesian(const BalanceSpec&, const Layout& layout, int ranks) {
-    return std::make_unique<Cartesian>(layout, ranks);
+Made make_cartesian(const BalanceSpec&, const Layout& layout, const Ranks& ranks) {
+    return std::make_unique<Cartesian>(layout, ranks.count);
 }
 
 template <ZoltanMethod method>
-Made make_zoltan(const BalanceSpec& spec, const Layout& layout, int ranks) {
+Made make_zoltan(const BalanceSpec& spec, const Layout& layout, const Ranks& ranks) {
     constexpr const char* names[] = {"rcb", "hsfc", "phg"};
     const auto find = [layout, steps = spec.interval](Blocks blocks, int parts) {
         return zoltan_parts(method, layout, steps, blocks, parts);
     };
-    return std::make_unique<LibraryPartitioner>(names[static_cast<int>(method)], ranks, find);
+    return std::make_unique<LibraryPartitioner>(names[static_cast<int>(method)], ranks.count, find, ranks.hosts);
 }
 
-Made make_metis(const BalanceSpec&, const Layout& layout, int ranks) {
+Made make_metis(const BalanceSpec&, const Layout& layout, const Ranks& ranks) {
     return std::make_unique<LibraryPartitioner>(
-        "metis", ranks, [layout](Blocks blocks, int parts) { return metis_parts(layout, blocks, parts); });
+        "metis", ranks.count, [layout](Blocks blocks, int parts) { return metis_parts(layout, blocks, parts); },
+        ranks.hosts);
 }
 
-Made make_shuffle(const BalanceSpec&, const Layout&, int ranks) {
-    return std::make_unique<Shuffle>(ranks);
+Made make_shuffle(const BalanceSpec&, const Layout&, const Ranks& ranks) {
+    return std::make_unique<Shuffle>(ranks.count);
 }
 
 /// What a partitioner needs besides this program.
@@ -79,7 +87,7 @@ constexpr Library metis{"METIS", "MORAINE_METIS", metis_is_built};
 /// Where names become objects: a new partitioner is one file and one line here.
 struct Entry {
     const char* name;
-    Made (*make)(const BalanceSpec&, const Layout&, int ranks);
+    Made (*make)(const BalanceSpec&, const Layout&, const Ranks& ranks);
     const Library* library = nullptr;
 
     bool is_built() const { return !library || library->is_built(); }
@@ -133,13 +141,15 @@ bool is_built(const std::string& partitioner) {
     return entry && entry->is_built();
 }
 
-std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks) {
-    return checked_entry(spec.partitioner).make(spec, layout, ranks);
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks,
+                                              const HostOfRank& hosts) {
+    return checked_entry(spec.partitioner).make(spec, layout, {ranks, hosts});
 }
 
-std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, const Comm& comm) {
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, const Comm& comm,
+                                              const HostOfRank& hosts) {
     const Entry& entry = checked_entry(spec.partitioner);
-    std::unique_ptr<Partitioner> made = entry.make(spec, layout, comm.size());
+    std::unique_ptr<Partitioner> made = entry.make(spec, layout, {comm.size(), hosts});
     if (!entry.library) return made;
     return std::make_unique<OneRank>(std::move(made), comm);
 }

@@ -17,6 +17,7 @@
 
 #include "balance/load.hpp"
 #include "comm/comm.hpp"
+#include "comm/host_groups.hpp"
 #include "core/scene_spec.hpp"
 
 namespace moraine {
@@ -78,11 +79,13 @@ const std::vector<std::string>& partitioner_names();
 bool is_built(const std::string& partitioner);
 
 /// Throws InputError for a name that it does not know or was built without, or an axis that the scene has not.
-/// ranks >= 1. Its owners() is for a rank on its own, and not collective.
-std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks);
+/// ranks >= 1. Its owners() is for a rank on its own, and not collective. `hosts`: of each rank, or nothing: one host.
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, int ranks,
+                                              const HostOfRank& hosts = {});
 
 /// For the ranks of a run: all call owners() and options() together, and all get the same. Comm must outlive it.
 /// Not collective.
-std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, const Comm& comm);
+std::unique_ptr<Partitioner> make_partitioner(const BalanceSpec& spec, const Layout& layout, const Comm& comm,
+                                              const HostOfRank& hosts = {});
 
 }  // namespace moraine

@@ -7,34 +7,6 @@
 namespace moraine {
 namespace {
 
-struct Overlap {
-    std::int32_t part;
-    std::int32_t rank;
-    std::int64_t particles;
-};
-
-/// Particles of each part on each present owner; at most one entry per pair.
-std::vector<Overlap> overlaps(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks) {
-    std::vector<Overlap> runs;  // neighbours in the list mostly share part and owner: merge before sorting
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-        const std::int32_t rank = blocks[b].owner;
-        if (rank < 0 || rank >= ranks) continue;
-        if (!runs.empty() && runs.back().part == part_of[b] && runs.back().rank == rank)
-            runs.back().particles += blocks[b].particles;
-        else
-            runs.push_back({part_of[b], rank, blocks[b].particles});
-    }
-    std::sort(runs.begin(), runs.end(),
-              [](const Overlap& x, const Overlap& y) { return std::tie(x.part, x.rank) < std::tie(y.part, y.rank); });
-    std::vector<Overlap> pairs;
-    for (const Overlap& run : runs)
-        if (!pairs.empty() && pairs.back().part == run.part && pairs.back().rank == run.rank)
-            pairs.back().particles += run.particles;
-        else
-            pairs.push_back(run);
-    return pairs;
-}
-
 std::int64_t staying(const std::vector<Overlap>& pairs, const std::vector<std::int32_t>& rank_of) {
     std::int64_t sum = 0;
     for (const Overlap& o : pairs)
@@ -68,9 +40,28 @@ std::vector<std::int32_t> greedy(const std::vector<Overlap>& pairs, std::vector<
 
 }  // namespace
 
-std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks,
-                                  std::span<const std::int32_t> wanted) {
-    std::vector<Overlap> pairs = overlaps(blocks, part_of, ranks);
+std::vector<Overlap> overlaps(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks) {
+    std::vector<Overlap> runs;  // neighbours in the list mostly share part and owner: merge before sorting
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        const std::int32_t rank = blocks[b].owner;
+        if (rank < 0 || rank >= ranks) continue;
+        if (!runs.empty() && runs.back().part == part_of[b] && runs.back().rank == rank)
+            runs.back().particles += blocks[b].particles;
+        else
+            runs.push_back({part_of[b], rank, blocks[b].particles});
+    }
+    std::sort(runs.begin(), runs.end(),
+              [](const Overlap& x, const Overlap& y) { return std::tie(x.part, x.rank) < std::tie(y.part, y.rank); });
+    std::vector<Overlap> pairs;
+    for (const Overlap& run : runs)
+        if (!pairs.empty() && pairs.back().part == run.part && pairs.back().rank == run.rank)
+            pairs.back().particles += run.particles;
+        else
+            pairs.push_back(run);
+    return pairs;
+}
+
+std::vector<std::int32_t> relabel_pairs(std::vector<Overlap> pairs, int ranks, std::span<const std::int32_t> wanted) {
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Overlap& x, const Overlap& y) { return x.particles > y.particles; });
     std::vector<std::vector<std::int32_t>> ways;  // the first of the best is taken
@@ -82,6 +73,11 @@ std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<c
     for (std::size_t w = 1; w < ways.size(); ++w)
         if (staying(pairs, ways[w]) > staying(pairs, ways[best])) best = w;
     return ways[best];
+}
+
+std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks,
+                                  std::span<const std::int32_t> wanted) {
+    return relabel_pairs(overlaps(blocks, part_of, ranks), ranks, wanted);
 }
 
 Moved moved(std::span<const BlockLoad> blocks, std::span<const std::int32_t> owners) {

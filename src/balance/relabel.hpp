@@ -22,6 +22,20 @@ namespace moraine {
 std::vector<std::int32_t> relabel(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks,
                                   std::span<const std::int32_t> wanted = {});
 
+/// Particles of a part that a rank holds.
+struct Overlap {
+    std::int32_t part;
+    std::int32_t rank;
+    std::int64_t particles;
+};
+
+/// Of each part and present owner in [0, ranks), at most one; by part, then rank. Not collective.
+std::vector<Overlap> overlaps(std::span<const BlockLoad> blocks, std::span<const std::int32_t> part_of, int ranks);
+
+/// relabel() of overlaps in that order. Not collective.
+std::vector<std::int32_t> relabel_pairs(std::vector<Overlap> pairs, int ranks,
+                                        std::span<const std::int32_t> wanted = {});
+
 struct Moved {
     std::int64_t particles = 0;
     std::int64_t blocks = 0;

@@ -7,6 +7,6 @@
 
 namespace moraine {
 
-inline constexpr std::array<std::string_view, 4> transport_names{"peer", "nccl", "mpi", "host"};
+inline constexpr std::array<std::string_view, 5> transport_names{"peer", "mixed", "nccl", "mpi", "host"};
 
 }  // namespace moraine

@@ -25,6 +25,7 @@ struct BalanceRow {
     std::array<double, Phases::count> seconds_mean{}, seconds_max{};
     double repartitioned = 0, planned_imbalance = 0, loses = 0, lost = 0, migration = 0;
     double asleep = -1;  ///< particles; -1: none can in this scene
+    double blocks_between_hosts = 0;
     std::string reason, plan;
     std::array<double, plan_kinds> plan_seconds = Plan::not_offered();
 
@@ -41,6 +42,7 @@ struct BalanceRow {
                               "reason", "plan", "keep_s", "natural_s", "relabelled_s", "least_migration_s"})
             names.push_back(n);
         if (with_sleep) names.insert(names.end(), {"awake", "asleep"});
+        names.push_back("blocks_between_hosts");
         return names;
     }
 
@@ -51,21 +53,22 @@ struct BalanceRow {
         v.insert(v.end(), {repartitioned, planned_imbalance, loses, lost, migration, reason, plan});
         v.insert(v.end(), plan_seconds.begin(), plan_seconds.end());
         if (asleep >= 0) v.insert(v.end(), {particles - asleep, asleep});
+        v.push_back(blocks_between_hosts);
         return v;
     }
 };
 
-/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles; seconds;
-/// particles that sleep.
+/// What a rank has of a row: particles, blocks, halo bytes, migrated particles and blocks, crossed particles, blocks
+/// whose sums go to other hosts in an exchange; seconds; particles that sleep.
 struct RankShare {
-    std::array<std::int64_t, 6> counts{};
+    std::array<std::int64_t, 7> counts{};
     std::array<double, Phases::count> seconds{};
     std::int64_t asleep = 0;
 };
 
 inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
     const auto size = static_cast<double>(ranks.size());
-    std::array<std::int64_t, 6> sums{};
+    std::array<std::int64_t, 7> sums{};
     std::int64_t least = ranks.front().counts[0], most = least, asleep = 0, load = 0, largest_load = 0;
     for (const RankShare& rank : ranks) {
         least = std::min(least, rank.counts[0]), most = std::max(most, rank.counts[0]);
@@ -84,8 +87,8 @@ inline void take_shares(BalanceRow& row, const std::vector<RankShare>& ranks) {
     row.asleep = static_cast<double>(asleep);
     const double mean_load = static_cast<double>(load) / size;
     row.imbalance = mean_load > 0 ? static_cast<double>(largest_load) / mean_load : 1;
-    double* const totals[] = {&row.blocks, &row.halo_bytes, &row.migrated_particles, &row.migrated_blocks,
-                              &row.crossed_particles};
+    double* const totals[] = {&row.blocks,          &row.halo_bytes,        &row.migrated_particles,
+                              &row.migrated_blocks, &row.crossed_particles, &row.blocks_between_hosts};
     for (std::size_t k = 0; k < std::size(totals); ++k) *totals[k] = static_cast<double>(sums[k + 1]);
 }
 
@@ -104,7 +107,8 @@ BalanceRow balance_row(Simulation<Real, Dim>& sim, const Comm& comm, RunCounts& 
                    now.halo_bytes - reported.halo_bytes,
                    now.migrated_particles - reported.migrated_particles,
                    now.migrated_blocks - reported.migrated_blocks,
-                   now.crossed_particles - reported.crossed_particles};
+                   now.crossed_particles - reported.crossed_particles,
+                   now.blocks_between_hosts};
     for (std::size_t k = 0; k < Phases::count; ++k) mine.seconds[k] = sim.phases().all()[k] - reported_seconds[k];
     mine.asleep = census.asleep;
     take_shares(row, comm.all_gather(std::vector<RankShare>{mine}));
@@ -146,15 +150,21 @@ Json sleep_in_summary(const TimeSeriesRow<Dim>& row, const RunCounts& counts) {
     return Json::Named{{"asleep", row.asleep}, {"share_of_particle_steps", share}, {"kinetic_J", row.slept}};
 }
 
+/// Of what ranks count each for itself. Collective.
+inline std::vector<std::int64_t> sums_of(const RunCounts& counts, const Comm& comm) {
+    std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
+                                   counts.clamped_boxes, counts.blocks_between_hosts_sum};
+    comm.sum(sums);
+    return sums;
+}
+
 /// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
                const RunHealth<Dim>& health, const std::string& ended_by) {
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
-    std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
-                                   counts.clamped_boxes};
-    comm.sum(sums);
+    const std::vector<std::int64_t> sums = sums_of(counts, comm);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     Json::Named summary{
@@ -183,6 +193,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"migrated_particles", sums[0]},
         {"crossed_particles", sums[1]},
         {"halo_bytes", sums[2]},
+        {"hosts", host_count(sim.hosts())},
+        {"blocks_between_hosts_mean", static_cast<double>(sums[4]) / steps},
         {"clamped_boxes", sums[3]},
         {"lost_particles", last.lost_particles},
         {"state_hash", fmt::format("{:016x}", state_hash(sim))},

@@ -19,7 +19,8 @@ Forecast::Forecast(const BalanceSpec& spec, const Layout& layout, const CostMode
       model_(model),
       ranks_(ranks),
       relabelled_only_(relabelled_only),
-      partitioner_(make_partitioner(spec, layout, ranks)),
+      hosts_(model.hosts(ranks)),
+      partitioner_(make_partitioner(spec, layout, ranks, hosts_)),
       trigger_(spec, *partitioner_, model.moves),
       weight_(spec, weights) {
     result_.ranks = ranks;
@@ -64,6 +65,7 @@ void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps, doubl
     result_.ideal += n * (mean + mean_) / 2;
     result_.sending += n * (model_.constant + model_.sending(halo_, ranks_, exchanges));
     result_.tiles += static_cast<double>(halo_.tiles);
+    result_.tiles_between += static_cast<double>(halo_.tiles_between);
     result_.bytes += n * exchanges * static_cast<double>(halo_.bytes);
     result_.face_cut += static_cast<double>(halo_.face_cut);
     result_.neighbours_mean += halo_.neighbours_mean;
@@ -129,7 +131,7 @@ void Forecast::check(Interval& now, const Carry& carry) {
 }
 
 void Forecast::add_halo(const HaloSurroundings& around, int node_bytes) {
-    halo_ = around.halo(owners_, *partitioner_, ranks_, node_bytes);
+    halo_ = around.halo(owners_, *partitioner_, ranks_, node_bytes, hosts_);
 }
 
 }  // namespace moraine

@@ -22,6 +22,7 @@ struct ForecastResult {
     std::int64_t steps = 0, checks = 0, intervals = 0;
     double imbalance_sum = 0, imbalance_max = 1;  ///< of particles; sum over steps
     double imbalance_time_sum = 0;                ///< of modelled computing; sum over steps
+    double tiles_between = 0;                     ///< of tiles, to other hosts
     double tiles = 0, bytes = 0, face_cut = 0;    ///< sums over intervals; bytes: over steps and exchanges
     double neighbours_mean = 0;                   ///< sum over intervals
     std::int32_t neighbours_max = 0;
@@ -68,6 +69,7 @@ class Forecast {
     const TimeModel& model_;
     int ranks_;
     bool relabelled_only_;
+    HostOfRank hosts_;  ///< none: they are not told apart
     std::unique_ptr<Partitioner> partitioner_;
     RepartitionTrigger trigger_;
     BlockWeight weight_;

@@ -73,13 +73,25 @@ struct Readers {
     }
 };
 
-void count_neighbours(std::vector<std::uint64_t>& pairs, int ranks, HaloForecast& halo) {
+/// A tile of so many bytes.
+void add_sent(std::span<const std::int32_t> hosts, std::int32_t from, std::int32_t to, std::int64_t bytes,
+              HaloForecast& halo) {
+    const bool within = hosts[from] == hosts[to];
+    (within ? halo.sent[from].bytes_within : halo.sent[from].bytes_between) += bytes;
+    halo.tiles_between += !within;
+}
+
+void count_neighbours(std::vector<std::uint64_t>& pairs, int ranks, std::span<const std::int32_t> hosts,
+                      HaloForecast& halo) {
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     halo.neighbours_mean = static_cast<double>(pairs.size()) / ranks;
     for (std::size_t first = 0, k = 0; k < pairs.size(); ++k) {
         if (pairs[k] >> 32 != pairs[first] >> 32) first = k;
         halo.neighbours_max = std::max(halo.neighbours_max, static_cast<std::int32_t>(k - first + 1));
+        if (hosts.empty()) continue;
+        const std::uint64_t from = pairs[k] >> 32, to = pairs[k] & 0xffffffffu;
+        ++(hosts[from] == hosts[to] ? halo.sent[from].neighbours_within : halo.sent[from].neighbours_between);
     }
 }
 
@@ -131,15 +143,22 @@ std::int32_t HaloSurroundings::look_up(Key key, int code) const {
     return there < 0 ? -1 : static_cast<std::int32_t>(blocks_.size()) + there;
 }
 
-HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
-                                    int node_bytes) const {
+std::vector<std::int32_t> HaloSurroundings::owners_of_apron(std::span<const std::int32_t> owners,
+                                                            const Partitioner& partitioner) const {
     std::vector<std::int32_t> empty_owner;
     empty_owner.reserve(apron_.size());
     for (std::size_t e = 0; e < apron_.size(); ++e) {
         const std::int32_t rank = partitioner.owner_at(block_position(layout_, apron_[e]));
         empty_owner.push_back(rank >= 0 ? rank : owners[inherits_from_[e]]);
     }
+    return empty_owner;
+}
+
+HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
+                                    int node_bytes, std::span<const std::int32_t> hosts) const {
+    const std::vector<std::int32_t> empty_owner = owners_of_apron(owners, partitioner);
     HaloForecast halo;
+    if (!hosts.empty()) halo.sent.resize(static_cast<std::size_t>(ranks));
     TileBytes bytes_of(layout_, node_bytes);
     std::vector<std::int64_t> sent(static_cast<std::size_t>(ranks), 0);
     std::vector<std::uint64_t> pairs;
@@ -156,14 +175,16 @@ HaloForecast HaloSurroundings::halo(std::span<const std::int32_t> owners, const 
         }
         for (int k = 0; k < readers.count; ++k) {
             ++halo.tiles;
-            sent[owners[b]] += bytes_of(readers.mask[k]);
+            const std::int64_t bytes = bytes_of(readers.mask[k]);
+            sent[owners[b]] += bytes;
+            if (!hosts.empty()) add_sent(hosts, owners[b], readers.rank[k], bytes, halo);
             const std::uint64_t pair =
                 static_cast<std::uint64_t>(owners[b]) << 32 | static_cast<std::uint32_t>(readers.rank[k]);
             if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
         }
     }
     for (const std::int64_t bytes : sent) halo.bytes += bytes, halo.busiest_bytes = std::max(halo.busiest_bytes, bytes);
-    count_neighbours(pairs, ranks, halo);
+    count_neighbours(pairs, ranks, hosts, halo);
     return halo;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "comm/block_index.hpp"
+#include "comm/host_groups.hpp"
 #include "replay/interval.hpp"
 
 namespace moraine {
@@ -23,6 +24,14 @@ struct HaloForecast {
     std::int64_t face_cut = 0;       ///< faces between occupied blocks of different ranks
     double neighbours_mean = 0;      ///< over all ranks, idle ones included
     std::int32_t neighbours_max = 0;
+
+    /// What a rank sends to ranks of its host, and to those of others.
+    struct Sent {
+        std::int32_t neighbours_within = 0, neighbours_between = 0;
+        std::int64_t bytes_within = 0, bytes_between = 0;
+    };
+    std::vector<Sent> sent;          ///< of each rank, where hosts were given
+    std::int64_t tiles_between = 0;  ///< of the tiles, those that go to other hosts
 };
 
 /// The blocks around the occupied ones; serves any number of partitions.
@@ -32,14 +41,17 @@ class HaloSurroundings {
     HaloSurroundings(const Layout& layout, std::span<const BlockLoad> blocks);
 
     /// `owners` of the blocks; `static_owner`: nothing, or the rank of a place. `node_bytes`: of a node.
-    HaloForecast halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks,
-                      int node_bytes) const;
+    /// `hosts`: of each rank, or nothing: then it is not asked what stays on one.
+    HaloForecast halo(std::span<const std::int32_t> owners, const Partitioner& partitioner, int ranks, int node_bytes,
+                      std::span<const std::int32_t> hosts = {}) const;
 
   private:
     std::int32_t at(std::size_t block, int code) const {
         return table_.empty() ? look_up(blocks_[block].key, code) : table_[block * offsets_ + code];
     }
     std::int32_t look_up(Key key, int code) const;
+    std::vector<std::int32_t> owners_of_apron(std::span<const std::int32_t> owners,
+                                              const Partitioner& partitioner) const;
     void look_around(std::size_t block);
     void find_apron();
 

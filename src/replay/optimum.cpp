@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "balance/host_relabel.hpp"
 #include "balance/relabel.hpp"
 
 namespace moraine {
@@ -11,7 +12,7 @@ namespace {
 class Followed {
   public:
     Followed(const Layout& layout, const TimeModel& model, const Partitioner& partitioner, int ranks)
-        : layout_(layout), model_(model), partitioner_(partitioner), ranks_(ranks) {}
+        : layout_(layout), model_(model), partitioner_(partitioner), ranks_(ranks), hosts_(model.hosts(ranks)) {}
 
     void begin(const Interval& interval, std::vector<std::int32_t> owners) {
         owners_ = std::move(owners);
@@ -33,7 +34,8 @@ class Followed {
     double migration_to(const Interval& interval, const std::vector<std::int32_t>& parts) const {
         std::vector<BlockLoad> blocks = interval.blocks;
         for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners_[b];
-        const std::vector<std::int32_t> rank_of = relabel(blocks, parts, ranks_);
+        const std::vector<std::int32_t> rank_of =
+            host_count(hosts_) > 1 ? relabel_on_hosts(blocks, parts, hosts_) : relabel(blocks, parts, ranks_);
         std::vector<std::int32_t> to(parts.size());
         for (std::size_t b = 0; b < to.size(); ++b) to[b] = rank_of[parts[b]];
         return model_.moves_slower * migration_seconds(blocks, owners_, to, ranks_, model_.moves);
@@ -50,6 +52,7 @@ class Followed {
     const TimeModel& model_;
     const Partitioner& partitioner_;
     int ranks_;
+    HostOfRank hosts_;
     std::vector<std::int32_t> owners_;
     std::int64_t step_ = 0;
     double seconds_ = 0, slowest_ = 0;
@@ -60,7 +63,7 @@ class Followed {
 Optimum offline_optimum(const BalanceSpec& spec, const Layout& layout, const CostModel& weights, int ranks,
                         const TimeModel& model, const std::vector<Interval>& intervals,
                         const std::vector<Carry>& carries) {
-    const std::unique_ptr<Partitioner> partitioner = make_partitioner(spec, layout, ranks);
+    const std::unique_ptr<Partitioner> partitioner = make_partitioner(spec, layout, ranks, model.hosts(ranks));
     const BlockWeight weight(spec, weights);
     std::vector<std::vector<std::int32_t>> parts;
     for (const Interval& interval : intervals) {

@@ -6,7 +6,7 @@
 // S(i, j): time of the steps from look i to look j with the partition made at i, C(i, j): predicted time of the
 // migration from it to that made at j. Exact for partitions that depend on the loads of their look alone (not phg)
 // and are relabelled: then what came before i changes nothing but names (and ties of the greedy relabelling,
-// a thousandth in the tests). All imbalance checks are in memory, and work
+// a thousandth in the tests), of hosts too if all have as many ranks. All imbalance checks are in memory, and work
 // grows with their square.
 
 #include <vector>

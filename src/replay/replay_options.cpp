@@ -39,6 +39,10 @@ po::options_description visible(ReplayOptions& o, Words& w) {
     add("calibrate", "DIR,DIR,...", &w.calibrate, "other runs on the same machine, whose times count as well");
     add("latency", "SECONDS", &o.latency, "of a message (default: 2e-6)");
     add("bandwidth", "BYTES/S", &o.bandwidth, "of a rank, out (default: 5e9)");
+    add("ranks-per-host", "N", &o.ranks_per_host,
+        "ranks in a row on one host; --latency and --bandwidth are then those between hosts (default: no hosts)");
+    add("latency-within", "SECONDS", &o.latency_within, "of a message within a host (default: as between)");
+    add("bandwidth-within", "BYTES/S", &o.bandwidth_within, "of a rank within its host (default: as between)");
     add("every", "N", &o.every, "take every N-th imbalance check only (default: 1)");
     add("last-step", "N", &o.last_step, "ignore what was recorded after that step");
     add("refine", "K", &o.refine, "as if cells were 2^K times smaller, with as many particles in each block");
@@ -102,6 +106,22 @@ void take_lists(const po::variables_map& given, const Words& w, ReplayOptions& o
             static_cast<Trigger>(std::find(triggers.begin(), triggers.end(), name) - triggers.begin()));
 }
 
+/// `given`: the options that were.
+void check_hosts(const po::variables_map& given, const ReplayOptions& o) {
+    if (given.count("ranks-per-host") && o.ranks_per_host < 1)
+        refuse_argument(fmt::format("--ranks-per-host {}", o.ranks_per_host), "must be at least 1", "Leave it out?");
+    for (const char* name : {"latency-within", "bandwidth-within"})
+        if (given.count(name) && o.ranks_per_host < 1)
+            refuse_argument(fmt::format("--{}", name), "without --ranks-per-host there are no hosts",
+                            "Try --ranks-per-host 4?");
+    if (given.count("latency-within") && (!(o.latency_within >= 0) || !std::isfinite(o.latency_within)))
+        refuse_argument(fmt::format("--latency-within {}", o.latency_within), "must be seconds, 0 or more",
+                        "Try 1e-6?");
+    if (given.count("bandwidth-within") && (!(o.bandwidth_within > 0) || !std::isfinite(o.bandwidth_within)))
+        refuse_argument(fmt::format("--bandwidth-within {}", o.bandwidth_within), "must be bytes per second above 0",
+                        "Try 1e11?");
+}
+
 void check_numbers(const ReplayOptions& o) {
     if (!(o.latency >= 0) || !std::isfinite(o.latency))
         refuse_argument(fmt::format("--latency {}", o.latency), "must be seconds, 0 or more", "Try 2e-6?");
@@ -147,6 +167,7 @@ ReplayOptions parse_replay(const std::vector<std::string>& words) {
     o.directory = directories[0];
     take_lists(map, w, o);
     check_numbers(o);
+    check_hosts(map, o);
     return o;
 }
 

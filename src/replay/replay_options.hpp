@@ -19,6 +19,9 @@ struct ReplayOptions {
     bool regret = false;                    ///< also all triggers against the offline optimum
     double latency = 2e-6;                  ///< [s]
     double bandwidth = 5e9;                 ///< [byte/s]
+    int ranks_per_host = 0;                 ///< 0: hosts are not told apart
+    double latency_within = -1;             ///< a host [s]; -1: as between hosts
+    double bandwidth_within = -1;           ///< a host [byte/s]; -1: as between hosts
     int every = 1;                          ///< take every so many imbalance checks only
     std::int64_t last_step = std::numeric_limits<std::int64_t>::max();
     int refine = 0;      ///< halve the cells so many times

@@ -84,8 +84,16 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     for (const std::string& directory : options.calibrate) calibrate(directory);
     model_ = fit_.model(weights_);
     if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
-    model_.network = {options.latency, options.bandwidth};
+    set_network(model_);
     model_.moves = {header_.moves[0], header_.moves[1]};
+}
+
+void ReplayRecord::set_network(TimeModel& model) const {
+    const auto given = [](double value, double otherwise) { return value >= 0 ? value : otherwise; };
+    model.network = {options_.latency, options_.bandwidth};
+    model.within = {given(options_.latency_within, options_.latency),
+                    given(options_.bandwidth_within, options_.bandwidth)};
+    model.ranks_per_host = options_.ranks_per_host;
 }
 
 /// Takes the times of another run of the same machine and method into the model.
@@ -93,6 +101,8 @@ void ReplayRecord::calibrate(const std::string& directory) {
     ReplayOptions options;
     options.directory = directory;
     options.latency = options_.latency, options.bandwidth = options_.bandwidth;
+    options.latency_within = options_.latency_within, options.bandwidth_within = options_.bandwidth_within;
+    options.ranks_per_host = options_.ranks_per_host;
     const ReplayRecord other(options);
     const LoadHeader& h = other.header_;
     if (h.dimensions != header_.dimensions || h.width != header_.width || h.node_bytes != header_.node_bytes ||
@@ -186,9 +196,11 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
         stepping += computing + exchange + seconds_of(s, {Phase::balance});
     }
     TimeModel network;
-    network.network = {options_.latency, options_.bandwidth};
+    set_network(network);
     HaloForecast halo;
-    if (ranks > 1) halo = HaloSurroundings(coarse_, before.blocks).halo(begin, partitioner, ranks, header_.node_bytes);
+    if (ranks > 1)
+        halo = HaloSurroundings(coarse_, before.blocks)
+                   .halo(begin, partitioner, ranks, header_.node_bytes, network.hosts(ranks));
     interval.sending = network.sending(halo, ranks, static_cast<double>(frame.exchanges) / steps);
     interval.moves = moves_at_end(now, end, ranks);
     fit_.add(std::move(interval));

@@ -47,6 +47,7 @@ class ReplayRecord {
     Interval refined(Interval interval) const;
     void read_through();
     void check_end() const;
+    void set_network(TimeModel& model) const;
     void calibrate(const std::string& directory);
     void measure(const LoadFrame& frame, const Interval& before, const Interval& now, const Partitioner& partitioner);
     double moves_at_end(const Interval& now, const std::vector<std::int32_t>& held, int ranks) const;

@@ -35,6 +35,11 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
         options.directory, record.checks(), record.last_step(), record.blocks_min(), record.blocks_max(), run.ranks,
         run.ranks == 1 ? "" : "s", run.partitioner, 1e9 * m.particle, 1e9 * m.block, 1e9 * m.exchange, 1e3 * m.check,
         1e3 * m.constant, m.moves_slower, 100 * m.timing_noise, 1e6 * m.network.latency, m.network.bandwidth / 1e9);
+    if (m.ranks_per_host > 0)
+        text += fmt::format(
+            "Hosts of {} rank{} in a row: that network is between them, within one {:.2g} us and {:.2g} GB/s "
+            "(--latency-within, --bandwidth-within).\n",
+            m.ranks_per_host, m.ranks_per_host == 1 ? "" : "s", 1e6 * m.within.latency, m.within.bandwidth / 1e9);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "
@@ -80,20 +85,21 @@ std::string csv_text(const ReplayRecord& record, const std::vector<ForecastResul
         "cut,"
         "neighbours_mean,neighbours_max,repartitions,migrated_particles,migrated_blocks,plan_mean_s,plan_max_s,"
         "computing_s,"
-        "timing_noise_s,ideal_s,sending_s,migration_s,checks_s,time_s,efficiency,regret_percent\n";
+        "timing_noise_s,ideal_s,sending_s,migration_s,checks_s,time_s,efficiency,regret_percent,halo_tiles_between_"
+        "hosts\n";
     const ForecastResult& run = record.measured();
-    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,\n", run.ranks, run.partitioner,
+    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,,\n", run.ranks, run.partitioner,
                         run.imbalance_mean(), run.imbalance_max, run.bytes, record.measured_seconds());
     for (const ForecastResult& r : results)
-        text += fmt::format("predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\n",
+        text += fmt::format("predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,{}\n",
                             r.ranks, r.partitioner, r.trigger, r.imbalance_mean(), r.imbalance_max,
                             per(r.imbalance_time_sum, r.steps), per(r.tiles, r.intervals), r.bytes,
                             per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals), r.neighbours_max,
                             r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
                             r.plan_seconds_max, r.computing, r.timing_noise, r.ideal, r.sending, r.migration,
-                            r.checking, r.seconds(), r.efficiency());
+                            r.checking, r.seconds(), r.efficiency(), per(r.tiles_between, r.intervals));
     for (const RegretRow& r : rows)
-        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{}\n", r.ranks, r.partitioner, r.trigger,
+        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{},\n", r.ranks, r.partitioner, r.trigger,
                             r.repartitions, r.seconds, r.percent());
     return text;
 }

@@ -72,9 +72,21 @@ double TimeModel::waiting(std::span<const std::int64_t> particles, std::span<con
 
 double TimeModel::sending(const HaloForecast& halo, int ranks, double exchanges) const {
     if (ranks == 1) return 0;
+    if (ranks_per_host > 0) return sending_by_hosts(halo, ranks, exchanges);
     return exchanges *
                (network.latency * halo.neighbours_max + static_cast<double>(halo.busiest_bytes) / network.bandwidth) +
            network.latency * std::log2(ranks);
+}
+
+double TimeModel::sending_by_hosts(const HaloForecast& halo, int ranks, double exchanges) const {
+    double waits = 0, bytes = 0;
+    for (const HaloForecast::Sent& s : halo.sent) {
+        waits = std::max(waits, within.latency * s.neighbours_within + network.latency * s.neighbours_between);
+        bytes = std::max(bytes, static_cast<double>(s.bytes_within) / within.bandwidth +
+                                    static_cast<double>(s.bytes_between) / network.bandwidth);
+    }
+    const int here = std::min(ranks, ranks_per_host), hosts = (ranks + ranks_per_host - 1) / ranks_per_host;
+    return exchanges * (waits + bytes) + within.latency * std::log2(here) + network.latency * std::log2(hosts);
 }
 
 void ModelFit::add(const ModelFit& other) {

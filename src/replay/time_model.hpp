@@ -30,15 +30,17 @@ struct Network {
 double expected_maximum(std::span<const double> means, double spread);
 
 struct TimeModel {
-    double particle = 0;      ///< a [s]
-    double block = 0;         ///< d [s]
-    double exchange = 0;      ///< e [s]
-    double timing_noise = 0;  ///< s
-    double constant = 0;      ///< c [s]
-    double check = 0;         ///< [s]
-    Network network;
-    MoveModel moves = host_moves;  ///< what planners reckon with
-    double moves_slower = 1;       ///< f
+    double particle = 0;              ///< a [s]
+    double block = 0;                 ///< d [s]
+    double exchange = 0;              ///< e [s]
+    double timing_noise = 0;          ///< s
+    double constant = 0;              ///< c [s]
+    double check = 0;                 ///< [s]
+    Network network;                  ///< between hosts, or between any ranks
+    Network within;                   ///< within a host
+    std::int32_t ranks_per_host = 0;  ///< 0: hosts are not told apart
+    MoveModel moves = host_moves;     ///< what planners reckon with
+    double moves_slower = 1;          ///< f
 
     double computing(double particles, double blocks) const { return particle * particles + block * blocks; }
 
@@ -48,8 +50,17 @@ struct TimeModel {
     double slowest(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
     /// What timing noise adds to that [s per step].
     double waiting(std::span<const std::int64_t> particles, std::span<const std::int64_t> blocks) const;
+    /// Of so many ranks; nothing where they are not told apart.
+    HostOfRank hosts(int ranks) const { return ranks_per_host > 0 ? hosts_of(ranks, ranks_per_host) : HostOfRank{}; }
     /// exchanges: of the halo per step [-]. [s per step]
     double sending(const HaloForecast& halo, int ranks, double exchanges) const;
+
+  private:
+    /// Messages within hosts (w) and between them (b) have a latency and a bandwidth each; as above where both are
+    /// alike:
+    ///   exchanges (max over r of (l_w k_rw + l_b k_rb) + max over r of (bytes_rw / B_w + bytes_rb / B_b))
+    ///     + l_w log2(ranks per host) + l_b log2(hosts)
+    double sending_by_hosts(const HaloForecast& halo, int ranks, double exchanges) const;
 };
 
 /// Intervals of one run or several, from which a model follows.

@@ -12,6 +12,7 @@
 #include "comm/async_allgather.hpp"
 #include "comm/engine.hpp"
 #include "comm/epoch_lifetime.hpp"
+#include "comm/host_groups.hpp"
 #include "comm/next_epoch.hpp"
 #include "comm/phases.hpp"
 #include "core/error.hpp"
@@ -79,6 +80,7 @@ class Simulation {
     const Comm& comm() const { return comm_; }
     const Method<Host, Real, Dim>& method() const { return method_; }
     const Engine<Real, Dim>& engine() const { return *engine_; }
+    const HostOfRank& hosts() const { return hosts_; }
     const Partitioner& partitioner() const { return *partitioner_; }
     const RepartitionTrigger& trigger() const { return trigger_; }
     const RunClock<Dim>& clock() const { return clock_; }
@@ -134,6 +136,7 @@ class Simulation {
     StepScales<Dim> scales() const;
 
     // simulation_epoch.cpp: who owns which block, and for how long that is known to all
+    EpochTables<Dim> counted(EpochTables<Dim> tables);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const BinnedBlocks& binned);
     void request_next_epoch();
@@ -157,6 +160,7 @@ class Simulation {
     const Comm& comm_;
     Method<Host, Real, Dim> method_;
     DomainBlocks<Dim> domain_;
+    HostOfRank hosts_;
     std::unique_ptr<Partitioner> partitioner_;
     RepartitionTrigger trigger_;
     MeasuredLoads loads_;

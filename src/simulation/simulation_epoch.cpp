@@ -41,6 +41,16 @@ std::vector<BlockLoad> Simulation<Real, Dim>::block_loads() {
     return loads_.gather(engine_->block_counts(loads_.weighs_cells()));
 }
 
+/// Notes what crosses hosts in an epoch that begins now.
+template <class Real, int Dim>
+EpochTables<Dim> Simulation<Real, Dim>::counted(EpochTables<Dim> tables) {
+    counts_.blocks_between_hosts = 0;
+    for (const PeerHalo& peer : tables.peers)
+        if (hosts_[peer.rank] != hosts_[comm_.rank()])
+            counts_.blocks_between_hosts += static_cast<std::int64_t>(peer.send.block.size());
+    return tables;
+}
+
 /// This rank's part of a topology made from what is occupied now; owners are the ranks that hold the blocks.
 template <class Real, int Dim>
 EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>& loads) {
@@ -53,7 +63,7 @@ EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>&
 /// With particles that were put into the host's share.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_epoch(const BinnedBlocks& binned) {
-    engine_->adopt(next_epoch(loads_.gather(counts_of(patch(), binned, false))), binned);
+    engine_->adopt(counted(next_epoch(loads_.gather(counts_of(patch(), binned, false)))), binned);
     engine_->refresh_memory(false);
 }
 
@@ -78,7 +88,7 @@ void Simulation<Real, Dim>::start_next_epoch() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::renew_epoch() {
     if (std::optional<EpochTables<Dim>> tables = next_epoch_.take()) {
-        engine_->renew(std::move(*tables));
+        engine_->renew(counted(std::move(*tables)));
         ++counts_.epochs;
     }
     epoch_.begin_made_ahead();
@@ -129,7 +139,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const auto start = std::chrono::steady_clock::now();
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
-    const BlockMoveCount moved = engine_->repartition(std::move(tables), of_mine);
+    const BlockMoveCount moved = engine_->repartition(counted(std::move(tables)), of_mine);
     engine_->refresh_memory(false);
     epoch_.begin_made_ahead();
     counts_.migrated_particles += moved.particles;

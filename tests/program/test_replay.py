@@ -83,6 +83,34 @@ class Replay(moraine.ProgramTest):
         self.assertEqual(set(regrets), {"optimum", "never", "every", "threshold", "planned"})
         self.assertTrue(min(regrets.values()) >= -0.1 and regrets["optimum"] == 0, regrets)  # ties: optimum.hpp
 
+    def test_hosts_have_a_network_between_and_one_within(self):
+        def rows(*words):
+            said = self.replay("--ranks", "8", "--partitioner", "morton,shuffle", "--trigger", "every", *words).out
+            return said, {row["partitioner"]: row for row in self.rows() if row["kind"] == "predicted"}
+
+        said, one = rows()
+        self.assertNotIn("Hosts of", said)
+        _, alike = rows("--ranks-per-host", "4")
+        said, fast = rows("--ranks-per-host", "4", "--latency-within", "0", "--bandwidth-within", "1e15")
+        self.assertIn("Hosts of 4 ranks in a row", said)
+        for name in ("morton", "shuffle"):
+            self.assertEqual(float(one[name]["halo_tiles_between_hosts"]), 0)
+            self.assertEqual(alike[name]["halo_tiles_between_hosts"], fast[name]["halo_tiles_between_hosts"])
+            self.assertEqual(alike[name]["halo_tiles"], one[name]["halo_tiles"])
+            self.assertAlmostEqual(float(alike[name]["sending_s"]), float(one[name]["sending_s"]), delta=1e-9)
+            self.assertLess(float(fast[name]["sending_s"]), float(alike[name]["sending_s"]))
+        crossing = {name: float(row["halo_tiles_between_hosts"]) / float(row["halo_tiles"])
+                    for name, row in fast.items()}
+        self.assertLess(2 * crossing["morton"], crossing["shuffle"])
+
+    def test_hosts_of_wrong_words_are_refused(self):
+        self.assertIn("must be at least 1", self.refused(self.run, "--ranks-per-host", "0"))
+        for option in ("--latency-within", "--bandwidth-within"):
+            self.assertIn("there are no hosts", self.refused(self.run, option, "1"))
+            for bad in ("-1", "nan", "inf"):
+                self.assertIn("must be", self.refused(self.run, "--ranks-per-host", "2", f"{option}={bad}"))
+        self.assertIn("above 0", self.refused(self.run, "--ranks-per-host", "2", "--bandwidth-within", "0"))
+
     def test_wrong_use_is_refused(self):
         self.assertIn("no such directory", self.refused(self.folder / "nowhere"))
         self.assertIn("output.block_loads=on", self.refused(self.folder))

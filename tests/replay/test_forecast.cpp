@@ -52,9 +52,9 @@ std::vector<Carry> carries_of(const std::vector<Interval>& intervals) {
     return carries;
 }
 
-ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals, int ranks, bool relabelled = false) {
+ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals, int ranks, bool relabelled = false,
+                        const TimeModel& m = model()) {
     const Layout l = layout();
-    const TimeModel m = model();
     const std::vector<Carry> carries = carries_of(intervals);
     Forecast f(spec, l, weights, ranks, m, relabelled);
     for (std::size_t k = 0; k < intervals.size(); ++k) {
@@ -65,10 +65,10 @@ ForecastResult forecast(const BalanceSpec& spec, std::vector<Interval> intervals
 }
 
 /// Seconds of repartitioning at just the imbalance checks of `mask` (bit k: look k), one after the other.
-double seconds_of(unsigned mask, const std::vector<Interval>& intervals, const std::vector<Carry>& carries, int ranks) {
+double seconds_of(unsigned mask, const std::vector<Interval>& intervals, const std::vector<Carry>& carries, int ranks,
+                  const TimeModel& m) {
     const Layout l = layout();
-    const TimeModel m = model();
-    const auto partitioner = make_partitioner(BalanceSpec{}, l, ranks);
+    const auto partitioner = make_partitioner(BalanceSpec{}, l, ranks, m.hosts(ranks));
     std::vector<std::int32_t> owners;
     double seconds = 0, slowest = 0;
     const auto slowest_of = [&](const Interval& interval) {
@@ -146,23 +146,48 @@ TEST_CASE("one rank is balanced and sends nothing; its time is the model's") {
 
 TEST_CASE(
     "the offline optimum is the least of all subsets of imbalance checks to a thousandth, and no trigger beats it") {
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < 24; ++seed) {
         CAPTURE(seed);
-        const int ranks = 2 + static_cast<int>(seed % 4);
+        const int ranks = seed < 12 ? 2 + static_cast<int>(seed % 4) : 4 + 2 * static_cast<int>(seed % 2);
         const std::vector<Interval> intervals = moving_heap(7, seed);
         const std::vector<Carry> carries = carries_of(intervals);
         const Layout l = layout();
-        const TimeModel m = model();
+        TimeModel m = model();
+        if (seed >= 12) m.ranks_per_host = 2;
         const Optimum best = offline_optimum(BalanceSpec{}, l, weights, ranks, m, intervals, carries);
         double least = 1e300;
         for (unsigned mask = 0; mask < 64; mask += 2)
-            least = std::min(least, seconds_of(mask, intervals, carries, ranks));
+            least = std::min(least, seconds_of(mask, intervals, carries, ranks, m));
         CHECK(best.seconds == doctest::Approx(least).epsilon(1e-3));  // ties of the greedy relabelling
         for (const Trigger trigger : {Trigger::never, Trigger::every, Trigger::threshold, Trigger::planned}) {
             BalanceSpec spec;
             spec.trigger = trigger;
-            const ForecastResult r = forecast(spec, intervals, ranks, true);
+            const ForecastResult r = forecast(spec, intervals, ranks, true, m);
             CHECK(r.computing + r.migration >= best.seconds * (1 - 1e-3));
         }
+    }
+}
+
+TEST_CASE("hosts change who is called what and what crosses, and neither loads nor the halo") {
+    BalanceSpec spec;
+    spec.trigger = Trigger::every;
+    const ForecastResult plain = forecast(spec, moving_heap(9, 3), 8, true);
+    CHECK(plain.tiles_between == 0);  // nobody asked
+    double before = 0;
+    for (const int each : {8, 4, 2, 1}) {
+        TimeModel m = model();
+        m.ranks_per_host = each;
+        m.within = m.network;
+        const ForecastResult found = forecast(spec, moving_heap(9, 3), 8, true, m);
+        CHECK(found.tiles == plain.tiles);
+        CHECK(found.imbalance_sum == plain.imbalance_sum);
+        CHECK(found.sending == doctest::Approx(plain.sending).epsilon(1e-9));
+        CHECK((found.tiles_between == 0) == (each == 8));
+        CHECK((found.tiles_between == found.tiles) == (each == 1));
+        CHECK(found.tiles_between >= before);
+        before = found.tiles_between;
+        m.within = {m.network.latency / 10, m.network.bandwidth * 10};
+        const ForecastResult faster = forecast(spec, moving_heap(9, 3), 8, true, m);
+        CHECK((faster.sending < found.sending) == (each > 1));
     }
 }

@@ -22,21 +22,28 @@ Layout layout_of(const World<Dim>& world) {
 
 /// From the tables that the ranks of a run would have: of tiles that hold particles.
 template <int Dim>
-HaloForecast halo_of_tables(const World<Dim>& world) {
+HaloForecast halo_of_tables(const World<Dim>& world, const HostOfRank& hosts) {
     HaloForecast halo;
+    halo.sent.resize(static_cast<std::size_t>(world.ranks));
     for (int r = 0; r < world.ranks; ++r) {
         const EpochTables<Dim> t = make_epoch<Dim>(world.topology(), world.domain, world.stencil, r);
         std::int64_t sent = 0;
         std::int32_t neighbours = 0;
         for (const PeerHalo& peer : t.peers) {
             bool any = false;
+            const bool within = hosts[r] == hosts[peer.rank];
+            const std::int64_t before = sent;
             for (std::size_t k = 0; k < peer.send.block.size(); ++k) {
                 if (!world.is_occupied(t.own[static_cast<std::size_t>(peer.send.block[k])])) continue;
                 any = true;
                 ++halo.tiles;
+                halo.tiles_between += !within;
                 sent += 1 + (peer.send.first[k + 1] - peer.send.first[k]) * node_sums<Dim> * 8;
             }
             neighbours += any;
+            HaloForecast::Sent& mine = halo.sent[r];
+            (within ? mine.neighbours_within : mine.neighbours_between) += any;
+            (within ? mine.bytes_within : mine.bytes_between) += sent - before;
         }
         halo.bytes += sent;
         halo.busiest_bytes = std::max(halo.busiest_bytes, sent);
@@ -55,14 +62,24 @@ void forecast_is_what_tables_say() {
         std::vector<BlockLoad> blocks;
         for (const OccupiedBlock& b : world.occupied) blocks.push_back({b.key, 1, 1, b.owner});
         const auto partitioner = make_partitioner(BalanceSpec{}, layout, world.ranks);
-        const HaloForecast found = HaloSurroundings(layout, blocks)
-                                       .halo(present_owners(blocks), *partitioner, world.ranks, node_sums<Dim> * 8);
-        const HaloForecast expected = halo_of_tables(world);
+        const HostOfRank hosts = hosts_of(world.ranks, 1 + static_cast<int>(seed % 3));
+        const HaloForecast found =
+            HaloSurroundings(layout, blocks)
+                .halo(present_owners(blocks), *partitioner, world.ranks, node_sums<Dim> * 8, hosts);
+        const HaloForecast expected = halo_of_tables(world, hosts);
         CHECK(found.tiles == expected.tiles);
         CHECK(found.bytes == expected.bytes);
         CHECK(found.busiest_bytes == expected.busiest_bytes);
         CHECK(found.neighbours_max == expected.neighbours_max);
         CHECK(found.neighbours_mean == doctest::Approx(expected.neighbours_mean));
+        CHECK(found.tiles_between == expected.tiles_between);
+        REQUIRE(found.sent.size() == expected.sent.size());
+        for (std::size_t r = 0; r < found.sent.size(); ++r) {
+            CHECK(found.sent[r].neighbours_within == expected.sent[r].neighbours_within);
+            CHECK(found.sent[r].neighbours_between == expected.sent[r].neighbours_between);
+            CHECK(found.sent[r].bytes_within == expected.sent[r].bytes_within);
+            CHECK(found.sent[r].bytes_between == expected.sent[r].bytes_between);
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "replay/time_model.hpp"
 
 using namespace moraine;
@@ -136,4 +138,31 @@ TEST_CASE("sending costs latency and bytes of the busiest rank in each exchange,
     halo.busiest_bytes = 3000;
     CHECK(ratio(m.sending(halo, 16, 2), 2 * (5e-6 + 3e-6) + 4e-6) == doctest::Approx(1));
     CHECK(m.sending(halo, 1, 2) == 0);
+}
+
+TEST_CASE("within a host messages have a latency and a bandwidth of their own") {
+    TimeModel m;
+    m.network = {1e-5, 1e8};
+    m.within = {1e-6, 1e9};
+    m.ranks_per_host = 4;
+    HaloForecast halo;
+    halo.sent.resize(16);
+    halo.sent[3] = {3, 1, 2000, 100};  // most messages by time: 13e-6
+    halo.sent[7] = {0, 1, 0, 500};     // most bytes by time: 5e-6
+    CHECK(ratio(m.sending(halo, 16, 2), 2 * (13e-6 + 5e-6) + 2e-6 + 2e-5) == doctest::Approx(1));
+    CHECK(m.sending(halo, 1, 2) == 0);
+    halo.sent = {{2, 0, 1000, 0}, {1, 0, 3000, 0}, {}};
+    CHECK(ratio(m.sending(halo, 3, 1), 2e-6 + 3e-6 + 1e-6 * std::log2(3)) == doctest::Approx(1));  // on one host
+}
+
+TEST_CASE("hosts whose network is that between ranks of one cost what a model without hosts says") {
+    TimeModel one, two;
+    one.network = two.network = two.within = {3e-6, 2e9};
+    two.ranks_per_host = 2;
+    HaloForecast halo;
+    halo.sent = {{1, 3, 700, 300}, {0, 2, 0, 5000}, {1, 1, 40, 60}, {1, 0, 900, 0},
+                 {0, 0, 0, 0},     {0, 0, 0, 0},    {0, 0, 0, 0},   {0, 0, 0, 0}};
+    halo.neighbours_max = 4;
+    halo.busiest_bytes = 5000;
+    CHECK(ratio(two.sending(halo, 8, 3), one.sending(halo, 8, 3)) == doctest::Approx(1));
 }

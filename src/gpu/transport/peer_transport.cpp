@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "comm/host_groups.hpp"
 #include "gpu/transport/mailboxes.hpp"
 #include "gpu/transport/stream_flags.hpp"
 
@@ -87,13 +88,19 @@ struct Place {
     std::uint64_t flag;
 };
 
-class PeerTransport final : public Transport {
+class PeerTransport final : public TwoSetTransport {
   public:
     explicit PeerTransport(const Comm& comm) : comm_(comm), inboxes_(comm) {}
 
     const char* name() const override { return "peer"; }
-    std::byte* const* outgoing() const override { return pointers_.out() + ((round_ + 1) & 1) * my_flags_.size(); }
-    const std::byte* const* incoming() const override { return pointers_.in() + (2 + (round_ & 1)) * my_flags_.size(); }
+    std::byte* const* outgoing() const override { return pointers_.out() + outgoing_set() * my_flags_.size(); }
+    const std::byte* const* incoming() const override {
+        return pointers_.in() + (2 + incoming_set()) * my_flags_.size();
+    }
+    std::size_t outgoing_set() const override { return (round_ + 1) & 1; }
+    std::size_t incoming_set() const override { return round_ & 1; }
+    std::vector<std::byte*> outgoing_pointers(int set) const override { return out_[set]; }
+    std::vector<std::byte*> incoming_pointers(int set) const override { return in_[set]; }
 
     /// Where all boxes are large enough they stay, and what is under way goes on.
     void open(const std::vector<TransportPeer>& asked) override {
@@ -134,10 +141,11 @@ class PeerTransport final : public Transport {
 
     void address(const std::vector<TransportPeer>& peers, const std::vector<Place>& all,
                  const std::vector<Place>& mine) {
-        std::vector<std::byte*> out[2], in[2], flags;
+        std::vector<std::byte*> flags;
+        for (int set = 0; set < 2; ++set) out_[set].clear(), in_[set].clear();
         my_flags_.clear();
         for (const Place& p : mine) {
-            for (int parity = 0; parity < 2; ++parity) in[parity].push_back(inboxes_.mine() + p.box[parity]);
+            for (int parity = 0; parity < 2; ++parity) in_[parity].push_back(inboxes_.mine() + p.box[parity]);
             my_flags_.push_back(reinterpret_cast<const std::uint32_t*>(inboxes_.mine() + p.flag));
         }
         for (const TransportPeer& peer : peers) {
@@ -145,18 +153,19 @@ class PeerTransport final : public Transport {
                 all.begin(), all.end(), [&](const Place& p) { return p.from == comm_.rank() && p.to == peer.rank; });
             if (place == all.end()) throw std::logic_error("a peer does not know its peer");
             std::byte* const box = inboxes_.of(peer.rank);
-            for (int parity = 0; parity < 2; ++parity) out[parity].push_back(box + place->box[parity]);
+            for (int parity = 0; parity < 2; ++parity) out_[parity].push_back(box + place->box[parity]);
             flags.push_back(box + place->flag);
         }
         std::vector<std::byte*> all_pointers;
-        for (const std::vector<std::byte*>& some : {out[0], out[1], in[0], in[1], flags})
+        for (const std::vector<std::byte*>& some : {out_[0], out_[1], in_[0], in_[1], flags})
             all_pointers.insert(all_pointers.end(), some.begin(), some.end());
         pointers_.assign(all_pointers);
     }
 
     const Comm& comm_;
     SharedInboxes inboxes_;
-    std::vector<TransportPeer> peers_;  ///< whose boxes there are, and how large they are
+    std::vector<TransportPeer> peers_;        ///< whose boxes there are, and how large they are
+    std::vector<std::byte*> out_[2], in_[2];  ///< boxes of both parities, by peer
     PointerArray pointers_;  ///< outgoing boxes of both parities, incoming ones of both, peers' flags: by peer
     std::vector<const std::uint32_t*> my_flags_;
     std::uint32_t round_ = 0;
@@ -175,8 +184,11 @@ class PeerTransports final : public TransportFactory {
 }  // namespace
 
 std::string peer_obstacle(const Comm& comm) {
-    const bool on_one_host = comm.min(comm.on_this_machine().size == comm.size() ? 1.0 : 0.0) > 0;
-    return on_one_host ? "" : "the ranks are on several hosts";
+    return host_count(find_hosts(comm)) == 1 ? "" : "the ranks are on several hosts";
+}
+
+std::unique_ptr<TwoSetTransport> peer_transport(const Comm& comm) {
+    return std::make_unique<PeerTransport>(comm);
 }
 
 std::unique_ptr<TransportFactory> peer_transports(const Comm& comm) {

@@ -4,6 +4,7 @@
 
 #include "comm/transport_names.hpp"
 #include "core/error.hpp"
+#include "gpu/transport/mixed_transport.hpp"
 #include "gpu/transport/mpi_transport.hpp"
 #include "gpu/transport/nccl_transport.hpp"
 #include "gpu/transport/peer_transport.hpp"
@@ -15,30 +16,19 @@ namespace {
 
 /// Where names become objects. A new transport: CONTRIBUTING.md.
 constexpr TransportEntry entries[] = {
-    {"peer", peer_obstacle, peer_transports},
-    {"nccl", nccl_obstacle, nccl_transports},
-    {"mpi", mpi_obstacle, mpi_transports},
+    {"peer", peer_obstacle, peer_transports}, {"mixed", mixed_obstacle, mixed_transports},
+    {"nccl", nccl_obstacle, nccl_transports}, {"mpi", mpi_obstacle, mpi_transports},
     {"host", host_obstacle, host_transports},
 };
 static_assert(std::ranges::equal(entries, transport_names, {}, &TransportEntry::name), "one list, one order");
-
-/// What `entry` makes, tried; or null, and why not.
-std::unique_ptr<TransportFactory> tried(const Comm& comm, const TransportEntry& entry, std::string& why_not) {
-    why_not = entry.obstacle(comm);
-    if (!why_not.empty()) return nullptr;
-    std::unique_ptr<TransportFactory> factory = entry.make(comm);
-    const std::unique_ptr<Transport> transport = factory->make(90);
-    why_not = transport_trial(comm, *transport, 4096, 4);
-    return why_not.empty() ? std::move(factory) : nullptr;
-}
 
 std::unique_ptr<TransportFactory> first_that_works(const Comm& comm, std::string& message) {
     const TransportEntry& last = entries[std::size(entries) - 1];
     std::string why_not, passed_over;
     for (const TransportEntry& entry : std::span(entries).first(std::size(entries) - 1)) {
         const std::string name(entry.name);
-        if (std::unique_ptr<TransportFactory> factory = tried(comm, entry, why_not)) {
-            message = "messages by " + name + " (tried and right" + passed_over + ")";
+        if (std::unique_ptr<TransportFactory> factory = tried_transport(comm, entry, why_not)) {
+            message = "messages by " + factory->description() + " (tried and right" + passed_over + ")";
             return factory;
         }
         passed_over += "; not " + name + ": " + why_not;
@@ -57,9 +47,10 @@ std::unique_ptr<TransportFactory> choose_transport(const Comm& comm, const std::
     if (wanted == "auto") return first_that_works(comm, message);
     const auto entry = std::ranges::find(entries, wanted, &TransportEntry::name);
     std::string why_not = "no such transport";
-    std::unique_ptr<TransportFactory> factory = entry == std::end(entries) ? nullptr : tried(comm, *entry, why_not);
+    std::unique_ptr<TransportFactory> factory =
+        entry == std::end(entries) ? nullptr : tried_transport(comm, *entry, why_not);
     if (!factory) throw InputError("--transport " + wanted + " cannot be had (" + why_not + "). Use --transport auto?");
-    message = "messages by " + wanted + " (--transport)";
+    message = "messages by " + factory->description() + " (--transport)";
     return factory;
 }
 

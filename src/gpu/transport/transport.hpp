@@ -62,6 +62,8 @@ class TransportFactory {
   public:
     virtual ~TransportFactory() = default;
     virtual const char* name() const = 0;
+    /// For the user: the name, and what it makes of which pairs.
+    virtual std::string description() const { return name(); }
     /// `tag` keeps transports apart. Collective.
     virtual std::unique_ptr<Transport> make(int tag) const = 0;
 };

@@ -50,10 +50,11 @@ std::string try_round(const Comm& comm, Transport& transport, const std::vector<
 
 }  // namespace
 
-std::string transport_trial(const Comm& comm, Transport& transport, std::size_t bytes, int rounds) {
+std::string transport_trial(const Comm& comm, Transport& transport, std::size_t bytes, int rounds,
+                            const ArePeers& are_peers) {
     std::vector<TransportPeer> peers;
     for (int r = 0; r < comm.size(); ++r)
-        if (r != comm.rank()) peers.push_back({r, bytes, bytes});
+        if (r != comm.rank() && (!are_peers || are_peers(r, comm.rank()))) peers.push_back({r, bytes, bytes});
     std::string wrong;
     try {
         transport.open(peers);
@@ -69,6 +70,15 @@ std::string transport_trial(const Comm& comm, Transport& transport, std::size_t 
         wrong = e.what();
     }
     return wrong;
+}
+
+std::unique_ptr<TransportFactory> tried_transport(const Comm& comm, const TransportEntry& entry, std::string& why_not) {
+    why_not = entry.obstacle(comm);
+    if (!why_not.empty()) return nullptr;
+    std::unique_ptr<TransportFactory> factory = entry.make(comm);
+    const std::unique_ptr<Transport> transport = factory->make(90);
+    why_not = transport_trial(comm, *transport, 4096, 4);
+    return why_not.empty() ? std::move(factory) : nullptr;
 }
 
 }  // namespace moraine::gpu
