@@ -9,6 +9,7 @@
 
 #include "io/disk_file.hpp"
 #include "predict/scene_warnings.hpp"
+#include "records/cell_frame.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/output_frame.hpp"
 #include "records/scene_record.hpp"
@@ -43,6 +44,18 @@ std::int64_t next_multiple(double interval, double t) {
     double k = std::max(1.0, std::floor(std::min(t / interval, most)));
     while (k < most && k * interval <= t) ++k;
     return static_cast<std::int64_t>(k);
+}
+
+/// Calls f with what the outputs of the scene show.
+template <class Real, int Dim, class F>
+void with_frame(Simulation<Real, Dim>& sim, const F& f) {
+    if (sim.scene().output.on_cells) {
+        CellFrame<Real, Dim> frame(sim);
+        f(frame);
+    } else {
+        OutputFrame<Real, Dim> frame(sim);
+        f(frame);
+    }
 }
 
 }  // namespace
@@ -128,10 +141,10 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
             if (comm_.is_root() && has_surroundings(scene_))
                 replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
         }));
-        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
+        const std::string file = scene_.output.on_cells ? "/cells.vtkhdf" : "/particles.vtkhdf";
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + file,
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
-        const OutputFrame<Real, Dim> frame(sim_);
-        series_->check_types(frame.position(), frame.fields());
+        with_frame(sim_, [&](auto& frame) { series_->check_types(frame.position(), frame.fields()); });
     }
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv",
                                         TimeSeriesRow<Dim>::columns(scene_.sleep.on), resume);
@@ -223,7 +236,7 @@ void Driver<Real, Dim>::output() {
         history_->row(row.values());
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
+        if (series_) with_frame(sim_, [&](auto& frame) { frame.append_to(*series_); });
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);

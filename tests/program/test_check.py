@@ -65,6 +65,16 @@ class Check(moraine.ProgramTest):
             self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.03 * size)  # metadata
         self.assertEqual(row, 24)
 
+    def test_its_bytes_of_cells_are_about_those_of_the_file(self):
+        scene = INPUTS / "slurry_runout.toml"
+        keys = sets(time__end=0.1, output__interval=0.025, output__fields_on="cells", domain__cell=0.05)
+        directory = self.run_scene(scene, "cells", *keys)
+        row, at_each, times = (float(word) for word in re.search(
+            r"(?m)^output +(\d+) bytes a cell: about ([\d.]+) MB at each of (\d+) times, ", self.report(scene, *keys)).groups())
+        self.assertAlmostEqual(at_each, 20000 * row / 1e6, delta=0.051)
+        size = (directory / "cells.vtkhdf").stat().st_size
+        self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.1 * size)  # cells at walls are halves, and it flows
+
     UNITS = {"s": 1, "min": 60, "h": 3600, "days": 86400}
 
     def seconds(self, *words):
