@@ -9,9 +9,8 @@
 
 #include "io/disk_file.hpp"
 #include "predict/scene_warnings.hpp"
-#include "records/cell_frame.hpp"
 #include "records/checkpoint_state.hpp"
-#include "records/output_frame.hpp"
+#include "records/frame_choice.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
@@ -44,18 +43,6 @@ std::int64_t next_multiple(double interval, double t) {
     double k = std::max(1.0, std::floor(std::min(t / interval, most)));
     while (k < most && k * interval <= t) ++k;
     return static_cast<std::int64_t>(k);
-}
-
-/// Calls f with what the outputs of the scene show.
-template <class Real, int Dim, class F>
-void with_frame(Simulation<Real, Dim>& sim, const F& f) {
-    if (sim.scene().output.on_cells) {
-        CellFrame<Real, Dim> frame(sim);
-        f(frame);
-    } else {
-        OutputFrame<Real, Dim> frame(sim);
-        f(frame);
-    }
 }
 
 }  // namespace
@@ -141,8 +128,7 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
             if (comm_.is_root() && has_surroundings(scene_))
                 replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
         }));
-        const std::string file = scene_.output.on_cells ? "/cells.vtkhdf" : "/particles.vtkhdf";
-        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + file,
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/" + series_name(scene_),
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
         with_frame(sim_, [&](auto& frame) { series_->check_types(frame.position(), frame.fields()); });
     }
