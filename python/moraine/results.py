@@ -62,6 +62,11 @@ class Run:
         """The particles at the output times. Raises Error where the run had --no-particles."""
         return ParticleSeries(self.path / "particles.vtkhdf", self.dimensions)
 
+    @functools.cached_property
+    def cells(self) -> ParticleSeries:
+        """Means over the particles of each cell, where the run had output.fields_on = "cells": read like particles."""
+        return ParticleSeries(self.path / "cells.vtkhdf", self.dimensions)
+
     @property
     def checkpoints(self) -> List[pathlib.Path]:
         """Checkpoints in the order of their steps."""

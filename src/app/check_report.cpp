@@ -82,10 +82,11 @@ std::string release_lines(const Scene& scene) {
 /// "output     24 bytes a particle: 384.0 MB at each of 11 times, every 500 steps; 4.22 GB in all"
 std::string output_line(const Scene& scene, const Prediction& p) {
     const OutputPrediction o = predict_output(scene, p);
-    const double bytes = o.row_bytes * o.particles;
-    return fmt::format(
-        "output     {:.0f} bytes a particle: {} at each of {:.0f} times, every {:.0f} steps; {} in all\n", o.row_bytes,
-        bytes_text(bytes), o.outputs, o.steps, bytes_text(bytes * o.outputs + 8 * o.particles));
+    const double bytes = o.row_bytes * o.rows;
+    const bool cells = scene.output.on_cells;
+    return fmt::format("output     {:.0f} bytes a {}: {}{} at each of {:.0f} times, every {:.0f} steps; {} in all\n",
+                       o.row_bytes, cells ? "cell" : "particle", cells ? "about " : "", bytes_text(bytes), o.outputs,
+                       o.steps, bytes_text(bytes * o.outputs + 8 * o.rows));
 }
 
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"

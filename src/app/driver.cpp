@@ -10,7 +10,7 @@
 #include "io/disk_file.hpp"
 #include "predict/scene_warnings.hpp"
 #include "records/checkpoint_state.hpp"
-#include "records/output_frame.hpp"
+#include "records/frame_choice.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
@@ -128,10 +128,9 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
             if (comm_.is_root() && has_surroundings(scene_))
                 replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
         }));
-        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/particles.vtkhdf",
+        series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/" + series_name(scene_),
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
-        const OutputFrame<Real, Dim> frame(sim_);
-        series_->check_types(frame.position(), frame.fields());
+        with_frame(sim_, [&](auto& frame) { series_->check_types(frame.position(), frame.fields()); });
     }
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv",
                                         TimeSeriesRow<Dim>::columns(scene_.sleep.on), resume);
@@ -223,7 +222,7 @@ void Driver<Real, Dim>::output() {
         history_->row(row.values());
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
-        if (series_) OutputFrame<Real, Dim>(sim_).append_to(*series_);
+        if (series_) with_frame(sim_, [&](auto& frame) { frame.append_to(*series_); });
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);

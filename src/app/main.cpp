@@ -92,7 +92,7 @@ DeviceChoice prepare_device(const Scene& scene, const Options& options, const Co
 
 void check(const Scene& scene, const Options& options, const Comm& comm, const Machine& machine) {
     CheckedRun run{options.time ? comm.size() : options.ranks, machine.devices, !options.no_particles};
-    if (options.time) run.timing = time_steps(scene, comm, prepare_device(scene, options, comm));
+    if (options.time) run.timing = time_steps(scene, comm, prepare_device(scene, options, comm), run.writes_particles);
     if (comm.is_root()) fmt::print("{}", check_report(scene, run));
 }
 

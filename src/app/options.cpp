@@ -82,8 +82,9 @@ po::options_description check_options(Options& o) {
         "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
         "ranks", po::value(&o.ranks)->value_name("P"), "predict memory and time of one of P ranks (default: 1)")(
         "time", po::bool_switch(&o.time),
-        "make a second of steps, and say the minutes of the run from them; in parallel as run")(
-        "transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
+        "make a second of steps and an output in the present folder, and say the time of the run from them; in "
+        "parallel "
+        "as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
     return options;
 }
 

@@ -25,7 +25,8 @@ bool is_checkpoint(const std::string& name) {
 
 /// A file that says: there was a run here.
 bool tells_of_run(const std::string& name) {
-    return name == "summary.json" || name == "history.csv" || name == "particles.vtkhdf" || is_checkpoint(name);
+    return name == "summary.json" || name == "history.csv" || name == "particles.vtkhdf" || name == "cells.vtkhdf" ||
+           is_checkpoint(name);
 }
 
 bool is_made_by_run(const std::string& name) {

@@ -1,7 +1,7 @@
 #pragma once
 // The directory that a run writes into: one run each, never mixed and never silently lost.
 //
-// A directory holds a run if it has summary.json, history.csv, particles.vtkhdf or a checkpoint. Only
+// A directory holds a run if it has summary.json, history.csv, particles.vtkhdf, cells.vtkhdf or a checkpoint. Only
 // files that a run makes are ever removed; what a killed run was still writing (*.partial) goes at any
 // claim. It is checked before the work of starting (no side effect) and claimed after it, so a run that
 // is refused leaves nothing behind.

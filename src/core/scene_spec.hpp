@@ -152,6 +152,7 @@ struct OutputSpec {
     double interval = 0;            ///< [s]; 0: start and end only
     double structure_interval = 0;  ///< of structures.csv [s]; 0: that of the others
     std::vector<std::string> fields;
+    bool on_cells = false;                ///< cells.vtkhdf instead of particles.vtkhdf
     std::vector<std::string> labels;      ///< of id, rank, block_key
     bool single = false;                  ///< reals of particles.vtkhdf have 4 bytes
     std::int64_t every = 1;               ///< one particle of so many is in particles.vtkhdf

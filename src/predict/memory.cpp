@@ -78,7 +78,7 @@ double pressure_bytes(const Scene& scene, bool on_device) {
 double held_output(const Scene& scene, const Prediction& p, int ranks) {
     if (!scene.output.asynchronous && !scene.output.deflate) return 0;
     const OutputPrediction o = predict_output(scene, p);
-    return o.row_bytes * o.particles / ranks;
+    return o.row_bytes * o.rows / ranks;
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "predict/lattice_prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed.hpp"
+#include "seeding/seed_region.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 
@@ -151,9 +152,13 @@ Prediction predict(const Scene& scene) {
         keys = std::move(lattice.occupied);
     }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-        const double speed =
-            b < lattice.speed.size() ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
-        const double wave = wave_speed(scene, scene.bodies[b]);
+        const BodySpec& body = scene.bodies[b];
+        const double density = scene.materials[static_cast<std::size_t>(body.material)].density, before = p.mass;
+        const bool known = b < lattice.speed.size();
+        const double speed = known ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
+        const double volume = known ? measure_of(body, scene.dimensions) : (p.mass - before) / density;
+        p.cells += volume / std::pow(scene.cell, scene.dimensions);
+        const double wave = wave_speed(scene, body);
         signal = std::max(signal, wave + speed);
         p.max_speed = std::max(p.max_speed, speed);
         p.max_wave_speed = std::max(p.max_wave_speed, wave);

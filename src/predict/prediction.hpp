@@ -24,6 +24,7 @@ struct Prediction {
     std::int64_t epoch_blocks = 0;  ///< these and their neighbours
     std::int64_t node_blocks = 0;   ///< with nodes of these
     double mass = 0;                ///< [kg]
+    double cells = 0;               ///< full ones that the bodies fill
     double dt = 0;                  ///< [s]
     double steps = 0;
     int substeps = 1;           ///< of a step, of the start (core/grid_pressure.hpp)
@@ -55,15 +56,15 @@ double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 /// counted.
 double host_bytes_with_device(const Scene& scene, const Prediction& prediction, int ranks, bool writes_particles);
 
-/// What particles.vtkhdf will hold.
+/// What particles.vtkhdf or cells.vtkhdf will hold.
 struct OutputPrediction {
-    double row_bytes = 0;  ///< of a particle in an output
-    double particles = 0;  ///< in an output: about a share of output.every
+    double row_bytes = 0;  ///< of a particle or a cell in an output
+    double rows = 0;       ///< in an output: particles, about a share of output.every, or about the cells at the start
     double outputs = 0;    ///< with those of the start and the end
     double steps = 0;      ///< between two
 };
 
-/// Not collective. Once in a file there are also the numbers of its vertices, 8 bytes a particle.
+/// Not collective. Once in a file there are also the numbers of its vertices, 8 bytes a row.
 OutputPrediction predict_output(const Scene& scene, const Prediction& prediction);
 
 /// The numbers of blocks, from the keys of the occupied ones in order. Not collective.

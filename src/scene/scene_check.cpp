@@ -164,6 +164,14 @@ void check_names(const std::string& key, const std::vector<std::string>& names, 
 void check_fields(const Scene& scene, const Places& places) {
     check_names("output.fields", scene.output.fields, output_field_names(scene), places);
     check_names("output.labels", scene.output.labels, output_label_names(), places);
+    if (scene.output.on_cells && scene.output.every > 1)
+        refuse(places.of("output.every"),
+               fmt::format("output.every = {} with fields_on = \"cells\"", scene.output.every),
+               "cells are means over all of their particles", "Leave it out?");
+    const auto& fields = scene.output.fields;
+    if (scene.output.on_cells && std::find(fields.begin(), fields.end(), "body") != fields.end())
+        refuse(places.of("output.fields"), "output.fields has \"body\" with fields_on = \"cells\"",
+               "bodies have no mean", "Leave it out?");
     if (scene.output.deflate && !can_deflate())
         refuse(places.of("output.compression"), "output.compression = \"deflate\"",
                "the program was built without zlib", "Leave it out?");

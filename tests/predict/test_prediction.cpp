@@ -101,7 +101,7 @@ TEST_CASE("outputs are predicted by their bytes, times and steps between") {
                                         "output.interval=0.3", "output.every=10", "time.end=1.0", "time.dt=1e-3"}));
     const OutputPrediction o = predict_output(scene, predict(scene));
     CHECK(o.row_bytes == 24);
-    CHECK(o.particles == std::ceil(static_cast<double>(predict(scene).particles) / 10));
+    CHECK(o.rows == std::ceil(static_cast<double>(predict(scene).particles) / 10));
     CHECK(o.outputs == 5);  // at 0, 0.3, 0.6, 0.9 and the end
     CHECK(o.steps == 250);
     const Scene whole = read_scene(path, {"output.interval=0"});

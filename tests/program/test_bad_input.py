@@ -119,6 +119,12 @@ volumetric = "grid"
         scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
         self.assert_refused("run", scene, "--device", "cuda", says=["material.jelly", "--device cpu"], on=(None,))
 
+    def test_what_cells_do_not_have_is_refused(self):
+        scene = self.write(SMALL_SCENE)
+        for key, says in (("output.every=2", ["output.every", "all of their particles"]),
+                          ('output.fields=["body"]', ["output.fields", "no mean"])):
+            self.assert_refused("run", scene, "--set", "output.fields_on=cells", "--set", key, says=says, on=(None,))
+
     def test_wrong_words_on_the_command_line_are_named(self):
         scene = self.write(SMALL_SCENE)
         for name, (words, says) in WRONG_WORDS.items():

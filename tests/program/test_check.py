@@ -65,6 +65,16 @@ class Check(moraine.ProgramTest):
             self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.03 * size)  # metadata
         self.assertEqual(row, 24)
 
+    def test_its_bytes_of_cells_are_about_those_of_the_file(self):
+        scene = INPUTS / "slurry_runout.toml"
+        keys = sets(time__end=0.1, output__interval=0.025, output__fields_on="cells", domain__cell=0.05)
+        directory = self.run_scene(scene, "cells", *keys)
+        row, at_each, times = (float(word) for word in re.search(
+            r"(?m)^output +(\d+) bytes a cell: about ([\d.]+) MB at each of (\d+) times, ", self.report(scene, *keys)).groups())
+        self.assertAlmostEqual(at_each, 20000 * row / 1e6, delta=0.051)
+        size = (directory / "cells.vtkhdf").stat().st_size
+        self.assertAlmostEqual(size, 20000 * (row * times + 8), delta=0.1 * size)  # cells at walls are halves, and it flows
+
     UNITS = {"s": 1, "min": 60, "h": 3600, "days": 86400}
 
     def seconds(self, *words):
@@ -99,6 +109,27 @@ class Check(moraine.ProgramTest):
                 self.assertAlmostEqual(float(value) * self.UNITS[unit], expected, delta=0.1 * expected + 0.5 * self.UNITS[unit])
                 self.assertIn(f"of {on} rank", re.search(r"(?m)^memory .*", ended.out)[0].replace("each of", "of"))
                 self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_an_output_gives_the_share_of_time_of_all_and_is_removed_again(self):
+        scene = INPUTS / "slurry_runout.toml"
+        for ranks, keys in ((None, {}), (3, {"output__fields_on": "cells"}), (2, {"output__asynchronous": "on"})):
+            with self.subTest(ranks=ranks, keys=keys):
+                words = ("check", scene, "--time", "--device", "cpu", *sets(**keys))
+                ended = call(*words, ranks=ranks, folder=self.folder)
+                self.assertEqual((ended.code, ended.err), (0, ""), ended)
+                steps, step_ms = re.search(r"(?m)^steps +(\d+)", ended.out)[1], re.search(r" steps of (\S+) ms ", ended.out)[1]
+                share, count, each, size = map(float, re.search(
+                    r"(?m)^ +outputs (\S+) % more: (\d+) of (\S+) s each \((\S+) MB at \S+ MB/s into this folder\)$", ended.out).groups())
+                at_each, times = re.search(r"(?m)^output .* ([\d.]+) MB at each of (\d+) times", ended.out).groups()
+                self.assertEqual(count, int(times))
+                self.assertAlmostEqual(size / float(at_each), 1.1, delta=0.25)  # numbers of vertices, padding, metadata
+                expected = 100 * count * each / (float(steps) * float(step_ms) / 1e3)
+                self.assertAlmostEqual(share, expected, delta=0.15 * expected)
+                self.assertEqual(list(self.folder.iterdir()), [])
+        self.assertNotIn("outputs ", call(*words, "--no-particles", folder=self.folder).out.replace("without outputs", ""))
+        ended = call(*words, folder="/proc", ranks=2)
+        self.assertEqual((ended.code, ended.err), (0, ""), ended)
+        self.assertRegex(ended.out, r"(?m)^ +outputs were not timed: cannot .+ \.moraine-check-\d+\.vtkhdf")
 
     def test_a_run_of_less_than_a_second_is_timed_as_a_whole(self):
         self.assertRegex(self.report(INPUTS / "first_scene.toml", "--time", *sets(time__end=0.01)), r"(?m)^time +\S+ s for the whole run \(1 rank of")

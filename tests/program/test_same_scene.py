@@ -1,13 +1,43 @@
 """Ranks whose hosts have different files run one scene, or none: a rank with a folder of its own stands for a host."""
+import os
+import shutil
 import subprocess
 
 import moraine
-from moraine import MPIEXEC, PROGRAM, SMALL_SCENE, Ended, sets, summary
+from moraine import MPIEXEC, PROGRAM, SMALL_SCENE, Ended, checkpoints, sets, summary
 
 TABLE = SMALL_SCENE.replace('shape = "box"\nmin = [1.0, 0.5]\nmax = [2.0, 1.5]',
                             'shape = "table"\nfile = "grains.csv"')
 GRAINS = "x,y\n1.0,1.0\n1.25,1.0\n"
 SOFT, STIFF = "young = 1.0e5", "young = 4.0e5"
+
+# A clock that is a year and a day ahead, and a process that believes the host to be up for as long.
+OTHER_CLOCK = """
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+enum { ahead = 366 * 86400 };
+int clock_gettime(clockid_t clock, struct timespec* t) {
+    int code = (int)syscall(SYS_clock_gettime, clock, t);
+    if (clock <= CLOCK_MONOTONIC) t->tv_sec += ahead;
+    return code;
+}
+int gettimeofday(struct timeval* t, void* zone) {
+    (void)zone;
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    t->tv_sec = now.tv_sec, t->tv_usec = now.tv_nsec / 1000;
+    return 0;
+}
+time_t time(time_t* t) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (t) *t = now.tv_sec;
+    return now.tv_sec;
+}
+"""
 
 
 def call_apart(words, folders, stdin=None):
@@ -64,6 +94,55 @@ class SameScene(moraine.ProgramTest):
         words = [self.run_words() + sets(time__end=0.05), self.run_words() + sets(time__end=0.06)]
         line = self.assert_one_problem(call_apart(words, folders))
         self.assertIn("rank 0 and rank 1 differ in what --set says", line)
+
+    def german(self):
+        """Variables of a locale whose numbers have commas: made here, since few machines have it."""
+        if not shutil.which("localedef") or not os.path.exists("/usr/share/i18n/locales/de_DE"):
+            self.skipTest("localedef or the sources of locales are missing. apt install locales?")
+        subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", self.folder / "de_DE.UTF-8"], check=True, capture_output=True)
+        variables = {"LOCPATH": str(self.folder), "LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
+        told = subprocess.run(["locale", "decimal_point"], env={**os.environ, **variables}, capture_output=True, text=True)
+        self.assertEqual(told.stdout, ",\n")
+        return variables
+
+    def another_clock(self):
+        if not shutil.which("cc"):
+            self.skipTest("there is no C compiler for another clock")
+        library = self.folder / "clock.so"
+        self.write(OTHER_CLOCK, "clock.c")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, self.folder / "clock.c"], check=True)
+        return {"LD_PRELOAD": library, "TZ": "Pacific/Kiritimati"}
+
+    def call_under(self, variables, words):
+        """A rank under each of these lists of variables."""
+        line = [MPIEXEC[0], "-q", *MPIEXEC[1:-1]]
+        for number, own in enumerate(variables):
+            line += [":"] * (number > 0) + [MPIEXEC[-1], "1", "env", *(f"{k}={v}" for k, v in own.items()), PROGRAM, *map(str, words)]
+        done = subprocess.run(line, env=moraine.environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=60)
+        return Ended(done.returncode, done.stdout, done.stderr)
+
+    def test_hosts_of_other_locales_and_clocks_write_the_same_files(self):
+        grains = "x,y\n" + "".join(f"{1.0625 + 0.125 * i},{0.5625 + 0.125 * j}\n" for i in range(8) for j in range(8))
+        self.write(grains, "grains.csv")
+        scene = self.write(TABLE)
+        german, clock = self.german(), self.another_clock()
+        said = subprocess.run(["date", "+%Y"], env={**os.environ, **{k: str(v) for k, v in clock.items()}}, capture_output=True, text=True)
+        here = subprocess.run(["date", "+%Y"], capture_output=True, text=True)
+        self.assertEqual(int(said.stdout), int(here.stdout) + 1, "the clock is another one")
+        keys = sets(output__interval=0.02, output__checkpoint_interval=0.05, balance__interval=5, balance__trigger="every")
+        whole = self.run_scene(scene, "whole", *keys, ranks=3)
+        names = ["history.csv", "particles.vtkhdf", *(path.name for path in checkpoints(whole))]
+        for name, variables in (("german", [german, {}, {}]), ("clock", [{}, clock, {}]), ("both", [clock, german, {}])):
+            for restart in ([], ["--restart", self.folder / name / names[-1]]):
+                with self.subTest(name, restart=restart):
+                    words = ["run", scene, "--quiet", "--output", self.folder / name, *keys, *restart]
+                    ended = self.call_under(variables, words)
+                    self.assertEqual(ended.code, 0, ended)
+                    self.assertEqual(summary(self.folder / name)["state_hash"], summary(whole)["state_hash"])
+                    for file in names if not restart else names[:1]:
+                        self.assertEqual((self.folder / name / file).read_bytes(), (whole / file).read_bytes(), file)
+        words = ["check", scene]
+        self.assertEqual(self.call_under([german], words).out, moraine.call(*words).out)
 
 
 if __name__ == "__main__":

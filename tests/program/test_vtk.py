@@ -19,9 +19,9 @@ except ImportError as missing:
 class Series:
     """A series opened anew: times, and each step's points and fields by name."""
 
-    def __init__(self, directory):
+    def __init__(self, directory, name="particles.vtkhdf"):
         self.reader = vtk.vtkHDFReader()
-        self.reader.SetFileName(str(directory / "particles.vtkhdf"))
+        self.reader.SetFileName(str(directory / name))
         self.reader.UpdateInformation()
         self.times = list(self.reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
 
@@ -104,6 +104,32 @@ class Vtk(moraine.ProgramTest):
         self.assertGreaterEqual(len(Series(name).times), 25)
         self.run_scene(scene, name, *keys, "--restart", checkpoints(name)[-1], ranks=3)
         self.assertEqual(self.compare(name, "xy", ["velocity"], 1e-6)[1], 101)
+
+    def test_cells_instead_of_particles_are_the_same_on_any_ranks_and_after_a_restart(self):
+        scene, files = INPUTS / "slurry_runout.toml", []
+        keys = sets(time__end=0.2, output__interval=0.05, output__fields_on="cells", output__fields='["velocity", "mass"]',
+                    output__labels="[]", output__checkpoint_interval=0.1, balance__trigger="every", balance__interval=10)
+        for ranks in (1, 2, 3, 4):
+            directory = self.run_scene(scene, f"on-{ranks}", *keys, ranks=ranks)
+            self.assertFalse((directory / "particles.vtkhdf").exists())
+            files.append((directory / "cells.vtkhdf").read_bytes())
+        self.assertEqual(len(set(files)), 1)
+        before = self.cells_of(directory)
+        self.run_scene(scene, "on-4", *keys, "--restart", checkpoints(directory)[0], ranks=2)
+        after, rows = self.cells_of(directory), table(directory, "history.csv")
+        self.assertEqual([time for time, *_ in after], [row["time_s"] for row in rows])
+        for (_, points, arrays), (_, points_before, arrays_before), row in zip(after, before, rows):
+            self.assertTrue((points == points_before).all())
+            for name, values in arrays.items():
+                self.assertTrue((values == arrays_before[name]).all(), name)
+            self.assertAlmostEqual(arrays["mass"].sum() / row["mass_kg"], 1, places=12)
+            for a, axis in enumerate("xy"):
+                momentum = (arrays["mass"] * arrays["velocity"][:, a]).sum()
+                self.assertAlmostEqual(momentum, row[f"momentum_{axis}_kg_m_s"], delta=1e-9 * 75000 * 7)
+
+    def cells_of(self, directory):
+        series = Series(directory, "cells.vtkhdf")
+        return [(time, *series.step(k)) for k, time in enumerate(series.times)]
 
 
 class Surroundings(ValleyTest):
