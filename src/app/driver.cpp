@@ -85,11 +85,13 @@ void Driver<Real, Dim>::begin() {
     const RunClaim claim = this->claim();
     check_run_directory(comm_, directory_, claim);
     std::string history_row;
+    std::vector<double> path_rows;
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
         load(sim_, comm_, file, options_.restart);
         const SavedRecords records = saved_records(file);
         history_row = records.history_row;
+        if (claim == RunClaim::resume) path_rows = records.structure_path;
         if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
         if (maps_ && !maps_->restore(records.maps)) file.refuse("no run has its maps");
         if (flow_ && !flow_->restore(records.sections)) file.refuse("no run has its sections");
@@ -109,6 +111,8 @@ void Driver<Real, Dim>::begin() {
     std::optional<ResumeAfter> resume;
     if (claim == RunClaim::resume) resume = ResumeAfter{"step", static_cast<double>(clock.step), history_row};
     open_records(resume);
+    if (path_ && !path_->restore(path_rows))
+        throw InputError(fmt::format("{} does not hold these structures. Another checkpoint?", options_.restart));
     next_output_ = next_multiple(scene_.output.interval, clock.time);
     next_structures_ = next_multiple(scene_.output.structure_interval, clock.time);
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
@@ -130,6 +134,8 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
         }));
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/" + series_name(scene_),
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
+        if (sim_.structures().any_moves())
+            path_ = std::make_unique<StructurePath>(scene_, comm_, directory_ + "/structures.vtkhdf");
         with_frame(sim_, [&](auto& frame) { series_->check_types(frame.position(), frame.fields()); });
     }
     history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv",
@@ -223,6 +229,7 @@ void Driver<Real, Dim>::output() {
         warn(row);
         if (structures_ && scene_.output.structure_interval == 0) record_structures();
         if (series_) with_frame(sim_, [&](auto& frame) { frame.append_to(*series_); });
+        if (path_) path_->append(sim_.clock().time, sim_.structures());
     });
     last_output_step_ = sim_.clock().step;
     next_output_ = next_multiple(scene_.output.interval, sim_.clock().time);
@@ -243,11 +250,12 @@ void Driver<Real, Dim>::checkpoint() {
     if (last_checkpoint_step_ == sim_.clock().step) return;
     sim_.phases().time(Phase::output, [&] {
         sim_.conclude();
+        if (path_) path_->write();
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
               rest_ ? rest_->stored() : std::vector<std::int64_t>{},
-              flow_ ? flow_->stored() : std::vector<std::int64_t>{}});
+              flow_ ? flow_->stored() : std::vector<std::int64_t>{}, path_ ? path_->stored() : std::vector<double>{}});
         if (maps_) maps_->write(directory_);
     });
     last_checkpoint_step_ = sim_.clock().step;
@@ -293,6 +301,7 @@ void Driver<Real, Dim>::record_balance() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::finish(const std::string& ended_by) {
     const RunClock<Dim>& clock = sim_.clock();
+    if (path_) path_->write();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     if (maps_) maps_->write(directory_);
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());

@@ -19,6 +19,7 @@
 #include "records/load_record.hpp"
 #include "records/run_health.hpp"
 #include "records/section_flow.hpp"
+#include "records/structure_path.hpp"
 #include "records/time_series.hpp"
 #include "simulation/rest_watch.hpp"
 #include "simulation/simulation.hpp"
@@ -62,6 +63,7 @@ class Driver {
     std::unique_ptr<SectionFlow> flow_;       ///< none unless the scene has sections
     std::unique_ptr<RestWatch<Dim>> rest_;    ///< none unless the scene is to end at rest
     std::unique_ptr<ParticleSeries> series_;  ///< none: --no-particles
+    std::unique_ptr<StructurePath> path_;     ///< none: no series, or no structure moves
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;
     std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made

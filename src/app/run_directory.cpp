@@ -31,8 +31,8 @@ bool tells_of_run(const std::string& name) {
 
 bool is_made_by_run(const std::string& name) {
     return tells_of_run(name) || name == "balance.csv" || name == "scene.json" || name == "surroundings.vtkhdf" ||
-           name == "block_loads.bin" || name == "replay.csv" || name == "structures.csv" || name == "gauges.csv" ||
-           name == "sections.csv";
+           name == "structures.vtkhdf" || name == "block_loads.bin" || name == "replay.csv" ||
+           name == "structures.csv" || name == "gauges.csv" || name == "sections.csv";
 }
 
 /// A file that a run was writing when it was killed.

@@ -211,13 +211,14 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
 }
 
 /// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and
-/// RunHealth::stored(), the maps so far, who rests, and what went over the sections.
+/// RunHealth::stored(), the maps so far, who rests, what went over the sections, and where structures were.
 struct SavedRecords {
     std::string history_row;
     std::vector<double> health;
     std::vector<double> maps = {};            ///< HazardMaps::stored(); empty: none
     std::vector<std::int64_t> rest = {};      ///< RestWatch::stored(); empty: none
     std::vector<std::int64_t> sections = {};  ///< SectionFlow::stored(); empty: none
+    std::vector<double> structure_path = {};  ///< StructurePath::stored(); empty: none
 };
 
 /// Binned state only; after conclude().
@@ -229,6 +230,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     if (!records.maps.empty()) header["maps"] = records.maps;
     if (!records.rest.empty()) header["rest"] = records.rest;
     if (!records.sections.empty()) header["sections"] = records.sections;
+    if (!records.structure_path.empty()) header["structure_path"] = records.structure_path;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -265,6 +267,7 @@ inline SavedRecords saved_records(const CheckpointReader& file) {
     take("maps", records.maps);
     take("rest", records.rest);
     take("sections", records.sections);
+    take("structure_path", records.structure_path);
     return records;
 }
 

@@ -1,220 +1,39 @@
 #include "records/surroundings_file.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
-#include "core/ground.hpp"
 #include "io/hdf5_image.hpp"
+#include "records/structure_mesh.hpp"
 
 namespace moraine {
 namespace {
 
-constexpr int around = 48;  ///< facets of a circle
+using namespace hdf5;
+using List = std::vector<std::int64_t>;
 
-Triple operator+(const Triple& a, const Triple& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-Triple operator-(const Triple& a, const Triple& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Triple operator*(double s, const Triple& a) {
-    return {s * a[0], s * a[1], s * a[2]};
-}
-double dot(const Triple& a, const Triple& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Triple cross(const Triple& a, const Triple& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Triple unit(const Triple& a) {
-    return (1 / std::sqrt(dot(a, a))) * a;
-}
-
-/// Points, and cells as lists of their numbers.
-struct Mesh {
-    std::vector<double> points;
-    std::vector<std::int64_t> connectivity, offsets{0}, structure;
-
-    std::int64_t count() const { return static_cast<std::int64_t>(points.size() / 3); }
-    std::int64_t add(const Triple& x) {
-        points.insert(points.end(), x.begin(), x.end());
-        return count() - 1;
-    }
-    void cell(const std::vector<std::int64_t>& corners, std::size_t of) {
-        connectivity.insert(connectivity.end(), corners.begin(), corners.end());
-        offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-        structure.push_back(static_cast<std::int64_t>(of));
-    }
-    /// A polygon, or in 2-D the line around it.
-    void ring(const std::vector<Triple>& corners, std::size_t of, bool flat) {
-        std::vector<std::int64_t> numbers;
-        for (const Triple& x : corners) numbers.push_back(add(x));
-        if (flat) numbers.push_back(numbers.front());
-        cell(numbers, of);
-    }
-    /// A strip of quadrilaterals between two rings of as many points.
-    void band(const std::vector<Triple>& low, const std::vector<Triple>& high, std::size_t of) {
-        const std::int64_t first = count(), n = static_cast<std::int64_t>(low.size());
-        for (const Triple& x : low) add(x);
-        for (const Triple& x : high) add(x);
-        for (std::int64_t i = 0; i < n; ++i) {
-            const std::int64_t j = (i + 1) % n;
-            cell({first + i, first + j, first + n + j, first + n + i}, of);
-        }
-    }
-};
-
-/// Circle of radius r around `middle`, across an axis.
-std::vector<Triple> circle(const Triple& middle, const Triple& axis, double r) {
-    const Triple a = unit(cross(axis, std::fabs(axis[0]) < 0.5 ? Triple{1, 0, 0} : Triple{0, 1, 0}));
-    const Triple b = cross(axis, a);
-    std::vector<Triple> ring;
-    for (int k = 0; k < around; ++k) {
-        const double t = 2 * std::numbers::pi * k / around;
-        ring.push_back(middle + r * std::cos(t) * a + r * std::sin(t) * b);
-    }
-    return ring;
+/// All times have the same cells; their points follow each other.
+Address put_steps(Region& region, const std::vector<double>& times, std::int64_t points) {
+    const auto n = static_cast<std::int64_t>(times.size());
+    const List zeros(times.size());
+    List first;
+    for (std::int64_t k = 0; k < n; ++k) first.push_back(k * points);
+    const Address zero = region.put_list(zeros, {n}, 2);
+    const Address cells = region.put_list(List(4 * times.size()), {n, 4}, 2);
+    return region.put(group({{"Values", region.put_list(times, {n})},
+                             {"PartOffsets", zero},
+                             {"NumberOfParts", region.put_list(List(times.size(), 1), {n})},
+                             {"PointOffsets", region.put_list(first, {n})},
+                             {"CellOffsets", cells},
+                             {"ConnectivityIdOffsets", cells},
+                             {"CellDataOffsets", region.put(group({{"structure", zero}}, {}))}},
+                            {integer_attribute("NSteps", std::span(&n, 1), true)}));
 }
 
-void add_terrain(Mesh& mesh, const Scene& scene, const Ground& g, std::size_t of) {
-    std::int64_t first[2] = {0, 0}, last[2] = {g.count[0] - 1, g.count[1] - 1};
-    const std::size_t axes = scene.dimensions == 2 ? 1 : 2;
-    for (std::size_t a = 0; a < axes; ++a) {
-        first[a] = std::max<std::int64_t>(first[a], std::llround(std::floor((scene.min[a] - g.first[a]) / g.spacing)));
-        last[a] = std::min<std::int64_t>(last[a], std::llround(std::ceil((scene.max[a] - g.first[a]) / g.spacing)));
-    }
-    const std::int64_t start = mesh.count(), row = last[0] - first[0] + 1;
-    for (std::int64_t j = first[1]; j <= last[1]; ++j)
-        for (std::int64_t i = first[0]; i <= last[0]; ++i) {
-            const double x = g.first[0] + static_cast<double>(i) * g.spacing;
-            const double z = g.height[static_cast<std::size_t>(j * g.count[0] + i)];
-            mesh.add(axes == 1 ? Triple{x, z, 0} : Triple{x, g.first[1] + static_cast<double>(j) * g.spacing, z});
-        }
-    if (axes == 1) {
-        std::vector<std::int64_t> line;
-        for (std::int64_t i = 0; i < row; ++i) line.push_back(start + i);
-        return mesh.cell(line, of);
-    }
-    for (std::int64_t j = 0; j + 1 <= last[1] - first[1]; ++j)
-        for (std::int64_t i = 0; i + 1 < row; ++i) {
-            const std::int64_t k = start + j * row + i;
-            mesh.cell({k, k + 1, k + row + 1, k + row}, of);
-        }
-}
-
-/// Where a plane cuts the edges of the domain, in order around its normal.
-void add_plane(Mesh& mesh, const Scene& scene, const StructureSpec& s, std::size_t of) {
-    const auto d = static_cast<unsigned>(scene.dimensions);
-    std::vector<Triple> cuts;
-    for (unsigned corner = 0; corner < 1u << d; ++corner)
-        for (unsigned a = 0; a < d; ++a) {
-            if (corner >> a & 1u) continue;
-            Triple low{}, high{};
-            for (unsigned b = 0; b < d; ++b) low[b] = high[b] = corner >> b & 1u ? scene.max[b] : scene.min[b];
-            high[a] = scene.max[a];
-            const double from = dot(low - s.point, s.normal), to = dot(high - s.point, s.normal);
-            if ((from < 0) == (to < 0)) continue;
-            cuts.push_back(low + from / (from - to) * (high - low));
-        }
-    if (cuts.size() < d) return;
-    if (d == 2) {
-        const std::int64_t from = mesh.add(cuts[0]), to = mesh.add(cuts[1]);
-        return mesh.cell({from, to}, of);
-    }
-    Triple middle{};
-    for (const Triple& x : cuts) middle = middle + 1.0 / static_cast<double>(cuts.size()) * x;
-    const Triple n = unit(s.normal), a = unit(cross(n, std::fabs(n[0]) < 0.5 ? Triple{1, 0, 0} : Triple{0, 1, 0}));
-    const auto angle = [&](const Triple& x) { return std::atan2(dot(x - middle, cross(n, a)), dot(x - middle, a)); };
-    std::sort(cuts.begin(), cuts.end(), [&](const Triple& x, const Triple& y) { return angle(x) < angle(y); });
-    mesh.ring(cuts, of, false);
-}
-
-void add_prism(Mesh& mesh, const std::vector<std::array<double, 2>>& corners, double low, double high, bool flat,
-               std::size_t of) {
-    std::vector<Triple> bottom, top;
-    for (const auto& p : corners) bottom.push_back({p[0], p[1], flat ? 0 : low}), top.push_back({p[0], p[1], high});
-    mesh.ring(bottom, of, flat);
-    if (flat) return;
-    mesh.ring(top, of, false);
-    mesh.band(bottom, top, of);
-}
-
-/// Rings along the axis from one end to the other: flat ends, half-spheres, or a whole sphere.
-void add_round(Mesh& mesh, const StructureSpec& s, std::size_t of) {
-    const bool sphere = s.shape == StructureShape::sphere, flat = s.shape == StructureShape::cylinder;
-    const Triple from = sphere ? s.center : s.from, to = sphere ? s.center : s.to;
-    const Triple axis = sphere ? Triple{0, 0, 1} : unit(to - from);
-    std::vector<std::vector<Triple>> rings;
-    if (flat) {
-        rings = {circle(from, axis, s.radius), circle(to, axis, s.radius)};
-        for (const auto& ring : rings) mesh.ring(ring, of, false);
-    } else {
-        constexpr int steps = around / 4;
-        const double smallest = 1e-6 * s.radius;
-        for (int k = -steps; k <= steps; ++k) {
-            const double t = std::numbers::pi / 2 * k / steps;
-            const double r = std::max(smallest, s.radius * std::cos(t)), up = s.radius * std::sin(t);
-            if (k == 0 || k < 0) rings.push_back(circle(from + up * axis, axis, r));
-            if (k == 0 || k > 0) rings.push_back(circle(to + up * axis, axis, r));
-        }
-    }
-    for (std::size_t k = 0; k + 1 < rings.size(); ++k) mesh.band(rings[k], rings[k + 1], of);
-}
-
-/// In 2-D: a disk, or a segment with a radius.
-void add_round_line(Mesh& mesh, const StructureSpec& s, std::size_t of) {
-    const bool disk = s.shape == StructureShape::sphere;
-    const Triple from = disk ? s.center : s.from, to = disk ? s.center : s.to;
-    const double turn = disk ? 0 : std::atan2(to[1] - from[1], to[0] - from[0]);
-    std::vector<Triple> ring;
-    for (int k = 0; k <= around; ++k) {
-        const double t = turn + std::numbers::pi / 2 + 2 * std::numbers::pi * k / around;
-        ring.push_back((2 * k < around ? from : to) + s.radius * Triple{std::cos(t), std::sin(t), 0});
-        if (2 * k == around) ring.insert(ring.end() - 1, from + s.radius * Triple{std::cos(t), std::sin(t), 0});
-    }
-    mesh.ring(ring, of, true);
-}
-
-void add_structure(Mesh& mesh, const Scene& scene, std::size_t of) {
-    const StructureSpec& s = scene.structures[of];
-    const bool flat = scene.dimensions == 2;
-    switch (s.shape) {
-        case StructureShape::ground:
-            return add_terrain(mesh, scene, *s.ground, of);
-        case StructureShape::plane:
-            return add_plane(mesh, scene, s, of);
-        case StructureShape::box:
-            return add_prism(mesh,
-                             {{s.min[0], s.min[1]}, {s.max[0], s.min[1]}, {s.max[0], s.max[1]}, {s.min[0], s.max[1]}},
-                             s.min[2], s.max[2], flat, of);
-        case StructureShape::polygon:
-            return add_prism(mesh, s.points, s.min[2], s.max[2], flat, of);
-        case StructureShape::sphere:
-        case StructureShape::cylinder:
-        case StructureShape::capsule:
-            return flat ? add_round_line(mesh, s, of) : add_round(mesh, s, of);
-    }
-}
-
-bool is_shown(const StructureSpec& s) {
-    return s.motion.kind == StructureMotion::fixed;
-}
-
-}  // namespace
-
-bool has_surroundings(const Scene& scene) {
-    return std::any_of(scene.structures.begin(), scene.structures.end(), is_shown);
-}
-
-std::string surroundings_image(const Scene& scene) {
-    using namespace hdf5;
-    Mesh mesh;
-    for (std::size_t k = 0; k < scene.structures.size(); ++k)
-        if (is_shown(scene.structures[k])) add_structure(mesh, scene, k);
-    const std::int64_t points = mesh.count(), cells = static_cast<std::int64_t>(mesh.structure.size());
+/// points: those of all times, of as many as the mesh has.
+std::string image(const StructureMesh& mesh, bool flat, const std::vector<double>& points,
+                  const std::vector<double>* times) {
+    const std::int64_t cells = static_cast<std::int64_t>(mesh.structure.size());
     const auto ids = static_cast<std::int64_t>(mesh.connectivity.size());
-    using List = std::vector<std::int64_t>;
     Region region(superblock_bytes);
     const Address none = region.put(group({{"NumberOfCells", region.put_list(List{0}, {1})},
                                            {"NumberOfConnectivityIds", region.put_list(List{0}, {1})},
@@ -227,22 +46,44 @@ std::string surroundings_image(const Scene& scene) {
                                            {"Offsets", region.put_list(mesh.offsets, {cells + 1})}},
                                           {}));
     const Address data = region.put(group({{"structure", region.put_list(mesh.structure, {cells})}}, {}));
-    const bool flat = scene.dimensions == 2;
     const std::int64_t version[] = {2, 0};
+    Links members{{"NumberOfPoints", region.put_list(List{mesh.count()}, {1})},
+                  {"Points", region.put_list(points, {static_cast<std::int64_t>(points.size() / 3), 3})},
+                  {"CellData", data},
+                  {"Vertices", none},
+                  {"Lines", flat ? full : none},
+                  {"Polygons", flat ? none : full},
+                  {"Strips", none}};
+    if (times) members.push_back({"Steps", put_steps(region, *times, mesh.count())});
     const Address top =
-        region.put(group({{"NumberOfPoints", region.put_list(List{points}, {1})},
-                          {"Points", region.put_list(mesh.points, {points, 3})},
-                          {"CellData", data},
-                          {"Vertices", none},
-                          {"Lines", flat ? full : none},
-                          {"Polygons", flat ? none : full},
-                          {"Strips", none}},
-                         {integer_attribute("Version", version, false), text_attribute("Type", "PolyData")}));
+        region.put(group(members, {integer_attribute("Version", version, false), text_attribute("Type", "PolyData")}));
     const Address root = region.put(group({{"VTKHDF", top}}, {}));
     const std::vector<std::byte> head = superblock(root, region.end());
     std::string bytes(reinterpret_cast<const char*>(head.data()), head.size());
     bytes.append(reinterpret_cast<const char*>(region.get().data()), region.get().size());
     return bytes;
+}
+
+}  // namespace
+
+bool has_surroundings(const Scene& scene) {
+    return !std::all_of(scene.structures.begin(), scene.structures.end(), moves);
+}
+
+std::string surroundings_image(const Scene& scene) {
+    const StructureMesh mesh = structure_mesh(scene, false);
+    return image(mesh, scene.dimensions == 2, mesh.points, nullptr);
+}
+
+std::string moving_image(const Scene& scene, const std::vector<double>& times, const std::vector<Triple>& ways) {
+    const StructureMesh mesh = structure_mesh(scene, true);
+    std::vector<double> points;
+    points.reserve(times.size() * mesh.points.size());
+    for (std::size_t t = 0; t < times.size(); ++t)
+        for (std::size_t p = 0; p < mesh.of_point.size(); ++p)
+            for (std::size_t a = 0; a < 3; ++a)
+                points.push_back(mesh.points[3 * p + a] + ways[t * scene.structures.size() + mesh.of_point[p]][a]);
+    return image(mesh, scene.dimensions == 2, points, &times);
 }
 
 }  // namespace moraine

@@ -1,20 +1,24 @@
 #pragma once
-// surroundings.vtkhdf: terrain and structures that stand still, as surfaces that ParaView shows beside the particles.
+// Terrain and structures as surfaces that ParaView shows beside the particles (structure_mesh.hpp).
 //
-// VTKHDF 2.0, PolyData: in 3-D polygons, in 2-D lines; cell data `structure`: the structure's number in the scene, from
-// 0 on (the terrain is the first). Terrain is drawn by the nodes of its model in the domain, a plane where it cuts the
-// domain, round ones by facets. Structures that move are in structures.csv and in pictures, not here.
+//   surroundings.vtkhdf   what stands still
+//   structures.vtkhdf     what moves, at the times of particles.vtkhdf: places of all times, one set of cells
+//
+// VTKHDF 2.0, PolyData; cell data `structure`: the structure's number in the scene, from 0 on (the terrain is the
+// first). A plane that moves is drawn where it cut the domain at the start, moved with it.
 
 #include <string>
+#include <vector>
 
 #include "core/scene_spec.hpp"
 
 namespace moraine {
 
-/// Whether a scene has something to show.
+/// Whether a scene has something that stands still.
 bool has_surroundings(const Scene& scene);
 
-/// The bytes of the file.
+/// The bytes of the files. ways: how far each structure of the scene has gone, time by time [m].
 std::string surroundings_image(const Scene& scene);
+std::string moving_image(const Scene& scene, const std::vector<double>& times, const std::vector<Triple>& ways);
 
 }  // namespace moraine

@@ -195,9 +195,47 @@ motion = { kind = "velocity", velocity = [0.0, 0.0, 1.0] }
         self.assertAlmostEqual(area[4], 12 * 16, places=9)
         self.assertEqual([np.min(np.array(seen[3])[:, a]).round(3) for a in range(3)], [19, 8, 2])
 
+    def assert_moved_with(self, directory, name, number, displacement, length):
+        """Each time of the particles, in turn and back: the surface is that of the start, moved by what is told."""
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(directory / "structures.vtkhdf"))
+        reader.UpdateInformation()
+        times = list(reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()))
+        self.assertEqual(times, Series(directory).times)
+        start = None
+        for time in (*times, times[1], times[0]):
+            reader.UpdateTimeStep(time)
+            data = vtk.vtkPolyData.SafeDownCast(reader.GetOutputAsDataSet())
+            of_cell = vtk_to_numpy(data.GetCellData().GetArray("structure"))
+            self.assertEqual(set(of_cell), {number})
+            points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+            start = points.copy() if start is None else start
+            for a in range(3):
+                moved = displacement(time)[a] - displacement(times[0])[a]
+                self.assertLess(abs(points - start - moved)[:, a].max(), 1e-5 * length, f"{name} at {time}")
+        return start, times
+
+    def test_structures_that_move_are_where_they_are_at_each_output_also_after_a_restart(self):
+        self.write(SCENE + self.STRUCTURES)
+        keys = sets(time__end=0.4, output__interval=0.1)
+        directory = self.run_scene(self.scene, "run", *keys, *sets(output__checkpoint_interval=0.2), ranks=2)
+        start, times = self.assert_moved_with(directory, "gate", 5, lambda t: np.array([0, 0, t]), 8)
+        self.assertEqual(len(times), 5)
+        self.assertEqual([list(start.min(axis=0)), list(start.max(axis=0))], [[22, 0, 0], [22.5, 12, 8]])
+        keys += sets(time__end=0.6)
+        self.run_scene(self.scene, "run", *keys, "--restart", checkpoints(directory)[0], ranks=3)
+        self.assertEqual(len(self.assert_moved_with(directory, "gate", 5, lambda t: np.array([0, 0, t]), 8)[1]), 7)
+        directory = self.run_scene(self.scene, "new", *keys, "--restart", checkpoints(directory)[0])
+        start, times = self.assert_moved_with(directory, "gate", 5, lambda t: np.array([0, 0, t]), 8)
+        self.assertAlmostEqual(start[:, 2].min(), times[0], delta=1e-6)
+        self.assertTrue(Series(directory).times[0] > 0.2)
+
     def test_lines_in_2d(self):
-        directory = self.run_scene(INPUTS / "pipe_penetration.toml", "run", *sets(time__end=0, domain__cell=0.1))
+        keys = sets(time__end=0.5, domain__cell=0.1, output__structure_interval=0)
+        directory = self.run_scene(INPUTS / "pipe_penetration.toml", "run", *keys)
         self.assertFalse((directory / "surroundings.vtkhdf").exists(), "its pipe moves")
+        rows = {row["time_s"]: row["displacement_y_m"] for row in table(directory, "structures.csv")}
+        self.assert_moved_with(directory, "pipe", 0, lambda t: np.array([0, rows[t], 0]), 1)
         directory = self.run_scene(INPUTS / "sliding_block.toml", "block", *sets(time__end=0))
         reader = vtk.vtkHDFReader()
         reader.SetFileName(str(directory / "surroundings.vtkhdf"))
