@@ -50,6 +50,27 @@ void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::str
                     body.name, speed / wave, speed, wave, material, std::pow(speed / wave / most_mach, 2)));
 }
 
+bool along_the_grid(const StructureSpec& plane) {
+    return std::count_if(plane.normal.begin(), plane.normal.end(), [](double n) { return n != 0; }) == 1;
+}
+
+/// Cells that a bed cuts at an angle have no exact integrals (docs/adr/0009).
+void warn_of_smooth_beds(const Scene& scene, std::vector<std::string>& all) {
+    for (const MaterialSpec& m : scene.materials) {
+        if (m.volumetric != Volumetric::grid) continue;
+        for (const StructureSpec& s : scene.structures) {
+            const bool bed =
+                s.shape == StructureShape::ground || (s.shape == StructureShape::plane && !along_the_grid(s));
+            if (s.law != InterfaceLaw::smooth || !bed) continue;
+            all.push_back(
+                fmt::format("material.{} sinks into {}, by up to a cell in 10 s (pressures on cells, and a bed without "
+                            "friction that "
+                            "is not along the grid). A law with friction, or material.{}.volumetric = \"particle\"?",
+                            m.name, s.name, m.name));
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<std::string> scene_warnings(const Scene& scene) {
@@ -69,6 +90,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
             "enough for a flow). Use 0.495?",
             m.name, poisson, std::sqrt(wave_over_shear(poisson) / wave_over_shear(stiffest_poisson))));
     }
+    warn_of_smooth_beds(scene, all);
     return all;
 }
 

@@ -153,6 +153,18 @@ class Check(moraine.ProgramTest):
             with self.subTest(scene.name):
                 self.assertNotIn("\nwarning", self.report(scene))
 
+    def test_a_smooth_bed_into_which_a_fluid_sinks_is_warned_of(self):
+        plane = '[[structure]]\nname = "bed"\nshape = "plane"\npoint = [0.0, -1.0]\nnormal = [{}, 1.0]\ncontact = {{ law = "{}"{} }}\n'
+        told = "warning +material.slurry sinks into bed, .+ material.slurry.volumetric = \"particle\"\\?"
+        for tilt, law, more, expected in ((0.1, "smooth", "", True), (0.0, "smooth", "", False), (0.1, "coulomb", ", friction = 0.2", False)):
+            with self.subTest(tilt=tilt, law=law):
+                scene = self.folder / "bed.toml"
+                scene.write_text((INPUTS / "slurry_runout.toml").read_text() + plane.format(tilt, law, more))
+                said = self.report(scene, *sets(numerics__substeps=1))
+                self.assertEqual(bool(re.search(f"(?m)^{told}$", said)), expected, said)
+                particles = self.report(scene, *sets(numerics__substeps=1, material__slurry__volumetric="particle"))
+                self.assertNotIn("sinks into", particles)
+
     def test_its_answer_is_said_once_on_three_ranks(self):
         ended = call("check", INPUTS / "first_scene.toml", ranks=3)
         self.assertEqual((ended.code, len(re.findall("(?m)^particles ", ended.out)), ended.err), (0, 1, ""), ended)
