@@ -66,7 +66,7 @@ def summary_row(case, about, lines):
 
 def results(lines, words):
     commits = ", ".join(sorted({x["commit"] for x in lines}))
-    machines = "; ".join(dict.fromkeys(f"{x['machine']}, one core, {x['compiler']}, -march={x['march']}" for x in lines))
+    machines = dict.fromkeys(f"* {x['machine']}, one core, {x['compiler']}, -march={x['march']}" for x in lines)
     text = ["# Where the method is stable", "",
             "The largest stable steps of every method, stress tests and random scenes, in double precision. In words: [docs/stability.md](../../docs/stability.md).", "",
             "| case | what, and its goal | configurations or scenes | meet the goal |", "|---|---|---|---|"]
@@ -75,7 +75,7 @@ def results(lines, words):
         if mine:
             text.append(summary_row(case, about, mine))
     return plain_names.in_words("\n".join(text + [
-        "", f"{machines}; commit {commits}. `-`: no goal.", "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
+        "", f"`-`: no goal. Commits {commits}, on", "", *machines, "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
         "makes this page, a page of each case, the map of S1 and [results.jsonl](results.jsonl), which has every line. Hours on one core. S5 and S11 are taken from "
         "[accuracy](../accuracy/results.md).", "",
         f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n")
