@@ -174,7 +174,7 @@ class Outputs(moraine.ProgramTest):
             self.assertTrue(all(math.isnan(row[cost]) for cost in costs))
         for row in table(self.run_slurry("--partitioner", "slabs", balance__interval=4), "balance.csv"):
             self.assertEqual((row["reason"], row["plan"]), ("static", "none"))
-        keys = sets(time__end=5 * END, output__interval=END, balance__trigger="planned", balance__interval=4)
+        keys = sets(time__end=15 * END, output__interval=END, balance__trigger="planned", balance__interval=4)
         rows = table(self.run_scene(SCENE, "planned", *keys, ranks=3), "balance.csv")
         for row in rows:  # no plan before the growth of the loss has cost what the smallest migration takes
             self.assertIn(row["reason"], ("no better plan", "not worth it", "cheaper to keep", "planned"))
