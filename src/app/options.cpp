@@ -83,8 +83,7 @@ po::options_description check_options(Options& o) {
         "ranks", po::value(&o.ranks)->value_name("P"), "predict memory and time of one of P ranks (default: 1)")(
         "time", po::bool_switch(&o.time),
         "make a second of steps and an output in the present folder, and say the time of the run from them; in "
-        "parallel "
-        "as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
+        "parallel as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
     return options;
 }
 

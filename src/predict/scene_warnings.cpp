@@ -64,8 +64,8 @@ void warn_of_smooth_beds(const Scene& scene, std::vector<std::string>& all) {
             if (s.law != InterfaceLaw::smooth || !bed) continue;
             all.push_back(
                 fmt::format("material.{} sinks into {}, by up to a cell in 10 s (pressures on cells, and a bed without "
-                            "friction that "
-                            "is not along the grid). A law with friction, or material.{}.volumetric = \"particle\"?",
+                            "friction that is not along the grid). A law with friction, or "
+                            "material.{}.volumetric = \"particle\"?",
                             m.name, s.name, m.name));
         }
     }
