@@ -11,11 +11,13 @@
 // particle alone together exceed it in its pressure. So with the velocity v_i of the nodes before forces and v_i'
 // after:
 //   dL_p / dt = grad v + T(grad (v' - v))
-// T multiplies column b by min(1, limit / R_b) along folded axes, then the trace by min(1, limit / (e sum of R_b)),
-// where e = (lambda + 2G/d) / (lambda + 2G). What is taken of a trace falls to the axes as their R_b, as a pressure
-// made it: taken evenly it leaves an axis of a small R a rate of the wrong sign, which no fluid resists. C_p is treated
-// alike, with the squares of the shares (with MUSL the first power of the trace's): what a particle keeps of an
-// acceleration must be less than what its stress has seen of it, or the two swing up. A particle alone is stable while
+// T multiplies component c, b by the lesser share of its two axes, min(1, limit / R_b) along folded ones, then the
+// trace by min(1, limit / (e sum of R_b)), where e = (lambda + 2G/d) / (lambda + 2G). Both halves of a shear rate have
+// one share: with du_x/dy limited and du_y/dx not, a layer swings up on a no-slip wall. What is taken of a trace falls
+// to the axes as their R_b, as a pressure made it: taken evenly it leaves an axis of a small R a rate of the wrong
+// sign, which no fluid resists. C_p is treated alike, with the squares of the shares (with MUSL the first power of
+// the trace's): what a particle keeps of an acceleration must be less than what its stress has seen of it, or the
+// two swing up. A particle alone is stable while
 //   L < 2 + K L^2 / (2 R^2),   L = limit, R = e sum of R_b, K what C keeps of its own pressure, 2R/3 or more
 // so the trace's limit falls from 2.5 to 2 + 1.5 / R (APIC, TPIC). v here is after the walls, so that what a wall takes
 // from a particle that comes to it is not an acceleration. Momentum is that of the nodes, untouched; at rest, and as dt
@@ -114,10 +116,14 @@ MORAINE_HD Mat<Real, Dim> taken_from(const Mat<Real, Dim>& a, const ReactionLimi
     Real left = Real(0), volume = share.volume(limits);
     if (kept && !limits.mapped) volume *= volume;
     for (int b = 0; b < Dim; ++b) {
-        Real axis = share.axis(limits, b);
-        if (kept) axis *= axis;
-        for (int c = 0; c < Dim; ++c) taken(c, b) = (axis - Real(1)) * a(c, b);
-        left += axis * a(b, b);
+        const Real axis = share.axis(limits, b);
+        for (int c = 0; c < Dim; ++c) {
+            const Real other = share.axis(limits, c);
+            Real least = axis < other ? axis : other;
+            if (kept) least *= least;
+            taken(c, b) = (least - Real(1)) * a(c, b);
+            if (c == b) left += least * a(b, b);
+        }
     }
     if (volume < Real(1))
         for (int b = 0; b < Dim; ++b) taken(b, b) += (volume - Real(1)) * left * share.part(limits, b);

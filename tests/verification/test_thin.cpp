@@ -195,6 +195,24 @@ TEST_CASE("A limited pressure accelerates no axis against itself") {
         CHECK(gradient(b, b) + taken(b, b) == doctest::Approx(share.volume(limits) * reaction[b]));
 }
 
+TEST_CASE("Both halves of a shear rate have the lesser share of their axes") {
+    const bool folded[3] = {false, true, true};
+    const Vec<double, 3> reaction{1, 16, 160};
+    const ReactionLimits<double> limits{1.6, 1e9, 1e9, false};  // nothing of the pressure
+    const LightShare<double, 3> share = light_share(limits, reaction, folded, 1.0);
+    Mat<double, 3> shear{};
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) shear(a, b) = a == b ? 0 : 1;
+    const Mat<double, 3> seen = taken_from(shear, limits, share, false), kept = taken_from(shear, limits, share, true);
+    const double least[3][3] = {{1, 0.1, 0.01}, {0.1, 1, 0.01}, {0.01, 0.01, 1}};
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+            if (a == b) continue;
+            CHECK(shear(a, b) + seen(a, b) == doctest::Approx(least[a][b]));
+            CHECK(shear(a, b) + kept(a, b) == doctest::Approx(least[a][b] * least[a][b]));
+        }
+}
+
 /// What light nodes do to a velocity in 20 steps, over the largest velocity.
 template <int Dim>
 double effect_of_limits(const Scene& limited) {
