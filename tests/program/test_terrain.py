@@ -172,6 +172,11 @@ class Terrain(ValleyTest):
         self.assertIn("from -1 to 23 along x (the domain from 0 to 24)", self.refused(grid(12), "valley.asc"))
         holes = grid(at=lambda x, y: -9999 if x == 4 and y == 6 else heights(x, y))
         self.assertIn("no height at (4, 6)", self.refused(holes, "valley.asc"))
+        with open(self.folder / "valley.asc", "w") as model:
+            model.write(grid().replace("ncols 13", "ncols 50000").replace("nrows 7", "nrows 40000"))
+            model.truncate(4100000000)  # a hole
+        self.assertIn("valley.asc:7: 2e+09 heights (a grid of text is read whole: 16 GB",
+                      self.assert_one_problem(call("check", self.scene, "--device", "cpu")))
         self.assertIn("valley.asc:7: the height in row 1, column 2 = \"nan\"",
                       self.refused(grid(at=lambda x, y: math.nan if (x, y) == (2, 12) else 1), "valley.asc"))
 
