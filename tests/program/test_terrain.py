@@ -186,8 +186,10 @@ class Terrain(ValleyTest):
         self.assertIn("release.scar without ground",
                       self.refused(SCENE.replace(SCENE[SCENE.index("[terrain]"):SCENE.index("[[material]]")], "")))
         self.write(SCENE)
-        self.assertIn("has a corner at (30, 3)", self.refused(AREA.replace("6,3.5", "30,3"), "area.csv"))
-        self.assertIn("crosses itself", self.refused("x,y\n2,3\n6,8\n6,3\n2,8\n", "area.csv"))
+        self.assertIn("area.csv: release.scar has a corner at (30, 3)",
+                      self.refused(AREA.replace("6,3.5", "30,3"), "area.csv"))
+        self.assertIn("area.csv: release.scar crosses itself", self.refused("x,y\n2,3\n6,8\n6,3\n2,8\n", "area.csv"))
+        self.assertIn("area.csv: release.scar has no area", self.refused("x,y\n2,3\n6,8\n4,5.5\n", "area.csv"))
 
 
 if __name__ == "__main__":
