@@ -61,11 +61,12 @@ void check_corners(const Scene& scene, const BodySpec& spec) {
                        "Is it in the coordinates of the model?");
 }
 
-void check_thickness(const Scene& scene, const BodySpec& spec, const std::string& path, const Places& places) {
+/// `place`: where the thickness is written.
+void check_thickness(const Scene& scene, const BodySpec& spec, const std::string& place) {
     if (spec.thickness >= scene.cell) return;
-    refuse(places.of(path + ".thickness"),
-           spec.thickness_raster ? fmt::format("{} is at most {:.6g} m thick", path, spec.thickness)
-                                 : fmt::format("{}.thickness = {}", path, spec.thickness),
+    refuse(place,
+           spec.thickness_raster ? fmt::format("{} is at most {:.6g} m thick", path_of(spec), spec.thickness)
+                                 : fmt::format("{}.thickness = {}", path_of(spec), spec.thickness),
            fmt::format("less than a cell, {} m; from 4 cells on a flow is resolved", scene.cell),
            "Use a smaller domain.cell?");
 }
@@ -97,7 +98,10 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
                        "Add thickness = ... to this table?");
             spec.thickness = *area.thickness;
         }
-        check_thickness(scene, spec, path, places);
+        check_thickness(scene, spec,
+                        !file.empty()                     ? file
+                        : places.has(path + ".thickness") ? places.of(path + ".thickness")
+                                                          : path_of_file(scene, spec.file));
         all.push_back(spec);
     }
     return all;

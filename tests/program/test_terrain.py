@@ -81,7 +81,7 @@ class Terrain(ValleyTest):
         two = self.run_scene(self.scene, "two", *sets(time__end=0), ranks=2)
         self.assertEqual(summary(two)["state_hash"], summary(wedge)["state_hash"])
         self.write(grid(at=lambda x, y: 0.3), "deep.asc")
-        self.assertIn("is at most 0.3 m thick (less than a cell", self.refused(raster))
+        self.assertIn("deep.asc: release.scar is at most 0.3 m thick (less than a cell", self.refused(raster))
         self.write(grid(at=lambda x, y: -9999 if x == 4 and y == 6 else 1), "deep.asc")
         self.assertIn("deep.asc: no thickness at (4, 6)", self.refused(raster))
         self.assertIn("release.scar.thickness is missing", self.refused(SCENE.replace("thickness = 1.0\n", "")))
@@ -95,6 +95,8 @@ class Terrain(ValleyTest):
         self.assertEqual(ended.code, 0, ended)
         self.assertRegex(ended.out, r"release    scar-1: \S+ m3, 2 cells thick")
         self.assertRegex(ended.out, r"release    scar-2: \S+ m3, 4 cells thick\n")
+        self.assertIn("area.geojson: release.scar-2.thickness = 0.3 (less than a cell",
+                      self.refused(features((low, {"thickness": 1}), (high, {"thickness": 0.3})), "area.geojson"))
 
     DOMAIN = "min = [0.0, 0.0, 0.0]\nmax = [24.0, 12.0, 16.0]\n"
 
