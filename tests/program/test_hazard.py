@@ -146,6 +146,12 @@ class Hazard(ValleyTest):
         finally:
             job.stop()
 
+    def test_a_run_says_where_its_maps_are(self):
+        directory = self.folder / "run"
+        ended = moraine.call("run", self.scene, "--output", directory, "--device", "cpu", *sets(time__end=0))
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn(f"Results are in {directory}, hazard maps in {directory}/maps\n", ended.err)
+
     def test_overwrite_removes_the_maps_of_the_run_before(self):
         directory = self.run_scene(self.scene, "run", *sets(time__end=0))
         (directory / "maps" / "notes.txt").write_text("mine")
