@@ -16,6 +16,8 @@ KINDS: Dict[str, Tuple[str, str]] = {
     "max_momentum_flux": ("largest momentum flux [m3/s2]", "YlOrRd"),
     "arrival": ("time of arrival [s]", "viridis_r"),
     "deposit": ("depth at the end [m]", "YlOrBr"),
+    "max_thickness": ("largest thickness normal to the ground [m]", "YlGnBu"),
+    "deposit_thickness": ("thickness at the end, normal to the ground [m]", "YlOrBr"),
 }
 
 

@@ -309,8 +309,8 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_, ended_by));
     if (!comm_.is_root() || options_.quiet) return;
     if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
-    fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}\n", times.text(), ended_by, clock.time,
-               directory_);
+    fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}{}\n", times.text(), ended_by, clock.time,
+               directory_, maps_ ? fmt::format(", hazard maps in {}/maps", directory_) : "");
 }
 
 namespace {

@@ -17,7 +17,9 @@
 namespace moraine {
 namespace {
 
-std::string text_of(const std::string& path, const char* kind, const char* key) {
+/// The first `most` bytes of a file.
+std::string text_of(const std::string& path, const char* kind, const char* key,
+                    std::streamoff most = std::numeric_limits<std::streamoff>::max()) {
     std::error_code none;
     if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
         refuse(path, fmt::format("the {} cannot be read", kind), "it is not a regular file",
@@ -26,7 +28,7 @@ std::string text_of(const std::string& path, const char* kind, const char* key) 
     if (!file)
         refuse(path, fmt::format("the {} cannot be read", kind), "no such file or no permission",
                fmt::format("Is {} right?", key));
-    std::string text(static_cast<std::size_t>(file.tellg()), '\0');
+    std::string text(static_cast<std::size_t>(std::min<std::streamoff>(file.tellg(), most)), '\0');
     file.seekg(0);
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     return text;
@@ -98,16 +100,21 @@ std::map<std::string, double> read_header(Words& words, std::optional<std::strin
     return header;
 }
 
-/// Size and place of the grid, without heights.
-Ground grid_of(const std::map<std::string, double>& header, const Words& words) {
+/// Size and place of the grid, without heights; so many bytes are there for them.
+Ground grid_of(const std::map<std::string, double>& header, const Words& words, std::uintmax_t left) {
     Ground g;
     const double columns = header.at("ncols"), rows = header.at("nrows"), bytes = 2 * columns * rows;
     if (!(columns >= 1 && rows >= 1) || columns != std::floor(columns) || rows != std::floor(rows))
         refuse(words.place(), fmt::format("ncols = {}, nrows = {}", columns, rows), "must be whole numbers >= 1",
                "Is it an ESRI ASCII grid?");
-    if (!(bytes <= static_cast<double>(words.bytes_left()) + 3))
+    if (!(bytes <= static_cast<double>(left) + 3))
         refuse(words.place(), fmt::format("{:.0f} heights are promised", columns * rows),
-               fmt::format("the file has {} bytes for them", words.bytes_left()), "Is the file complete?");
+               fmt::format("the file has {} bytes for them", left), "Is the file complete?");
+    if (columns * rows > most_heights)
+        refuse(words.place(), fmt::format("{:.3g} heights", columns * rows),
+               fmt::format("a grid of text is read whole: {:.3g} GB on each rank; at most {:.2g} fit",
+                           8e-9 * columns * rows, most_heights),
+               "Convert it by gdal_translate -of GTiff, of which the part under the domain is read?");
     g.spacing = header.at("cellsize");
     if (!(g.spacing > 0)) refuse(words.place(), fmt::format("cellsize = {}", g.spacing), "must be > 0", "Correct it?");
     g.count = {static_cast<std::int64_t>(columns), static_cast<std::int64_t>(rows)};
@@ -119,14 +126,23 @@ Ground grid_of(const std::map<std::string, double>& header, const Words& words) 
     return g;
 }
 
+/// Says no before the memory is taken.
+Ground grid_by_header(const std::string& path, const RasterUse& use) {
+    const std::string head = text_of(path, use.kind.c_str(), use.key.c_str(), 65536);
+    Words words(head, path, " \t\r\n");
+    std::optional<std::string_view> word;
+    const std::map<std::string, double> header = read_header(words, word);
+    return grid_of(header, words, std::filesystem::file_size(path) - head.size() + words.bytes_left());
+}
+
 }  // namespace
 
 Ground read_ascii_grid(const std::string& path, const RasterUse& use) {
+    Ground g = grid_by_header(path, use);
     const std::string text = text_of(path, use.kind.c_str(), use.key.c_str());
     Words words(text, path, " \t\r\n");
     std::optional<std::string_view> word;
     const std::map<std::string, double> header = read_header(words, word);
-    Ground g = grid_of(header, words);
     const auto unknown = header.find("nodata_value");
     const std::int64_t nx = g.count[0], ny = g.count[1];
     g.height.resize(static_cast<std::size_t>(nx * ny));

@@ -21,6 +21,8 @@
 
 namespace moraine {
 
+inline constexpr double most_heights = 268435456;  ///< 2^28 of a model that are kept: 6.4 GB on each rank
+
 /// Heights that the file does not know are NaN. Throws InputError with file, line, reason and remedy.
 Ground read_ascii_grid(const std::string& path, const RasterUse& use = {});
 Ground read_profile(const std::string& path);

@@ -11,14 +11,13 @@
 namespace moraine {
 namespace {
 
-constexpr double most_nodes = 268435456;  // 2^28 under a domain: 2 GB on each rank
-constexpr std::int64_t margin = 3;        // nodes beyond the domain: what is further off moves b by less than 1 %
+constexpr std::int64_t margin = 3;  // nodes beyond the domain: what is further off moves b by less than 1 %
 
 void check_count(const NodeWindow& part, const std::string& path, const std::string& value) {
     const double nodes = static_cast<double>(part.count[0]) * static_cast<double>(part.count[1]);
-    if (nodes > most_nodes)
+    if (nodes > most_heights)
         refuse(path, fmt::format("{:.3g} {}s under the domain", nodes, value),
-               fmt::format("{:.3g} GB on each rank; at most {:.2g} fit", 8e-9 * nodes, most_nodes),
+               fmt::format("{:.3g} GB on each rank; at most {:.2g} fit", 24e-9 * nodes, most_heights),
                "Take a coarser model?");
 }
 

@@ -120,6 +120,17 @@ void HazardMaps::sample(const Simulation<Real, 3>& sim) {
     next_ = root > 0 ? time + 2 * way / root : std::numeric_limits<double>::max();
 }
 
+double HazardMaps::value_of(int map, std::int64_t i, std::int64_t j) const {
+    const Column& c = columns_[static_cast<std::size_t>(i + size_[0] * j)];
+    if (map < maps) return c[static_cast<std::size_t>(map)];
+    const double middle[2] = {static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5};
+    Vec<double, 3> x = zero_vec<double, 3>();
+    for (std::size_t a = 0; a < 2; ++a)
+        x[static_cast<int>(a)] = std::min(scene_.min[a] + middle[a] * scene_.hazard.cell, scene_.max[a]);
+    const auto slope = ground_at<3>(scene_.structures[0].ground->table.data(), x).slope;
+    return c[map == max_thickness ? max_depth : deposit] / std::sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
+
 std::string HazardMaps::text_of(int map) const {
     const double a = scene_.hazard.cell;
     std::string text = fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\n",
@@ -127,15 +138,13 @@ std::string HazardMaps::text_of(int map) const {
     text += fmt::format("NODATA_value {}\n", never);
     for (std::int64_t j = size_[1] - 1; j >= 0; --j)
         for (std::int64_t i = 0; i < size_[0]; ++i)
-            text += fmt::format("{:.6g}{}",
-                                columns_[static_cast<std::size_t>(i + size_[0] * j)][static_cast<std::size_t>(map)],
-                                i + 1 < size_[0] ? ' ' : '\n');
+            text += fmt::format("{:.6g}{}", value_of(map, i, j), i + 1 < size_[0] ? ' ' : '\n');
     return text;
 }
 
 /// As GeoTIFF.
 std::string HazardMaps::image_of(int map) const {
-    static constexpr const char* units[maps] = {"m", "m/s", "Pa", "m3/s2", "s", "m"};
+    static constexpr const char* units[files] = {"m", "m/s", "Pa", "m3/s2", "s", "m", "m", "m"};
     MapImage image{size_,
                    {scene_.min[0], scene_.min[1]},
                    scene_.hazard.cell,
@@ -145,9 +154,7 @@ std::string HazardMaps::image_of(int map) const {
                    never,
                    {}};
     for (std::int64_t j = size_[1] - 1; j >= 0; --j)
-        for (std::int64_t i = 0; i < size_[0]; ++i)
-            image.values.push_back(static_cast<float>(
-                columns_[static_cast<std::size_t>(i + size_[0] * j)][static_cast<std::size_t>(map)]));
+        for (std::int64_t i = 0; i < size_[0]; ++i) image.values.push_back(static_cast<float>(value_of(map, i, j)));
     return geotiff_bytes(image);
 }
 
@@ -164,7 +171,7 @@ void HazardMaps::write(const std::string& directory) const {
         if (!comm_.is_root()) return;
         const std::filesystem::path folder = std::filesystem::path(directory) / "maps";
         std::filesystem::create_directories(folder);
-        for (int map = 0; map < maps; ++map) {
+        for (int map = 0; map < files; ++map) {
             const std::string& name = hazard_map_names()[static_cast<std::size_t>(map)];
             const auto& wanted = scene_.hazard.maps;
             if (std::find(wanted.begin(), wanted.end(), name) != wanted.end())

@@ -5,6 +5,8 @@
 //   speed  w = |sum m v| / sum m    of the column's mean, its vertical part included
 //   max_depth, max_speed; max_pressure: (sum m / sum V) w^2 [Pa]; max_momentum_flux: D w^2 [m3/s2];
 //   arrival: time of the first sample with D >= threshold [s]; deposit: D of the last sample [m]
+//   max_thickness, deposit_thickness: max_depth and deposit times the cosine of the ground's slope in the middle of the
+//   cell [m]: normal to the ground
 //
 // A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
 // freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole
@@ -45,7 +47,19 @@ class HazardMaps {
     bool restore(const std::vector<double>& all);
 
   private:
-    enum Map { max_depth, max_speed, max_pressure, max_momentum_flux, arrival, deposit, maps };
+    /// The first `maps` are kept, those behind them follow from these.
+    enum Map {
+        max_depth,
+        max_speed,
+        max_pressure,
+        max_momentum_flux,
+        arrival,
+        deposit,
+        maps,
+        max_thickness = maps,
+        deposit_thickness,
+        files
+    };
     using Column = std::array<double, maps>;
 
     template <class Real>
@@ -57,6 +71,8 @@ class HazardMaps {
     Flow flow_of(const std::int64_t* sums) const;
     void observe_gauges(const PlanColumns& seen, const std::vector<std::int64_t>& sums);
     void take(double time, const PlanColumns& seen, const std::vector<std::int64_t>& sums);
+    /// Of a column, as it is written.
+    double value_of(int map, std::int64_t i, std::int64_t j) const;
     std::string text_of(int map) const;
     std::string image_of(int map) const;
     std::string outline() const;

@@ -37,8 +37,9 @@ void check_bodies(const Scene& scene, const Places& places);
 /// Structures: whole definitions, and no particle inside one. Takes time as those do.
 void check_structures(const Scene& scene, const Places& places);
 
-/// Refuses corners on a line and edges that cross, which would make area and inside disagree. `path`: who has them.
-void check_polygon(const std::vector<std::array<double, 2>>& points, const std::string& path, const Places& places);
+/// Refuses corners on a line and edges that cross, which would make area and inside disagree. `path`: who has them;
+/// `place`: where they are written.
+void check_polygon(const std::vector<std::array<double, 2>>& points, const std::string& path, const std::string& place);
 
 /// Bodies: not empty, not one in another, by their particles. Takes time as they do.
 void check_particles(const Scene& scene, const Places& places);

@@ -9,6 +9,7 @@
 #include "scene/scene_check.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_state.hpp"
+#include "seeding/seed_table.hpp"
 
 namespace moraine {
 namespace {
@@ -35,14 +36,14 @@ double turn(const Point& a, const Point& b, const Point& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
 }
 
-void check_crossings(const std::vector<Point>& points, const std::string& path, const Places& places) {
+void check_crossings(const std::vector<Point>& points, const std::string& path, const std::string& place) {
     const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 2; j < n; ++j) {
             const Point &a = points[i], &b = points[i + 1], &c = points[j], &d = points[(j + 1) % n];
             if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0)
-                refuse(places.of(path + ".points"), path + " crosses itself",
-                       fmt::format("the edges after points {} and {}", i + 1, j + 1), "Put the points in order?");
+                refuse(place, path + " crosses itself", fmt::format("the edges after points {} and {}", i + 1, j + 1),
+                       "Put the points in order?");
         }
 }
 
@@ -164,12 +165,11 @@ void check_start(const Scene& scene, const BodySpec& body, const Places& places)
 
 }  // namespace
 
-void check_polygon(const std::vector<Point>& points, const std::string& path, const Places& places) {
-    check_crossings(points, path, places);
+void check_polygon(const std::vector<Point>& points, const std::string& path, const std::string& place) {
+    check_crossings(points, path, place);
     double twice_area = 0;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) twice_area += turn(points[0], points[i], points[i + 1]);
-    if (twice_area == 0)
-        refuse(places.of(path + ".points"), path + " has no area", "its points lie on a line", "Move one of them?");
+    if (twice_area == 0) refuse(place, path + " has no area", "its points lie on a line", "Move one of them?");
 }
 
 void check_bodies(const Scene& scene, const Places& places) {
@@ -182,8 +182,10 @@ void check_bodies(const Scene& scene, const Places& places) {
         const BodySpec& body = scene.bodies[b];
         const bool draped = body.shape == BodyShape::layer || body.shape == BodyShape::inflow;
         if (body.shape != BodyShape::table) {
-            if (body.shape == BodyShape::polygon || body.shape == BodyShape::layer)
-                check_polygon(body.points, path_of(body), places);
+            if (body.shape == BodyShape::polygon)
+                check_polygon(body.points, path_of(body), places.of(path_of(body) + ".points"));
+            if (body.shape == BodyShape::layer)
+                check_polygon(body.points, path_of(body), path_of_file(scene, body.file));
             check_form(scene, body, places);
             if (!draped) check_extent(scene, body, extent_of(body, scene.dimensions), places);
             check_lattice(scene, body, places);

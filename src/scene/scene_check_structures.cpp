@@ -41,7 +41,7 @@ void check_shape(const Scene& scene, const StructureSpec& s, const Places& place
         refuse(places.of(path), path + ".z is missing", "a polygon in 3-D is a prism along z", "Add z = [0, 1]?");
     if (flat && places.has(path + ".z"))
         refuse(places.of(path + ".z"), path + ".z is not used", "the scene has 2 dimensions", "Remove it?");
-    check_polygon(s.points, path, places);
+    check_polygon(s.points, path, places.of(path + ".points"));
 }
 
 void check_motion(const Scene& scene, const StructureSpec& s, const Places& places) {

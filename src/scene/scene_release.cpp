@@ -5,6 +5,7 @@
 
 #include "core/ground.hpp"
 #include "io/terrain_model.hpp"
+#include "scene/scene_check.hpp"
 #include "scene/scene_terrain.hpp"
 #include "seeding/seed_region.hpp"
 #include "seeding/seed_table.hpp"
@@ -46,25 +47,26 @@ double largest_of(const BodySpec& spec, const std::string& file) {
     return most;
 }
 
-void check_corners(const Scene& scene, const BodySpec& spec, const std::string& path, const Places& places) {
+void check_corners(const Scene& scene, const BodySpec& spec) {
+    const std::string path = path_of(spec), file = path_of_file(scene, spec.file);
     if (spec.points.size() < 3)
-        refuse(places.of(path + ".area"), fmt::format("{} has {} corners", path, spec.points.size()),
-               "at least 3 are needed", "Is the file complete?");
+        refuse(file, fmt::format("{} has {} corners", path, spec.points.size()), "at least 3 are needed",
+               "Is the file complete?");
     for (const auto& p : spec.points)
         for (std::size_t a = 0; a < 2; ++a)
             if (!(p[a] >= scene.min[a] && p[a] <= scene.max[a]))
-                refuse(places.of(path + ".area"),
-                       fmt::format("{} has a corner at ({:.10g}, {:.10g})", path, p[0], p[1]),
+                refuse(file, fmt::format("{} has a corner at ({:.10g}, {:.10g})", path, p[0], p[1]),
                        fmt::format("the domain reaches from {:.10g} to {:.10g} along {}", scene.min[a], scene.max[a],
                                    axis_name[a]),
                        "Is it in the coordinates of the model?");
 }
 
-void check_thickness(const Scene& scene, const BodySpec& spec, const std::string& path, const Places& places) {
+/// `place`: where the thickness is written.
+void check_thickness(const Scene& scene, const BodySpec& spec, const std::string& place) {
     if (spec.thickness >= scene.cell) return;
-    refuse(places.of(path + ".thickness"),
-           spec.thickness_raster ? fmt::format("{} is at most {:.6g} m thick", path, spec.thickness)
-                                 : fmt::format("{}.thickness = {}", path, spec.thickness),
+    refuse(place,
+           spec.thickness_raster ? fmt::format("{} is at most {:.6g} m thick", path_of(spec), spec.thickness)
+                                 : fmt::format("{}.thickness = {}", path_of(spec), spec.thickness),
            fmt::format("less than a cell, {} m; from 4 cells on a flow is resolved", scene.cell),
            "Use a smaller domain.cell?");
 }
@@ -87,7 +89,7 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
     for (const GisShape& area : areas) {
         spec.name = areas.size() == 1 ? name : fmt::format("{}-{}", name, all.size() + 1);
         spec.points = area.points;
-        check_corners(scene, spec, path, places);
+        check_corners(scene, spec);
         if (!file.empty())
             spec.thickness = largest_of(spec, file);
         else if (!places.has(path + ".thickness")) {
@@ -96,7 +98,10 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
                        "Add thickness = ... to this table?");
             spec.thickness = *area.thickness;
         }
-        check_thickness(scene, spec, path, places);
+        check_thickness(scene, spec,
+                        !file.empty()                     ? file
+                        : places.has(path + ".thickness") ? places.of(path + ".thickness")
+                                                          : path_of_file(scene, spec.file));
         all.push_back(spec);
     }
     return all;

@@ -193,8 +193,8 @@ const std::vector<KeyRow<Scene>>& hazard_rows() {
 
 /// In the order of records/hazard_maps.hpp.
 const std::vector<std::string>& hazard_map_names() {
-    static const std::vector<std::string> names{"max_depth",         "max_speed", "max_pressure",
-                                                "max_momentum_flux", "arrival",   "deposit"};
+    static const std::vector<std::string> names{"max_depth", "max_speed", "max_pressure",  "max_momentum_flux",
+                                                "arrival",   "deposit",   "max_thickness", "deposit_thickness"};
     return names;
 }
 

@@ -139,6 +139,20 @@ TEST_CASE("a model that is not in metres, turned or of several bands is refused 
     CHECK(has(said_of_model(folder.with("g.tif", geotiff_bytes(image))), "the model reaches from 500100 to 500180"));
 }
 
+TEST_CASE("a model that would not fit into memory is refused before it is read, with its size") {
+    const TestFolder folder;
+    std::string text = virtual_raster("500000, 2, 0, 5300060, 0, -2", "Float32", "");
+    text.replace(text.find("\"40\""), 4, "\"50000\"").replace(text.find("\"30\""), 4, "\"40000\"");
+    std::vector<std::string> notices;
+    std::string said;
+    try {
+        read_model(folder.with("g.vrt", text), {500010, 5220100}, {599990, 5300040}, notices);
+    } catch (const InputError& e) {
+        said = e.what();
+    }
+    CHECK(has(said, "2e+09 heights under the domain (48 GB on each rank; at most 2.7e+08 fit)"));
+}
+
 TEST_CASE("rows from south to north and scaled numbers are heights as any") {
     const TestFolder folder;
     MapImage image = plane(zone);

@@ -116,6 +116,14 @@ TEST_CASE("a wrong grid is refused with its line and what is wrong") {
     CHECK(has(said_by([] { read_ascii_grid("/tmp"); }), "not a regular file"));
 }
 
+TEST_CASE("a grid that would not fit into memory is refused before it is read, with its size") {
+    const TestFolder folder;
+    const std::string path = written(folder, "g.asc", with("ncols 4\nnrows 3", "ncols 50000\nnrows 40000"));
+    std::filesystem::resize_file(path, 4100000000);  // a hole
+    const std::string said = said_by([&] { read_ascii_grid(path); });
+    CHECK(has(said, "2e+09 heights (a grid of text is read whole: 16 GB on each rank; at most 2.7e+08 fit)"));
+}
+
 TEST_CASE("a profile has a header and even distances") {
     CHECK(said_of("profile.csv", "x,z\n0,1\n1,2\n2,4\n").empty());
     CHECK(has(said_of("profile.csv", "0,1\n1,2\n2,4\n"), "must be x,z"));

@@ -30,6 +30,21 @@ class Hazard(ValleyTest):
         self.assertGreater(top, 1.0)
         self.assertLess(top, math.sqrt(2 * 9.81 * 11))
 
+    def test_thickness_is_normal_to_the_ground_and_depth_is_vertical(self):
+        self.write(grid(at=lambda x, y: 25 - x), "valley.asc")
+        self.write("x,y\n2,3\n10,3\n10,9\n2,9\n", "area.csv")
+        names = ["max_depth", "deposit", "max_thickness", "deposit_thickness"]
+        self.write(SCENE.replace("16.0]", "28.0]").replace("threshold = 0.2", f"threshold = 0.2\nmaps = {names}"))
+        directory = self.run_scene(self.scene, "run", *sets(time__end=0))
+        for name in names:
+            for row in read_map(directory, name)[4:8]:
+                for value in row[4:9]:  # a cell within the edges
+                    self.assertAlmostEqual(value, 1 if "thickness" in name else math.sqrt(2), delta=1e-5)
+        moving = self.run_scene(self.scene, "moving", *sets(time__end=0.5))
+        for depth, thickness in ((0, 2), (1, 3)):
+            a, b = (total(read_map(moving, names[k])) for k in (depth, thickness))
+            self.assertAlmostEqual(b / a, math.sqrt(0.5), delta=1e-5)
+
     def test_the_outline_has_the_area_of_the_cells_that_were_reached(self):
         directory = self.run_scene(self.scene, "run", *sets(time__end=0.5))
         reached = sum(d >= 0.2 for row in read_map(directory, "max_depth") for d in row)
@@ -145,6 +160,12 @@ class Hazard(ValleyTest):
             job.wait_for(self.folder, "checkpoints/maps/outline.*")
         finally:
             job.stop()
+
+    def test_a_run_says_where_its_maps_are(self):
+        directory = self.folder / "run"
+        ended = moraine.call("run", self.scene, "--output", directory, "--device", "cpu", *sets(time__end=0))
+        self.assertEqual(ended.code, 0, ended)
+        self.assertIn(f"Results are in {directory}, hazard maps in {directory}/maps\n", ended.err)
 
     def test_overwrite_removes_the_maps_of_the_run_before(self):
         directory = self.run_scene(self.scene, "run", *sets(time__end=0))

@@ -1,9 +1,10 @@
 """Releases with a start and inflows as a user meets them: their volume, one answer on any number of ranks and after a
-restart, and words for tables that are wrong."""
+restart, words for tables that are wrong, and what is as thin as a cell or thinner on a slope of 45 degrees."""
+import math
 
 import moraine
 from moraine import call, checkpoints, sets, summary, table
-from valley import SCENE, ValleyTest, read_map, total
+from valley import SCENE, ValleyTest, grid, read_map, total
 
 TABLE = "time,discharge,speed\n0.1,0,2\n0.3,8,4\n0.9,4,3\n"
 INFLOW = """\
@@ -51,6 +52,49 @@ class Supply(ValleyTest):
         self.assertRegex(ended.out, r"release    scar: \S+ m3 at 0.35 s, 2 cells thick")
         late = self.run_scene(self.scene, "late", *sets(time__end=0.4))
         self.assertGreater(summary(late)["particles"], 0)
+
+    STEEP = SCENE.replace('law = "voellmy", friction = 0.2, xi = 500.0', 'law = "coulomb", friction = 0.2').replace(
+        "16.0]", "28.0]")
+
+    def slide(self, area, thickness, end, **body):
+        """Path over that of a point mass on 45 degrees, and the least height over the ground of all outputs, both of
+        the centre of what is released there."""
+        self.write(grid(at=lambda x, y: 25 - x), "valley.asc")
+        self.write("x,y\n" + area, "area.csv")
+        keys = "".join(f"\n{key} = {value}" for key, value in body.items())
+        self.write(self.STEEP.replace("thickness = 1.0", f"thickness = {thickness}{keys}"))
+        directory = self.run_scene(self.scene, "steep", "--overwrite", *sets(time__end=end, output__interval=0.05))
+        rows, root = table(directory, "history.csv"), math.sqrt(0.5)
+        self.assertEqual(rows[-1]["lost_particles"], 0)
+        path = root * sum(sign * (rows[-1][f"centre_{axis}_m"] - rows[0][f"centre_{axis}_m"])
+                          for axis, sign in (("x", 1), ("z", -1)))
+        exact = 0.5 * 9.81 * root * (1 - 0.2) * rows[-1]["time_s"] ** 2
+        return path / exact, min((row["centre_z_m"] - 25 + row["centre_x_m"]) * root for row in rows)
+
+    def test_a_particle_alone_slides_on_45_degrees_as_a_point_mass_and_stays_on_the_ground(self):
+        path, above = self.slide("3,3\n3.5,3\n3.5,3.5\n3,3.5\n", 0.5, 2.0, particles_per_cell=1)
+        self.assertAlmostEqual(path, 1, delta=0.02)
+        self.assertGreater(above, -0.1 * 0.5)
+
+    def test_films_of_a_cell_and_of_one_and_a_half_slide_on_45_degrees_as_a_point_mass(self):
+        for thickness in (0.5, 0.75):
+            path, above = self.slide("2,3\n6,3\n6,9\n2,9\n", thickness, 1.0)
+            self.assertAlmostEqual(path, 1, delta=0.03)
+            self.assertGreater(above, 0.05 * 0.5)
+
+    def test_a_release_may_meet_the_edge_of_the_crop_but_not_lean_over_it(self):
+        self.write("x,y\n2,2\n20,2\n20,10\n2,10\n", "crop.csv")
+        self.write("x,y\n2,3\n6,3\n6,9\n2,9\n", "area.csv")
+        domain = SCENE[SCENE.index("min = "):SCENE.index("cell = 0.5")]
+        self.write(SCENE.replace(domain, "").replace("[hazard]", 'crop = "crop.csv"\n[hazard]'))
+        self.write(grid(at=lambda x, y: 25 - x), "valley.asc")
+        directory = self.run_scene(self.scene, "meets", *sets(time__end=0))
+        volume = 4 * 6 * math.sqrt(2)
+        self.assertAlmostEqual(summary(directory)["mass_kg"] / 1800 / volume, 1, delta=1e-6)
+        self.assertAlmostEqual(total(read_map(directory, "deposit")) / volume, 1, delta=1e-6)
+        ended = self.refused(grid(at=lambda x, y: 1 + x), "valley.asc")  # falls away from the edge
+        self.assertIn("release.scar reaches from 1.5", ended)
+        self.assertIn("(the domain from 2 to 20)", ended)
 
     def test_an_inflow_that_is_wrong_is_refused_with_file_and_reason(self):
         scene = SCENE + INFLOW

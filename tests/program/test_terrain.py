@@ -81,7 +81,7 @@ class Terrain(ValleyTest):
         two = self.run_scene(self.scene, "two", *sets(time__end=0), ranks=2)
         self.assertEqual(summary(two)["state_hash"], summary(wedge)["state_hash"])
         self.write(grid(at=lambda x, y: 0.3), "deep.asc")
-        self.assertIn("is at most 0.3 m thick (less than a cell", self.refused(raster))
+        self.assertIn("deep.asc: release.scar is at most 0.3 m thick (less than a cell", self.refused(raster))
         self.write(grid(at=lambda x, y: -9999 if x == 4 and y == 6 else 1), "deep.asc")
         self.assertIn("deep.asc: no thickness at (4, 6)", self.refused(raster))
         self.assertIn("release.scar.thickness is missing", self.refused(SCENE.replace("thickness = 1.0\n", "")))
@@ -95,6 +95,8 @@ class Terrain(ValleyTest):
         self.assertEqual(ended.code, 0, ended)
         self.assertRegex(ended.out, r"release    scar-1: \S+ m3, 2 cells thick")
         self.assertRegex(ended.out, r"release    scar-2: \S+ m3, 4 cells thick\n")
+        self.assertIn("area.geojson: release.scar-2.thickness = 0.3 (less than a cell",
+                      self.refused(features((low, {"thickness": 1}), (high, {"thickness": 0.3})), "area.geojson"))
 
     DOMAIN = "min = [0.0, 0.0, 0.0]\nmax = [24.0, 12.0, 16.0]\n"
 
@@ -172,6 +174,11 @@ class Terrain(ValleyTest):
         self.assertIn("from -1 to 23 along x (the domain from 0 to 24)", self.refused(grid(12), "valley.asc"))
         holes = grid(at=lambda x, y: -9999 if x == 4 and y == 6 else heights(x, y))
         self.assertIn("no height at (4, 6)", self.refused(holes, "valley.asc"))
+        with open(self.folder / "valley.asc", "w") as model:
+            model.write(grid().replace("ncols 13", "ncols 50000").replace("nrows 7", "nrows 40000"))
+            model.truncate(4100000000)  # a hole
+        self.assertIn("valley.asc:7: 2e+09 heights (a grid of text is read whole: 16 GB",
+                      self.assert_one_problem(call("check", self.scene, "--device", "cpu")))
         self.assertIn("valley.asc:7: the height in row 1, column 2 = \"nan\"",
                       self.refused(grid(at=lambda x, y: math.nan if (x, y) == (2, 12) else 1), "valley.asc"))
 
@@ -181,8 +188,10 @@ class Terrain(ValleyTest):
         self.assertIn("release.scar without ground",
                       self.refused(SCENE.replace(SCENE[SCENE.index("[terrain]"):SCENE.index("[[material]]")], "")))
         self.write(SCENE)
-        self.assertIn("has a corner at (30, 3)", self.refused(AREA.replace("6,3.5", "30,3"), "area.csv"))
-        self.assertIn("crosses itself", self.refused("x,y\n2,3\n6,8\n6,3\n2,8\n", "area.csv"))
+        self.assertIn("area.csv: release.scar has a corner at (30, 3)",
+                      self.refused(AREA.replace("6,3.5", "30,3"), "area.csv"))
+        self.assertIn("area.csv: release.scar crosses itself", self.refused("x,y\n2,3\n6,8\n6,3\n2,8\n", "area.csv"))
+        self.assertIn("area.csv: release.scar has no area", self.refused("x,y\n2,3\n6,8\n4,5.5\n", "area.csv"))
 
 
 if __name__ == "__main__":

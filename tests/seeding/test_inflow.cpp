@@ -62,6 +62,31 @@ TEST_CASE("an inflow has the volume of its hydrograph, and at every time but for
     CHECK(in == doctest::Approx(74).epsilon(1e-12));
 }
 
+TEST_CASE("on a slope of 45 degrees, across and along the line, an inflow has the volume of its hydrograph") {
+    for (const auto& [down, up] : {std::pair(1.0, 0.0), std::pair(0.0, 1.0), std::pair(0.7, 0.7)}) {
+        CAPTURE(down);
+        CAPTURE(up);
+        Scene scene = inflow_scene();
+        scene.bodies[0].ground = std::make_shared<Ground>(
+            test::ground_of({0, 0}, 41, 1, false, [&](double x, double y) { return 20 - down * x + up * y; }));
+        const Inflow inflow(scene, scene.bodies[0]);
+        CHECK(inflow.volume() == doctest::Approx(74).epsilon(1e-12));
+        // Q = v L d, the line is 4 m in plan and sqrt(1 + up^2) times as long on the ground
+        CHECK(inflow.deepest() == doctest::Approx(12 / (3 * 4 * std::sqrt(1 + up * up))).epsilon(0.01));
+        const double steep = std::sqrt(1 + down * down + up * up);
+        double in = 0;
+        for (std::int64_t k = 0; k < inflow.layers(); ++k)
+            inflow.each(k, inflow.time(k), [&](std::int64_t, const Triple& x, double volume, const Triple& v) {
+                const double above = (x[2] - (20 - down * x[0] + up * x[1])) / steep;
+                REQUIRE(above > 0);
+                REQUIRE(above < inflow.deepest());
+                REQUIRE(v[2] == doctest::Approx(-down * v[0] + up * v[1]));  // along the ground
+                in += volume;
+            });
+        CHECK(in == doctest::Approx(74).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("the part that comes in until the end of the run is what counts") {
     Scene scene = inflow_scene();
     scene.end = 5;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/sample_ground.hpp"
 #include "core/structure.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_layer.hpp"
@@ -81,4 +82,46 @@ TEST_CASE("its particles lie in rows along the ground, the lowest half a spacing
         REQUIRE(is_inside(scene.bodies[0], 3, s.x));
         REQUIRE(s.mass == doctest::Approx(1500 * s.volume));
     }
+}
+
+TEST_CASE("on a plane of 45 degrees a release of a cell, of 1.5 and of 4 cells has its volume and its rows") {
+    Scene scene = layer_scene();
+    BodySpec& body = scene.bodies[0];
+    const double down = std::sqrt(0.5);  // along x and y
+    body.ground = std::make_shared<Ground>(
+        test::ground_of({-2, -2}, 45, 1, false, [&](double x, double y) { return 30 - down * (x + y); }));
+    body.points = {{8, 8}, {30, 9}, {29, 31}, {20, 17.5}, {9, 28}};
+    double area = 0;
+    for (std::size_t i = 0, j = 4; i < 5; j = i++)
+        area += 0.5 * (body.points[j][0] * body.points[i][1] - body.points[i][0] * body.points[j][1]);
+    for (const auto& [cells, rows] : {std::pair(1.0, 2), std::pair(1.5, 3), std::pair(4.0, 8)}) {
+        CAPTURE(cells);
+        body.thickness = cells * scene.cell;
+        double volume = 0;
+        std::array<int, 8> in_row{};
+        for (const Seed& s : seeds_of(scene)) {
+            const double above = (s.x[2] - (30 - down * (s.x[0] + s.x[1]))) / std::sqrt(2.0);
+            const double row = above / (body.thickness / rows) - 0.5;
+            REQUIRE(row == doctest::Approx(std::round(row)).scale(1).epsilon(1e-9));
+            REQUIRE((row > -0.5 && row < rows - 0.5));
+            ++in_row[static_cast<std::size_t>(std::lround(row))];
+            volume += s.volume;
+        }
+        CHECK(volume == doctest::Approx(body.thickness * area * std::sqrt(2.0)).epsilon(1e-9));
+        for (int row = 1; row < rows; ++row) CHECK(in_row[static_cast<std::size_t>(row)] == in_row[0]);
+    }
+}
+
+TEST_CASE("an area with the place of a single column is one column with the volume of the area") {
+    Scene scene = layer_scene();
+    BodySpec& body = scene.bodies[0];
+    body.particles_per_cell = {2, 2, 1};
+    body.thickness = scene.cell;
+    body.points = {{20.1, 20.1}, {20.15, 20.1}, {20.15, 20.15}, {20.1, 20.15}};  // around (20.125, 20.125)
+    const std::vector<Seed> seeds = seeds_of(scene);
+    REQUIRE(seeds.size() == 1);
+    const double u = 20.125 / 9, v = 20.125 / 11;
+    const double zx = 0.6 + 4.0 / 9 * std::cos(u) * std::cos(v), zy = -4.0 / 11 * std::sin(u) * std::sin(v);
+    const double volume = 0.5 * 0.05 * 0.05 * std::sqrt(1 + zx * zx + zy * zy);
+    CHECK(seeds[0].volume / volume == doctest::Approx(1).epsilon(1e-3));
 }
