@@ -1,0 +1,182 @@
+"""PAGE TEXT"""
+import numpy
+
+import figure
+import norms
+import openfoam_case
+import plain_names
+import records
+from particles import Particles
+from runs import table
+from sheet import Row, goal_table
+
+TIMES = (2.0, 4.0, 8.0, 30.0)  # at which depths are kept [s]
+BIN = 0.4  # of depths [m]: a cell of the coarsest level
+LENGTH = 72.0  # of what is looked at [m]
+DIGITS = 5
+GPU = [f"{transfer} shifted grid 10" for transfer in ("APIC", "AFLIP", "FLIP")]  # of cases/slurry.py: what the shipped scene has
+
+
+def rounded(values):
+    return [float(f"{v:.{DIGITS}g}") for v in values]
+
+
+def result(times, fronts, bulks, centres, heights, kinetic, depths):
+    """What is kept of a run: series in time, and depths in bins at TIMES."""
+    kinetic = 1e-3 * numpy.asarray(kinetic)
+    curves = {"time": rounded(times), "front": rounded(fronts), "x_cm": rounded(centres)}
+    figures = {}
+    for t in TIMES:
+        if t > times[-1] + 0.1:
+            continue
+        for name, series in (("front 99.5 %", fronts), ("front 95 %", bulks), ("x of centre", centres), ("y of centre", heights), ("kinetic", kinetic)):
+            figures[f"{name} at {t:g} s"] = float(f"{numpy.interp(t, times, series):.6g}")
+        h = depths[int(numpy.abs(numpy.asarray(times) - t).argmin())]
+        curves[f"depth at {t:g} s"] = [round(float(d), 4) for d in h[:int(numpy.flatnonzero(h > 1e-3)[-1]) + 2]]
+    return figures, curves
+
+
+def of_cells(folder, mesh, density):
+    """Figures and curves of an interFoam run."""
+    x, y, high = mesh.cells()
+    volumes, columns = mesh.h * high, numpy.round(x / mesh.h).astype(int)
+    edges = mesh.h * numpy.arange(columns.max() + 2)
+    bins = numpy.arange(0, LENGTH + 0.5 * BIN, BIN)
+    series, depths, air = [], [], []
+    names = sorted((p.name for p in folder.iterdir() if p.name.replace(".", "").isdigit()), key=float)
+    for name in names:
+        alpha = openfoam_case.read(folder / name / "alpha.slurry")
+        speed2 = (openfoam_case.read(folder / name / "U") ** 2).sum(axis=1) if name != "0" else 0.0
+        part = alpha * volumes
+        sums = numpy.concatenate(([0.0], numpy.cumsum(numpy.bincount(columns, part))))
+        total = sums[-1]
+        front, bulk = (numpy.interp(share * total, sums, edges) for share in (0.995, 0.95))
+        series.append((float(name), front, bulk, (part * (x + 0.5 * mesh.h)).sum() / total, (part * (y + 0.5 * high)).sum() / total,
+                       0.5 * density * (part * speed2).sum()))
+        depths.append(numpy.diff(numpy.interp(bins, edges, sums)) / BIN)
+        air.append(100 * numpy.mean(1 - alpha[(y == 0) & (x < bulk - mesh.h)]))
+    figures, curves = result(*map(list, zip(*series)), depths)
+    figures |= {"air at the bed [%]": round(max(air), 4), "volume, off by [%]": round(100 * (total / (part_of_start(folder, volumes)) - 1), 5)}
+    return figures, curves
+
+
+def part_of_start(folder, volumes):
+    return (openfoam_case.read(folder / "0/alpha.slurry") * volumes).sum()
+
+
+def of_particles(folder, program):
+    """Figures and curves of a run of Moraine."""
+    series, history = Particles(folder / "particles.vtkhdf", program), table(folder / "history.csv")
+    places = [series.at(t) for t in series.times]
+    volume = 50.0 / len(places[0])
+    fronts, bulks = ([numpy.quantile(x[:, 0], share) for x in places] for share in (0.995, 0.95))
+    depths = [norms.depth(x[:, 0], volume, 0.0, LENGTH, BIN)[1] for x in places]
+    centres, heights = ([x[:, k].mean() for x in places] for k in (0, 1))
+    return result(list(series.times), fronts, bulks, centres, heights, numpy.interp(series.times, history["time_s"], history["kinetic_J"]), depths)
+
+
+def row_of(rows, code, variant, level):
+    return next((x for x in rows if (x["code"], x["variant"], x["level"]) == (code, variant, level)), None)
+
+
+def of_records(folder):
+    """Moraine's finest levels on one GPU, of results.jsonl: {(transfer, level): line}."""
+    lines = records.read(folder / "results.jsonl")
+    return {(x["variant"].split()[0], x["level"]): x for x in lines if x["case"] == "slurry" and x["variant"] in GPU and x["level"] >= 100}
+
+
+def value(row, name, t, digits=2):
+    found = row["figures"].get(f"{name} at {t:g} s")
+    return "" if found is None else f"{found:.{digits}f}"
+
+
+def series_table(rows, gpu):
+    text = ["| code | level | front at 2, 4, 8, 30 s [m] | x of the centre [m] | y of the centre [m] | kinetic energy at 2, 4, 8 s [kJ] | cells or particles | steps | wall [s] |", "|---" * 9 + "|"]
+    for x in [x for x in rows if x["variant"] in ("base", "APIC", "AFLIP")]:
+        name = x["code"] if x["variant"] == "base" else f"{x['code']}, {x['variant']}"
+        groups = [", ".join(filter(None, (value(x, n, t, d) for t in ts))) for n, ts, d in (("front 99.5 %", TIMES, 2), ("x of centre", TIMES, 2), ("y of centre", TIMES, 3), ("kinetic", TIMES[:3], 0))]
+        text.append(f"| {name} | H0/{x['level']:g} | {' | '.join(groups)} | {x.get('cells', x.get('particles'))} | {x['steps']} | {x['wall_s']:.0f} |")
+    for (transfer, level), x in sorted(gpu.items()):
+        text.append(f"| Moraine, {transfer}, one H100 | H0/{level} | -, -, {x['figures']['at 8 s [m]']:.2f}, {x['figures']['front 99.5 % [m]']:.2f} | | | | {x['particles']} | {x['steps']} | {x['wall_s']:.0f} |")
+    return text
+
+
+def difference(row, base, t):
+    """L1 of the depths' difference over the volume [%]."""
+    ours, theirs = (x["curves"].get(f"depth at {t:g} s") for x in (row, base))
+    if not ours or not theirs:
+        return None
+    length = max(len(ours), len(theirs))
+    ours, theirs = (numpy.pad(h, (0, length - len(h))) for h in (ours, theirs))
+    return 100 * norms.l1(ours, theirs)
+
+
+def depth_table(rows, base):
+    text = [f"| depth against that of interFoam at H0/{base['level']:g} | at 2 s | 4 s | 8 s | 30 s |", "|---" * 5 + "|"]
+    for x in [x for x in rows if x["variant"] in ("base", "APIC", "AFLIP") and x is not base]:
+        found = [difference(x, base, t) for t in TIMES]
+        text.append(f"| {x['code']} {'' if x['variant'] == 'base' else x['variant'] + ' '}H0/{x['level']:g} | " + " | ".join("" if d is None else f"{d:.2f} %" for d in found) + " |")
+    return text
+
+
+def sensitivity_table(rows, base):
+    text = [f"| interFoam at H0/{base['level']:g}, at 8 s | front 99.5 % [m] | front 95 % [m] | x of the centre [m] | depth, L1 | steps | wall [s] |", "|---" * 7 + "|"]
+    for x in [x for x in rows if x["code"] == "interFoam" and x["level"] == base["level"]]:
+        cells = []
+        for name in ("front 99.5 %", "front 95 %", "x of centre"):
+            now, before = (y["figures"][f"{name} at 8 s"] for y in (x, base))
+            cells.append(f"{now:.2f}" if x is base else f"{now:.2f} ({100 * (now / before - 1):+.2f} %)")
+        text.append(f"| {x['variant']} | {' | '.join(cells)} | {'' if x is base else format(difference(x, base, 8.0), '.2f') + ' %'} | {x['steps']} | {x['wall_s']:.0f} |")
+    return text
+
+
+def goals(rows, gpu):
+    """Runouts of the finest levels, centres and depths at H0/50 against H0/50."""
+    found, peers = [], [x for x in rows if (x["code"], x["variant"]) == ("interFoam", "base")]
+    for t, figure_of in ((8, "at 8 s [m]"), (30, "front 99.5 % [m]")):
+        name = f"front 99.5 % at {t} s"
+        best = max((x for x in peers if name in x["figures"]), key=lambda x: x["level"])
+        ours = [x["figures"][figure_of] for x in gpu.values() if x["level"] == 200]
+        errors = [100 * (f - best["figures"][name]) / (best["figures"][name] - 10) for f in ours]
+        worst = max(errors, key=abs)
+        found.append(Row(f"runout at {t} s, Moraine's three transfers at H0/200 against interFoam at H0/{best['level']:g} ({best['figures'][name]:.2f} m): largest difference", f"{worst:+.2f} %", "1 %", abs(worst) <= 1))
+    base = row_of(rows, "interFoam", "base", 50)
+    for transfer in ("APIC", "AFLIP"):
+        x = row_of(rows, "Moraine", transfer, 50)
+        for t in (8, 30):
+            name = f"x of centre at {t} s"
+            error = 100 * (x["figures"][name] - base["figures"][name]) / (base["figures"][name] - 5)
+            found.append(Row(f"way of the centre to {t} s, {transfer} at H0/50 against interFoam at H0/50", f"{error:+.2f} %", "1 %", abs(error) <= 1))
+            d = difference(x, base, t)
+            found.append(Row(f"depth at {t} s, {transfer} at H0/50 against interFoam at H0/50: L1", f"{d:.2f} %", "5 %", d <= 5))
+    return found
+
+
+def draw(rows, path):
+    plt = figure.pyplot("slurry-reference")
+    if not plt:
+        return
+    drawing, axes = plt.subplots(len(TIMES), figsize=(8, 8), sharex=True)
+    shown = [("interFoam", "base", 50, "k-"), ("interFoam", "base", 25, "k:"), ("Moraine", "APIC", 50, "C0-"), ("Moraine", "AFLIP", 50, "C1-")]
+    for t, axis in zip(TIMES, axes):
+        for code, variant, level, style in shown:
+            row = row_of(rows, code, variant, level)
+            h = row["curves"][f"depth at {t:g} s"] if row else []
+            axis.plot(BIN * (numpy.arange(len(h)) + 0.5), h, style, label=f"{code}{'' if variant == 'base' else ' ' + variant}, H0/{level}", linewidth=1.1)
+        axis.set(ylabel="depth [m]", ylim=(0, None))
+        axis.set_title(f"{t:g} s", loc="right", y=0.75, x=0.98)
+        axis.grid(alpha=0.25)
+    axes[0].legend(fontsize=7, frameon=False, loc="upper center")
+    axes[-1].set(xlabel="x [m]")
+    figure.save(plt, drawing, path)
+
+
+def write(rows, folder):
+    """Page and plot."""
+    title, _, text = __doc__.partition("\n")
+    gpu, base = of_records(folder), row_of(rows, "interFoam", "base", 50)
+    lines = [f"# {title}", "", text.strip(), "", "![Depth at four times](slurry-reference.svg)", "", "## Goals", "", *goal_table(goals(rows, gpu)), "", "## Series", "", *series_table(rows, gpu),
+             "", "## Depths", "", *depth_table(rows, base), "", "## What the peer's own choices do", "", *sensitivity_table(rows, row_of(rows, "interFoam", "base", 25)),
+             "", "Repeat: `benchmarks/validation/beside_openfoam`. All rows: [slurry-reference.jsonl](slurry-reference.jsonl)."]
+    (folder / "slurry-reference.md").write_text(plain_names.in_words("\n".join(lines) + "\n"))
+    draw(rows, folder / "slurry-reference.svg")
