@@ -8,12 +8,15 @@ the bed, half as high. Where the front meets the bed, no-slip holds on the wall'
 import math
 import os
 import re
+import shutil
 import subprocess
 import time
 
 import numpy
 
 CORNER, LOW, TOP = 20.0, 2.4, 6.0  # of the L [m]
+BEHIND = 1.0  # the front, where air counts as trapped [m]
+INSIDE = re.compile(r"internalField\s+nonuniform\s+List<(\w+)>\s*\d+\s*\((.*)\)\s*;\s*boundaryField", re.DOTALL)
 HEADER = "FoamFile {{ version 2.0; format ascii; class {kind}; location \"{place}\"; object {name}; }}\n"
 MESH = """\
 vertices ( {vertices} );
@@ -69,7 +72,7 @@ solvers
     "pcorr.*" {{ solver PCG; preconditioner DIC; tolerance 1e-6; relTol 0; }}
     "p_rgh.*" {{ solver {pressure}; tolerance 1e-7; relTol 0.02; }}
     p_rghFinal {{ solver {pressure}; tolerance 1e-8; relTol 0; }}
-    "U.*" {{ solver smoothSolver; smoother symGaussSeidel; tolerance 1e-8; relTol 0; }}
+    "U.*" {{ solver PBiCGStab; preconditioner DILU; tolerance 1e-8; relTol 0; }}
 }}
 PIMPLE {{ momentumPredictor yes; nOuterCorrectors {outer}; nCorrectors 3; nNonOrthogonalCorrectors 0; }}
 relaxationFactors {{ equations {{ ".*" 1; }} }}
@@ -87,7 +90,10 @@ class Mesh:
     def __init__(self, h, length, rise):
         """`rise`: height of the low part's last row over that of the row at the bed, which is h / rise."""
         self.near, self.far, self.high = round(CORNER / h), round((length - CORNER) / h), round((TOP - LOW) / h)
-        heights = rise ** numpy.linspace(0, 1, round(LOW * math.log(rise) / (h * (1 - 1 / rise))))
+        if any(abs(part / h - round(part / h)) > 1e-9 for part in (CORNER, length - CORNER, TOP - LOW)):
+            raise ValueError(f"cells of {h:g} m do not divide {CORNER:g}, {length - CORNER:g} and {TOP - LOW:g} m")
+        mean = (1 - 1 / rise) / math.log(rise) if rise > 1 else 1  # of the heights, over h
+        heights = rise ** numpy.linspace(0, 1, round(LOW / (mean * h)))
         self.y_low = numpy.concatenate(([0.0], LOW * numpy.cumsum(heights) / heights.sum()))
         self.y_high = numpy.linspace(LOW, TOP, self.high + 1)
         self.h, self.length, self.rise = h, length, rise
@@ -134,20 +140,61 @@ def write(folder, mesh, scene, choices):
     (folder / "0/p_rgh").write_text(field("p_rgh", "volScalarField", "[1 -1 -2 0 0 0 0]", "uniform 0", LOADS))
 
 
-def run(folder, home):
+def start(program, folder, home):
+    with open(folder / f"{program}.log", "a") as log:
+        subprocess.run([program, "-case", str(folder)], stdout=log, stderr=log, check=True, env=dict(os.environ, WM_PROJECT_DIR=home))
+
+
+def run(folder, home, mesh, choices):
     """(version, steps, seconds) of blockMesh and interFoam; raises CalledProcessError where one fails."""
-    environment = dict(os.environ, WM_PROJECT_DIR=home)
-    start = time.monotonic()
-    for program in ("blockMesh", "interFoam"):
-        with open(folder / f"{program}.log", "w") as log:
-            subprocess.run([program, "-case", str(folder)], stdout=log, stderr=log, check=True, env=environment)
+    begun = time.monotonic()
+    start("blockMesh", folder, home)
+    if choices["lift"]:
+        run_lifting(folder, home, mesh, choices)
+    else:
+        start("interFoam", folder, home)
     log = (folder / "interFoam.log").read_text()
-    return re.search(r"Build *: *(\S+)", log)[1], len(re.findall(r"^Time = ", log, re.M)), round(time.monotonic() - start, 1)
+    return re.search(r"Build *: *(\S+)", log)[1], len(re.findall(r"^Time = ", log, re.M)), round(time.monotonic() - begun, 1)
+
+
+def run_lifting(folder, home, mesh, choices):
+    """interFoam in pieces of `lift` seconds, between which air that is trapped at the bed goes to the surface of its column."""
+    for k in range(1, round(choices["end"] / choices["lift"]) + 1):
+        now, before = (f"{n * choices['lift']:.6g}" for n in (k, k - 1))
+        piece = CONTROL.format(**{**choices, "end": float(now), "interval": choices["lift"]}).replace("startFrom startTime; startTime 0", "startFrom latestTime")
+        (folder / "system/controlDict").write_text(HEADER.format(kind="dictionary", place="system", name="controlDict") + piece)
+        start("interFoam", folder, home)
+        if abs(float(before) / choices["interval"] - round(float(before) / choices["interval"])) > 1e-6:
+            shutil.rmtree(folder / before)
+        path = folder / now / "alpha.slurry"
+        listed = "\n".join(f"{a:.8g}" for a in lifted(read(path), mesh))
+        path.write_text(INSIDE.sub(lambda m: f"internalField nonuniform List<scalar> {len(mesh.cells()[0])} ( {listed} ) ; boundaryField", path.read_text()))
+
+
+def lifted(alpha, mesh):
+    """alpha with full cells in the two lowest rows, up to BEHIND the front; what they take comes from the top of their column, so that columns keep their volume."""
+    x, y, high = mesh.cells()
+    alpha, columns = alpha.copy(), numpy.round(x / mesh.h).astype(int)
+    sums = numpy.cumsum(numpy.bincount(columns, alpha * high))
+    last = int((mesh.h * numpy.searchsorted(sums, 0.995 * sums[-1]) - BEHIND) / mesh.h)
+    for column in range(last):
+        rows = numpy.flatnonzero(columns == column)
+        rows = rows[numpy.argsort(y[rows])]
+        low, above = rows[:2], rows[2:]
+        lacks = ((1 - alpha[low]) * high[low]).sum()
+        if lacks < 1e-9 or (alpha[above] * high[above]).sum() < lacks:
+            continue
+        alpha[low] = 1
+        for cell in above[::-1]:
+            taken = min(lacks, alpha[cell] * high[cell])
+            alpha[cell] -= taken / high[cell]
+            lacks -= taken
+    return alpha
 
 
 def read(path):
     """Values of the cells of an ASCII field, a row of three for a vector."""
     text = path.read_text()
-    found = re.search(r"internalField\s+nonuniform\s+List<(\w+)>\s*\d+\s*\((.*)\)\s*;\s*boundaryField", text, re.DOTALL)
+    found = INSIDE.search(text)
     values = numpy.array(found[2].replace("(", " ").replace(")", " ").split(), dtype=float)
     return values.reshape(-1, 3) if found[1] == "vector" else values
