@@ -99,8 +99,9 @@ class Mesh:
         self.h, self.length, self.rise = h, length, rise
 
     def text(self):
-        corners = [(x, y, z) for z in (0, 1) for x, y in [(0, 0), (CORNER, 0), (self.length, 0), (0, LOW), (CORNER, LOW), (self.length, LOW), (0, TOP), (CORNER, TOP)]]
-        return MESH.format(vertices=" ".join(f"({x:g} {y:g} {z:g})" for x, y, z in corners), near=self.near, far=self.far, low=len(self.y_low) - 1, high=self.high, rise=self.rise)
+        plane = [(0, 0), (CORNER, 0), (self.length, 0), (0, LOW), (CORNER, LOW), (self.length, LOW), (0, TOP), (CORNER, TOP)]
+        vertices = " ".join(f"({x:g} {y:g} {z:g})" for z in (0, 1) for x, y in plane)
+        return MESH.format(vertices=vertices, near=self.near, far=self.far, low=len(self.y_low) - 1, high=self.high, rise=self.rise)
 
     def cells(self):
         """(x of the left edge, y of the lower edge, height) of all cells, in the mesh's order."""
