@@ -155,7 +155,7 @@ def run(folder, home, mesh, choices):
     else:
         start("interFoam", folder, home)
     log = (folder / "interFoam.log").read_text()
-    return re.search(r"Build *: *(\S+)", log)[1], len(re.findall(r"^Time = ", log, re.M)), round(time.monotonic() - begun, 1)
+    return "OpenFOAM " + re.search(r"Build *: *\w+=(\S+)", log)[1], len(re.findall(r"^Time = ", log, re.M)), round(time.monotonic() - begun, 1)
 
 
 def run_lifting(folder, home, mesh, choices):
