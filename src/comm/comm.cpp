@@ -63,6 +63,10 @@ void Comm::sum(std::span<std::int64_t> values) const {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_);
 }
 
+void Comm::unite(std::span<std::uint64_t> bits) const {
+    MPI_Allreduce(MPI_IN_PLACE, bits.data(), static_cast<int>(bits.size()), MPI_UINT64_T, MPI_BOR, comm_);
+}
+
 std::string Comm::broadcast(const std::string& text, int root) const {
     std::int64_t length = static_cast<std::int64_t>(text.size());
     MPI_Bcast(&length, 1, MPI_INT64_T, root, comm_);

@@ -43,6 +43,7 @@ class Comm {
     std::int64_t sum(std::int64_t value) const;
     std::uint64_t sum(std::uint64_t value) const;  ///< modulo 2^64
     void sum(std::span<std::int64_t> values) const;
+    void unite(std::span<std::uint64_t> bits) const;  ///< the bits that any rank has
     std::string broadcast(const std::string& text, int root = 0) const;
     /// Rank 0's.
     template <class T>

@@ -121,8 +121,11 @@ class Engine {
     /// Volumes at the nodes that this rank counts; nothing where an engine cannot tell. Binned state only. Collective
     /// over peers.
     virtual std::optional<NodeVolumes> node_volumes() { return std::nullopt; }
-    /// Adds the particles of this rank to the sums of a map's columns, and returns the largest |v|^2 [m2/s2]. Scenes in
-    /// 3-D, binned state only. Not collective.
+    /// Adds to each column of a map the layers in which this rank has particles. Scenes in 3-D, binned state only. Not
+    /// collective.
+    virtual void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) = 0;
+    /// Adds the particles of this rank to the sums of a map's columns, and returns the largest |v|^2 of all [m2/s2].
+    /// Scenes in 3-D, binned state only. Not collective.
     virtual double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) = 0;
     /// The particles of this rank near lines, which are the same in all calls; in any order. Scenes in 3-D, binned
     /// state only. Not collective.

@@ -7,6 +7,29 @@
 namespace moraine {
 
 template <class Real, int Dim>
+void HostEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vector<Layers>& layers) {
+    if constexpr (Dim == 3) {
+        const ListView<Dim> list = patch_.list();
+        const ParticleView<Real, Dim> p = patch_.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        Layers* const all = layers.data();
+#pragma omp parallel for schedule(dynamic, 64)
+        for (int b = 0; b < patch_.own(); ++b) {
+            const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
+            for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+                const std::uint32_t s = list.slot[k];
+                const std::size_t column =
+                    columns.column(columns.along(0, columns.places.of<Real>(0, at[0], p.position[s][0])),
+                                   columns.along(1, columns.places.of<Real>(1, at[1], p.position[s][1])));
+                const Layers layer = columns.layer(column, columns.places.of<Real>(2, at[2], p.position[s][2]));
+#pragma omp atomic
+                all[column] |= layer;
+            }
+        }
+    }
+}
+
+template <class Real, int Dim>
 double HostEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
     double fastest = 0;
     if constexpr (Dim == 3) {
@@ -21,14 +44,15 @@ double HostEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vecto
                 const std::uint32_t s = list.slot[k];
                 const std::int64_t i = columns.along(0, columns.places.of<Real>(0, at[0], p.position[s][0]));
                 const std::int64_t j = columns.along(1, columns.places.of<Real>(1, at[1], p.position[s][1]));
+                fastest = std::max(fastest, PlanColumns::square_of(p.velocity[s]));
+                const double z = columns.places.of<Real>(2, at[2], p.position[s][2]);
+                if (!columns.is_summed(columns.column(i, j), z)) continue;
                 std::int64_t* const to = all + columns.place(i, j);
-                const double square =
-                    columns.add_particle<Real>(static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s]),
-                                               p.velocity[s], [&](int q, std::int64_t whole) {
+                columns.add_particle<Real>(static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s]),
+                                           p.velocity[s], [&](int q, std::int64_t whole) {
 #pragma omp atomic
-                                                   to[q] += whole;
-                                               });
-                fastest = std::max(fastest, square);
+                                               to[q] += whole;
+                                           });
             }
         }
     }
@@ -56,6 +80,7 @@ std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines&
 
 /// Of one precision and dimension.
 #define MORAINE_SAMPLES(Real, Dim)                                                                      \
+    template void HostEngine<Real, Dim>::find_layers(const PlanColumns&, std::vector<Layers>&);         \
     template double HostEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
     template std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines&);
 MORAINE_SAMPLES(float, 2)

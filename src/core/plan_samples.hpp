@@ -3,6 +3,7 @@
 // in plan, and who is near a line.
 //
 //   column   floor((x - min) / a) along x and y, a: side of a map cell
+//   layer    floor((z - lowest ground of the column) / h), the last one is all above
 //   sums     V_p, m_p and m_p v_p as whole numbers of a unit: the same in any order, by any thread and on any rank
 //
 // Products that a device would contract with a sum are rounded first, so that both find the same column.
@@ -40,6 +41,25 @@ struct PlanPlaces {
     }
 };
 
+/// Layers of a column, a bit each from the ground up.
+using Layers = std::uint64_t;
+
+/// Those of `occupied` that do not fly: what is up to layer `ground`, in which the column's highest ground may be, and
+/// above it all up to the first two layers in turn that nobody is in.
+inline Layers resting_layers(Layers occupied, int ground) {
+    Layers resting = 0;
+    int empty = 0;
+    for (int k = 0; k < 64 && empty < 2; ++k) {
+        const Layers bit = Layers(1) << k;
+        resting |= occupied & bit;
+        if (occupied & bit)
+            empty = 0;
+        else if (k > ground)
+            ++empty;
+    }
+    return resting;
+}
+
 /// Columns of a map, and the rectangle of them that is summed.
 struct PlanColumns {
     static constexpr int sums = 5;  ///< of a column: volume, mass, momentum
@@ -50,6 +70,8 @@ struct PlanColumns {
     std::int64_t first[2], count[2];  ///< of the rectangle
     double volume_unit, mass_unit;    ///< [m3, kg]
     double momentum_unit;             ///< [kg m/s]
+    const double* floor = nullptr;    ///< lowest ground of each column of the rectangle [m]
+    const Layers* resting = nullptr;  ///< the layers of each that are summed; null: all
 
     MORAINE_HD std::int64_t along(int axis, double x) const {
         using std::floor;
@@ -57,27 +79,40 @@ struct PlanColumns {
         return static_cast<std::int64_t>(at < 0 ? 0.0 : (at > last ? last : at));
     }
     /// Place of the sums of column (i, j) of the map.
-    MORAINE_HD std::size_t place(std::int64_t i, std::int64_t j) const {
-        return std::size_t(sums) * static_cast<std::size_t>(i - first[0] + count[0] * (j - first[1]));
+    MORAINE_HD std::size_t place(std::int64_t i, std::int64_t j) const { return std::size_t(sums) * column(i, j); }
+    /// Place of column (i, j) of the map in the rectangle.
+    MORAINE_HD std::size_t column(std::int64_t i, std::int64_t j) const {
+        return static_cast<std::size_t>(i - first[0] + count[0] * (j - first[1]));
     }
-    std::size_t all_sums() const { return std::size_t(sums) * static_cast<std::size_t>(count[0] * count[1]); }
+    std::size_t all() const { return static_cast<std::size_t>(count[0] * count[1]); }
+    std::size_t all_sums() const { return std::size_t(sums) * all(); }
+    /// The layer of a particle as a bit.
+    MORAINE_HD Layers layer(std::size_t column, double z) const {
+        using std::floor;
+        const double k = floor((z - this->floor[column]) / places.cell);
+        return Layers(1) << static_cast<int>(k < 0 ? 0.0 : (k > 63 ? 63.0 : k));
+    }
+    MORAINE_HD bool is_summed(std::size_t column, double z) const {
+        return !resting || (resting[column] & layer(column, z));
+    }
 
     MORAINE_HD static std::int64_t whole(double value) {
         using std::llround;
         const double most = 9e15;
         return llround(value < -most ? -most : (value > most ? most : value));
     }
-    /// Calls add(sum, whole number) for a particle of volume V, mass m and velocity v. Returns |v|^2.
+    template <class Real>
+    static MORAINE_HD double square_of(const Vec<Real, 3>& v) {
+        double square = 0;
+        for (int a = 0; a < 3; ++a) square += rounded_product(double(v[a]), double(v[a]));
+        return square;
+    }
+    /// Calls add(sum, whole number) for a particle of volume V, mass m and velocity v.
     template <class Real, class Add>
-    MORAINE_HD double add_particle(double V, double m, const Vec<Real, 3>& v, const Add& add) const {
+    MORAINE_HD void add_particle(double V, double m, const Vec<Real, 3>& v, const Add& add) const {
         add(0, whole(V / volume_unit));
         add(1, whole(m / mass_unit));
-        double square = 0;
-        for (int a = 0; a < 3; ++a) {
-            square += rounded_product(double(v[a]), double(v[a]));
-            add(2 + a, whole(rounded_product(m, double(v[a])) / momentum_unit));
-        }
-        return square;
+        for (int a = 0; a < 3; ++a) add(2 + a, whole(rounded_product(m, double(v[a])) / momentum_unit));
     }
 };
 

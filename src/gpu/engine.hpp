@@ -56,6 +56,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void renew(EpochTables<Dim> tables) override;
     BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
     std::optional<NodeVolumes> node_volumes() override;
+    void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) override;
     double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
     std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool) override {}  // every few steps, by itself

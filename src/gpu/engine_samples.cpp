@@ -8,6 +8,20 @@
 namespace moraine::gpu {
 
 template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vector<Layers>& layers) {
+    if constexpr (Dim == 3) {
+        samples_.floor.assign(columns.floor, columns.all());
+        samples_.layers.resize(columns.all());
+        PlanColumns there = columns;
+        there.floor = samples_.floor.data();
+        check(cudaMemsetAsync(samples_.layers.data(), 0, columns.all() * sizeof(Layers), stream_), "Emptying layers");
+        gpu::find_layers(view(), there, samples_.layers.data(), stream_);
+        stream_.wait();
+        layers = samples_.layers.host(reading_);
+    }
+}
+
+template <class Real, int Dim>
 double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
     if constexpr (Dim == 3) {
         samples_.sums.resize(columns.all_sums());
@@ -15,7 +29,13 @@ double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vec
         check(cudaMemsetAsync(samples_.sums.data(), 0, columns.all_sums() * sizeof(std::int64_t), stream_),
               "Emptying sums");
         check(cudaMemsetAsync(samples_.fastest.data(), 0, sizeof(std::uint64_t), stream_), "Emptying sums");
-        gpu::sum_columns(view(), columns, samples_.sums.data(), samples_.fastest.data(), stream_);
+        PlanColumns there = columns;
+        if (columns.resting) {
+            samples_.floor.assign(columns.floor, columns.all());
+            samples_.layers.assign(columns.resting, columns.all());
+            there.floor = samples_.floor.data(), there.resting = samples_.layers.data();
+        }
+        gpu::sum_columns(view(), there, samples_.sums.data(), samples_.fastest.data(), stream_);
         stream_.wait();
         sums = samples_.sums.host(reading_);
         return std::bit_cast<double>(samples_.fastest.host(reading_).front());
@@ -50,6 +70,7 @@ std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLine
 
 /// Of one precision and dimension.
 #define MORAINE_SAMPLES(Real, Dim)                                                                        \
+    template void DeviceEngine<Real, Dim>::find_layers(const PlanColumns&, std::vector<Layers>&);         \
     template double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
     template std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLines&);
 MORAINE_SAMPLES(float, 2)

@@ -31,6 +31,31 @@ HazardMaps::HazardMaps(const Scene& scene, const Comm& comm) : scene_(scene), co
     momentum_unit_ = 64 * mass_unit_;  // of 1 m/s
     columns_.assign(static_cast<std::size_t>(size_[0] * size_[1]), Column{});
     for (Column& c : columns_) c[arrival] = never;
+    find_ground();
+}
+
+/// Of places half a cell of the terrain model apart or closer.
+void HazardMaps::find_ground() {
+    const Ground& ground = *scene_.structures[0].ground;
+    const double a = scene_.hazard.cell;
+    const int pieces = std::max(2, static_cast<int>(std::ceil(2 * a / ground.spacing)));
+    floor_.resize(columns_.size());
+    rise_.resize(columns_.size());
+#pragma omp parallel for schedule(static)
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+        const std::size_t index[2] = {k % static_cast<std::size_t>(size_[0]), k / static_cast<std::size_t>(size_[0])};
+        double low = std::numeric_limits<double>::max(), high = -low;
+        for (int n = 0; n < (pieces + 1) * (pieces + 1); ++n) {
+            const int part[2] = {n % (pieces + 1), n / (pieces + 1)};
+            Vec<double, 3> x = zero_vec<double, 3>();
+            for (std::size_t b = 0; b < 2; ++b)
+                x[static_cast<int>(b)] = scene_.min[b] + a * (static_cast<double>(index[b]) + double(part[b]) / pieces);
+            const double height = ground_at<3>(ground.table.data(), x).height;
+            low = std::min(low, height), high = std::max(high, height);
+        }
+        floor_[k] = low;
+        rise_[k] = static_cast<int>(std::min(63.0, std::floor((high - low) / scene_.cell) + 1));
+    }
 }
 
 /// Those over the occupied blocks of all ranks are summed.
@@ -106,8 +131,29 @@ void HazardMaps::observe_gauges(const PlanColumns& seen, const std::vector<std::
 }
 
 template <class Real>
+std::vector<Layers> HazardMaps::resting(const Simulation<Real, 3>& sim, const PlanColumns& seen) const {
+    std::vector<Layers> layers(seen.all(), 0);
+    sim.find_layers(seen, layers);
+    comm_.unite(layers);
+    for (std::int64_t j = 0; j < seen.count[1]; ++j)
+        for (std::int64_t i = 0; i < seen.count[0]; ++i) {
+            Layers& l = layers[static_cast<std::size_t>(i + seen.count[0] * j)];
+            l = resting_layers(l, rise_[static_cast<std::size_t>(seen.first[0] + i + size_[0] * (seen.first[1] + j))]);
+        }
+    return layers;
+}
+
+template <class Real>
 void HazardMaps::sample(const Simulation<Real, 3>& sim) {
-    const PlanColumns seen = columns_of(sim);
+    PlanColumns seen = columns_of(sim);
+    std::vector<double> floor;
+    for (std::int64_t j = 0; j < seen.count[1]; ++j) {
+        const auto row = floor_.begin() + seen.first[0] + size_[0] * (seen.first[1] + j);
+        floor.insert(floor.end(), row, row + seen.count[0]);
+    }
+    seen.floor = floor.data();
+    const std::vector<Layers> layers = resting(sim, seen);
+    seen.resting = layers.data();
     std::vector<std::int64_t> sums(seen.all_sums(), 0);
     const double v = std::sqrt(comm_.max(sim.sum_columns(seen, sums)));
     comm_.sum(sums);

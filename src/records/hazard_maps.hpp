@@ -1,12 +1,16 @@
 #pragma once
 // maps/NAME.tif (.asc where there is no GDAL): what a run over terrain leaves in plan, sampled while it goes on.
 //
-//   depth  D = sum V_p / a^2        vertical: of all particles over a map cell of side a, also of those that fly
-//   speed  w = |sum m v| / sum m    of the column's mean, its vertical part included
+//   depth  D = sum V_p / a^2        vertical: of the particles over a map cell of side a that do not fly
+//   speed  w = |sum m v| / sum m    of the mean of these, its vertical part included
 //   max_depth, max_speed; max_pressure: (sum m / sum V) w^2 [Pa]; max_momentum_flux: D w^2 [m3/s2];
 //   arrival: time of the first sample with D >= threshold [s]; deposit: D of the last sample [m]
 //   max_thickness, deposit_thickness: max_depth and deposit times the cosine of the ground's slope in the middle of the
 //   cell [m]: normal to the ground
+//
+// A particle flies over two empty layers of h: from a cell or two above the highest ground of its map cell on, layers
+// of the column are gone through upwards, and what is above the first two in turn that hold nobody is no depth
+// (core/plan_samples.hpp). What lies on a structure that high flies too.
 //
 // A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
 // freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole
@@ -64,6 +68,10 @@ class HazardMaps {
 
     template <class Real>
     PlanColumns columns_of(const Simulation<Real, 3>& sim) const;
+    void find_ground();
+    /// The layers of each column that do not fly. Collective.
+    template <class Real>
+    std::vector<Layers> resting(const Simulation<Real, 3>& sim, const PlanColumns& seen) const;
     /// Of one column now: a speed only where it is deep enough to tell one.
     struct Flow {
         double depth = 0, speed = 0, pressure = 0;
@@ -82,6 +90,8 @@ class HazardMaps {
     std::array<std::int64_t, 2> size_{};  ///< columns along x and y
     double volume_unit_ = 1, mass_unit_ = 1, momentum_unit_ = 1;
     std::vector<Column> columns_;  ///< x fastest, y rising
+    std::vector<double> floor_;    ///< lowest ground of each column [m]
+    std::vector<int> rise_;        ///< layer of its highest ground, and one more
     std::vector<double> gauges_;   ///< the last observation
     double next_ = 0;              ///< time of the next sample [s]
 };

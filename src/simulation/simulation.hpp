@@ -111,6 +111,9 @@ class Simulation {
     /// Occupied blocks of this rank. Binned state only. Not collective.
     BlockCounts block_counts() const { return engine_->block_counts(false); }
     /// For maps and sections, as in comm/engine.hpp. Binned state only.
+    void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) const {
+        engine_->find_layers(columns, layers);
+    }
     double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) const {
         return engine_->sum_columns(columns, sums);
     }

@@ -37,11 +37,12 @@ std::vector<std::int64_t> plain_sums(Simulation<Real, 3>& sim, const PlanColumns
     std::vector<std::int64_t> sums(columns.all_sums(), 0);
     const ParticleView<Real, 3> p = sim.patch().particles.view();
     each_particle(sim, [&](std::uint32_t s, const std::array<double, 3>& x) {
-        const std::size_t to = columns.place(columns.along(0, x[0]), columns.along(1, x[1]));
-        const double square = columns.add_particle<Real>(
+        const std::int64_t i = columns.along(0, x[0]), j = columns.along(1, x[1]);
+        fastest = std::max(fastest, PlanColumns::square_of(p.velocity[s]));
+        if (!columns.is_summed(columns.column(i, j), x[2])) return;
+        columns.add_particle<Real>(
             double(p.volume[s]), double(p.mass[s]), p.velocity[s],
-            [&](int q, std::int64_t whole) { sums[to + static_cast<std::size_t>(q)] += whole; });
-        fastest = std::max(fastest, square);
+            [&](int q, std::int64_t whole) { sums[columns.place(i, j) + static_cast<std::size_t>(q)] += whole; });
     });
     return sums;
 }
@@ -135,7 +136,7 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         const Scene scene = small_valley(InterfaceLaw::voellmy, true);
         auto host = started<double>(scene, comm, {});
         auto device = started<double>(scene, comm, choose_device("cuda", comm));
-        const PlanColumns columns = columns_of(*device, side);
+        PlanColumns columns = columns_of(*device, side);
         std::vector<std::int64_t> of_host(columns.all_sums(), 0), of_device(columns.all_sums(), 0);
         CHECK(host->sum_columns(columns, of_host) == device->sum_columns(columns, of_device));
         CHECK(of_host == of_device);
@@ -145,6 +146,22 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         const double told = device->sum_columns(columns, of_device);
         CHECK(of_device == plain_sums(*device, columns, fastest));
         CHECK(told == fastest);
+
+        std::vector<double> floor(columns.all());
+        for (std::size_t k = 0; k < floor.size(); ++k) floor[k] = 0.5 + 0.003 * static_cast<double>(k % 50);
+        columns.floor = floor.data();
+        std::vector<Layers> layers(columns.all(), 0), plain(columns.all(), 0);
+        device->find_layers(columns, layers);
+        each_particle(*device, [&](std::uint32_t, const std::array<double, 3>& x) {
+            const std::size_t column = columns.column(columns.along(0, x[0]), columns.along(1, x[1]));
+            plain[column] |= columns.layer(column, x[2]);
+        });
+        CHECK(layers == plain);
+        for (Layers& l : layers) l &= 0x55;
+        columns.resting = layers.data();
+        std::fill(of_device.begin(), of_device.end(), 0);
+        CHECK(device->sum_columns(columns, of_device) == told);
+        CHECK(of_device == plain_sums(*device, columns, fastest));
     }
 }
 

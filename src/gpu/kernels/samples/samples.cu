@@ -49,9 +49,12 @@ __global__ void __launch_bounds__(sample_threads, 1)
         const std::int64_t j = columns.along(1, columns.places.of<Real>(1, at[1], p.coordinate(1)));
         std::int64_t* to = shared ? here + q * ((i - low[0]) + span[0] * (j - low[1])) : sums + columns.place(i, j);
         const Vec<Real, 3> velocity{{p.velocity(0), p.velocity(1), p.velocity(2)}};
-        const double square = columns.add_particle<Real>(double(p.volume()), double(p.mass()), velocity,
-                                                         [&](int n, std::int64_t whole) { add_whole(to + n, whole); });
+        const double square = PlanColumns::square_of(velocity);
         most = square > most ? square : most;
+        const double z = columns.places.of<Real>(2, at[2], p.coordinate(2));
+        if (!columns.is_summed(columns.column(i, j), z)) continue;
+        columns.add_particle<Real>(double(p.volume()), double(p.mass()), velocity,
+                                   [&](int n, std::int64_t whole) { add_whole(to + n, whole); });
     }
     most = warp_max(most);
     if (threadIdx.x % 32 == 0 && most > 0) raise(*fastest, most);
@@ -60,6 +63,23 @@ __global__ void __launch_bounds__(sample_threads, 1)
         const std::int64_t column = k / q;
         const std::size_t place = columns.place(low[0] + column % span[0], low[1] + column / span[0]);
         if (here[k] != 0) add_whole(sums + place + k % q, here[k]);
+    }
+}
+
+/// Most particles find their bit set already.
+template <class Real>
+__global__ void __launch_bounds__(sample_threads, 1)
+    layers_kernel(const __grid_constant__ View<Real, 3> v, const __grid_constant__ PlanColumns columns,
+                  Layers* layers) {
+    const int block = static_cast<int>(blockIdx.x);
+    const Vec<std::int32_t, 3> at = v.table.position[block];
+    for (std::uint32_t k = v.list.first[block] + threadIdx.x; k < v.list.first[block + 1]; k += sample_threads) {
+        const CoreRows<Real, 3> p = load_sampled(v, v.list.slot[k]);
+        const std::size_t column = columns.column(columns.along(0, columns.places.of<Real>(0, at[0], p.coordinate(0))),
+                                                  columns.along(1, columns.places.of<Real>(1, at[1], p.coordinate(1))));
+        const Layers layer = columns.layer(column, columns.places.of<Real>(2, at[2], p.coordinate(2)));
+        if (!(*reinterpret_cast<volatile Layers*>(layers + column) & layer))
+            atomicOr(reinterpret_cast<unsigned long long*>(layers + column), static_cast<unsigned long long>(layer));
     }
 }
 
@@ -86,6 +106,13 @@ __global__ void __launch_bounds__(sample_threads, 1)
 }  // namespace
 
 template <class Real>
+void find_layers(const View<Real, 3>& view, const PlanColumns& columns, Layers* layers, cudaStream_t stream) {
+    if (view.table.own == 0) return;
+    layers_kernel<Real><<<static_cast<unsigned>(view.table.own), sample_threads, 0, stream>>>(view, columns, layers);
+    check(cudaGetLastError(), "Finding layers");
+}
+
+template <class Real>
 void sum_columns(const View<Real, 3>& view, const PlanColumns& columns, std::int64_t* sums, std::uint64_t* fastest,
                  cudaStream_t stream) {
     if (view.table.own == 0) return;
@@ -105,6 +132,7 @@ void find_near(const View<Real, 3>& view, const PlanLines& lines, NearParticle* 
 
 /// Of one precision.
 #define MORAINE_SAMPLES(Real)                                                                                         \
+    template void find_layers(const View<Real, 3>&, const PlanColumns&, Layers*, cudaStream_t);                       \
     template void sum_columns(const View<Real, 3>&, const PlanColumns&, std::int64_t*, std::uint64_t*, cudaStream_t); \
     template void find_near(const View<Real, 3>&, const PlanLines&, NearParticle*, std::uint32_t, std::uint32_t*,     \
                             cudaStream_t);

@@ -16,11 +16,17 @@ namespace moraine::gpu {
 /// What the samples of a run are made in.
 struct DeviceSamples {
     Array<std::int64_t> sums;
+    Array<double> floor;  ///< of columns [m]
+    Array<Layers> layers;
     Array<std::uint64_t> fastest;  ///< bits of a square speed, not negative [m2/s2]
     Array<PlanSegment> segments;
     Array<NearParticle> near;
     Array<std::uint32_t> count;
 };
+
+/// Adds the layers in which the share has particles. columns: with `floor` on the device. Asynchronous.
+template <class Real>
+void find_layers(const View<Real, 3>& view, const PlanColumns& columns, Layers* layers, cudaStream_t stream);
 
 /// Adds the particles of the share to sums, and raises *fastest to the bits of the largest |v|^2. Asynchronous.
 template <class Real>
