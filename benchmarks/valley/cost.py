@@ -34,7 +34,7 @@ dimensions = 3
 gravity = [3.99, 0.0, -8.96]
 [domain]
 min = [0.0, 0.0, -2.0]
-max = [160.0, 30.0, 12.0]
+max = [160.0, 32.0, 14.0]
 cell = 1.0
 [time]
 end = 1.0
@@ -49,8 +49,8 @@ friction_angle = 32.0
 name = "slab"
 material = "debris"
 shape = "box"
-min = [10.0, 7.5, 0.0]
-max = [50.0, 22.5, 4.0]
+min = [10.0, 8.5, 0.0]
+max = [50.0, 23.5, 4.0]
 velocity = [8.0, 0.0, 0.0]
 """
 BED = 'contact = { law = "voellmy", friction = 0.2, xi = 500.0 }\n'
@@ -61,7 +61,7 @@ OPEN = "".join(f'[[wall]]\nface = "{axis}-{side}"\nkind = "open"\n' for axis in 
 def heights(path, roll):
     """Of the slab's ground, 2 m apart and up to `roll` [m] below 0."""
     wave = lambda x, y: -0.25 * roll * (2 + math.sin(2 * math.pi * x / 20) + math.sin(2 * math.pi * y / 20))
-    write_grid(path, [[wave(2 * i, 2 * j) for i in range(81)] for j in reversed(range(16))], 2, (-1, -1))
+    write_grid(path, [[wave(2 * i, 2 * j) for i in range(81)] for j in reversed(range(17))], 2, (-1, -1))
 
 
 def write_scenes(folder):
