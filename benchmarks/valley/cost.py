@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What hazard maps and ground from heights cost: ms per step of runs that differ in them alone, rows of results.jsonl.
 
-    benchmarks/valley/cost.py [--program build/release/moraine] [--cells 23] [--steps 300] [--repeats 3] [-- OPTIONS]
+    benchmarks/valley/cost.py [--program build/release/moraine] [--cells 23] [--steps 300] [--repeats 3] [--groups slab] [-- OPTIONS]
 
 OPTIONS go to `moraine run`, `--device cuda` for instance. With 23 cells over the 4 m of the release there are some
 3 million particles. It needs no GDAL: heights are an ESRI ASCII grid, places are CSV.
@@ -128,6 +128,7 @@ def main():
     parser.add_argument("--cells", type=float, default=23)
     parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--groups", nargs="+", default=["valley", "slab"])
     parser.add_argument("--runs", default=str(ROOT / "runs/valley-cost"))
     parser.add_argument("--results", default=str(HERE / "results.jsonl"))
     parser.add_argument("options", nargs="*")
@@ -135,6 +136,8 @@ def main():
     folder, rows = pathlib.Path(words.runs), []
     folder.mkdir(parents=True, exist_ok=True)
     for group, cases in write_scenes(folder).items():
+        if group not in words.groups:
+            continue
         probe = 0.12 / words.cells  # [s]; a step is so long by order of magnitude
         first = run(words, folder, group, cases[0], 20 * probe)  # warms the device, and says how long a step is
         end = words.steps * 20 * probe / first["steps"]  # [s]
