@@ -2,12 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 namespace moraine {
 namespace {
 
-constexpr double core_rate_double = 6.39e6, core_rate_single = 7.18e6;  // particle-steps per second
+// On a core: dense columns, a layer of one cell and single cells within 10 % (benchmarks/step/results.md).
+constexpr double core_particle = 129.9e-9, core_block = 8.02e-6;  ///< [s]
+constexpr double core_single = 0.89;                              ///< single over double precision
+constexpr double plane_particle = 0.37, plane_block = 0.20;       ///< 2-D over 3-D, on one core of an AMD EPYC
+// Over the FLIP that was measured: APIC and TPIC on a core and on a device; ground, where a thin flow lies on it with
+// most of its blocks (27 % of the shipped valley's step on a core, 31 to 35 % of a slab's on one H100).
+constexpr double affine_cost = 1.28, ground_cost = 1.4;
 
 /// A step on the device by its particles.
 struct DeviceStep {
@@ -33,6 +40,18 @@ double device_seconds(double particles, bool single) {
     return 1e-3 * ms(device_steps.back()) * particles / device_steps.back().particles;
 }
 
+double core_seconds(const Scene& scene, const Prediction& prediction) {
+    const bool plane = scene.dimensions == 2;
+    const double particles = core_particle * static_cast<double>(prediction.particles) * (plane ? plane_particle : 1);
+    const double blocks = core_block * static_cast<double>(prediction.blocks) * (plane ? plane_block : 1);
+    return (particles + blocks) * (scene.precision == Precision::single_ ? core_single : 1);
+}
+
+bool lies_on_ground(const Scene& scene) {
+    return std::any_of(scene.structures.begin(), scene.structures.end(),
+                       [](const StructureSpec& s) { return s.shape == StructureShape::ground; });
+}
+
 }  // namespace
 
 double substep_cost(int substeps) {
@@ -41,10 +60,11 @@ double substep_cost(int substeps) {
 
 double step_seconds(const Scene& scene, const Prediction& prediction, bool on_device) {
     const bool single = scene.precision == Precision::single_;
-    const auto particles = static_cast<double>(prediction.particles);
-    const double plain =
-        on_device ? device_seconds(particles, single) : particles / (single ? core_rate_single : core_rate_double);
-    return plain * substep_cost(prediction.substeps);
+    double seconds =
+        on_device ? device_seconds(static_cast<double>(prediction.particles), single) : core_seconds(scene, prediction);
+    if (is_affine(scene.transfer)) seconds *= affine_cost;
+    if (lies_on_ground(scene)) seconds *= ground_cost;
+    return seconds * substep_cost(prediction.substeps);
 }
 
 std::string duration_text(double seconds) {

@@ -3,8 +3,9 @@
 // A machine at hand is measured by `check --time` (app/step_timing.hpp).
 //
 // Medians of benchmarks/step/results.md (one core of an Intel Xeon, family 6, model 207, commit 0b1d4d0) and
-// benchmarks/device/results.md (one NVIDIA H200, commits b9f211f and f50c8d4), 3-D, quadratic, FLIP, von Mises. Between
-// the sizes that were measured on the device a step's time is taken as linear in the particles.
+// benchmarks/device/results.md (one NVIDIA H200, commits b9f211f and f50c8d4), 3-D, quadratic, FLIP, von Mises; affine
+// transfers and ground take more. Between the sizes that were measured on the device a step's time is taken as linear
+// in the particles.
 
 #include "predict/prediction.hpp"
 
