@@ -23,6 +23,8 @@ inline constexpr Cure cures[] = {
     {"grid with both", 0.22, 0.2, true},
     {"grid in substeps", 0, 0, true, most_substeps},
     {"grid in substeps with both", 0.22, 0.2, true, most_substeps},
+    {"grid in substeps, smoothed", 0.22, 0, true, most_substeps},
+    {"grid in substeps, shifted", 0, 0.2, true, most_substeps},
 };
 
 inline constexpr verification::Choice cured_methods[] = {
