@@ -105,8 +105,8 @@ void judge(Finding& finding, const Rise& all, const Rise& motion) {
     finding.pass = all.factor <= growth_goal && motion.factor <= motion_goal;
     if (*finding.pass) return;
     const Rise& worse = all.factor <= growth_goal ? motion : all;
-    finding.why = fmt::format("{}energy grows by {:.2g} of itself in a period, to {:.2g} of E0",
-                              &worse == &motion ? "kinetic " : "", worse.rate, worse.factor * worse.least);
+    finding.why = fmt::format("{}energy grows by {:.2g} of itself in a period, to {:.2g} times its least",
+                              &worse == &motion ? "kinetic " : "", worse.rate, worse.factor);
 }
 
 /// Looks every 50 periods, so that what grows after it was damped is seen.
