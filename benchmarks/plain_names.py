@@ -50,6 +50,8 @@ NAMES = {
     "S23": "random thin scenes",
     "S24": "random fluid scenes",
     "S25": "stable substeps",
+    "S26": "fluids over many periods",
+    "S27": "stable steps of cured fluids",
     "C1": "block at rest on a plane",
     "C2": "sliding block",
     "C4": "undrained bed",

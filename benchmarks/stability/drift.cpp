@@ -34,6 +34,11 @@ struct Method : Choice {
     double flip = 1;  ///< share of FLIP
 };
 
+constexpr Method quadratic_aflip{{"quadratic AFLIP USL", Shape::quadratic, Transfer::aflip, StressUpdate::usl},
+                                 standard_flip(Transfer::aflip)};
+constexpr Method quadratic_aflip_all{
+    {"quadratic AFLIP USL, all of FLIP", Shape::quadratic, Transfer::aflip, StressUpdate::usl}, 1};
+
 constexpr std::initializer_list<Method> methods = {
     {quadratic_flip_usl},
     {{"quadratic FLIP USL, 0.99 of FLIP", Shape::quadratic, Transfer::flip, StressUpdate::usl}, 0.99},
@@ -41,6 +46,8 @@ constexpr std::initializer_list<Method> methods = {
     {{"quadratic PIC USL", Shape::quadratic, Transfer::pic, StressUpdate::usl}, 0},
     {quadratic_apic_usl},
     {quadratic_tpic_usl},
+    quadratic_aflip,
+    quadratic_aflip_all,
     {quadratic_fmpm2},
     {quadratic_fmpm3},
     {quadratic_fmpm4},
@@ -54,6 +61,8 @@ constexpr std::initializer_list<Method> growing = {
     {{"quadratic FLIP USL, 0.99 of FLIP", Shape::quadratic, Transfer::flip, StressUpdate::usl}, 0.99},
     {quadratic_apic_usl},
     {quadratic_tpic_usl},
+    quadratic_aflip,
+    quadratic_aflip_all,
 };
 
 /// A problem at a share of the program's step.

@@ -96,6 +96,17 @@ constexpr StabilityCase cases[] = {
      "S of a step: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps; goal: the default, 0.8 of the "
      "method's limit",
      find_substeps},
+    {"S26",
+     "fluids with pressure smoothing, particle shifting and pressures on the grid: the bar of S6 with a fluid without "
+     "viscosity, at rest and adrift at Mach 0.05, and a square of a fluid that does not yield; goal: the energy grows "
+     "by no more than 1 % above its least in 1000 periods (motion alone: not twice), the angular momentum is within 1 "
+     "% after ten turns",
+     drift_fluids},
+    {"S27",
+     "largest stable dt c / h of a fluid without viscosity with and without smoothing, shifts and pressures on the "
+     "grid: a perturbation of 1e-9 c grows less than "
+     "1000 times in 4000 steps; goal: the default, 0.8 of the method's limit",
+     find_fluid_limits},
 };
 
 struct Options {

@@ -78,8 +78,7 @@ void perturb(Run<Real, Dim>& run, const Cloud& cloud) {
 
 /// Largest deviation from the drift over what was given, after so many steps or when it is beyond doubt.
 template <int Dim>
-double cloud_grows(const Cloud& cloud, const Choice& choice, double courant, int steps, double offset) {
-    const Scene scene = cloud_scene(cloud, choice, courant);
+double cloud_grows(const Cloud& cloud, const Scene& scene, int steps, double offset) {
     Run<double, Dim> run(scene);
     if (offset > 0) {  // all are moved there in one step
         run.start_with([&](const auto& p, std::uint32_t s, const auto&) {
@@ -107,15 +106,19 @@ double cloud_grows(const Cloud& cloud, const Choice& choice, double courant, int
 }
 
 /// Over 2000 steps at the worst of three offsets, or over 4000 adrift.
-inline bool cloud_is_stable(const Cloud& cloud, const Choice& choice, double courant) {
+inline bool cloud_is_stable(const Cloud& cloud, const Scene& scene) {
     const auto grows = [&](int steps, double offset) {
-        return cloud.dimensions == 2 ? cloud_grows<2>(cloud, choice, courant, steps, offset)
-                                     : cloud_grows<3>(cloud, choice, courant, steps, offset);
+        return cloud.dimensions == 2 ? cloud_grows<2>(cloud, scene, steps, offset)
+                                     : cloud_grows<3>(cloud, scene, steps, offset);
     };
     if (cloud.mach > 0) return grows(4000, 0) < cloud_growth;
     for (double offset : {0.0, 0.125, 0.25})
         if (!(grows(2000, offset) < cloud_growth)) return false;
     return true;
+}
+
+inline bool cloud_is_stable(const Cloud& cloud, const Choice& choice, double courant) {
+    return cloud_is_stable(cloud, cloud_scene(cloud, choice, courant));
 }
 
 }  // namespace moraine::verification
