@@ -42,8 +42,6 @@ void add_domain(Entries& all, const Scene& s) {
 }
 
 void add_numerics(Entries& all, const Scene& s) {
-    add(all, "time.cfl", s.cfl);
-    add(all, "time.dt", s.dt);
     add(all, "numerics.shape", s.shape);
     add(all, "numerics.transfer", s.transfer);
     add(all, "numerics.flip", s.flip);
@@ -61,6 +59,8 @@ void add_numerics(Entries& all, const Scene& s) {
         add(all, "sleep.interval", s.sleep.interval);
         add(all, "sleep.wake", s.sleep.wake);
     }
+    add(all, "time.cfl", s.cfl);  // behind what its default follows from: who compares names the first difference
+    add(all, "time.dt", s.dt);
     add(all, "gravity", s.gravity);
     add(all, "seed", s.seed);
 }

@@ -117,6 +117,14 @@ class BadCheckpoint(moraine.ProgramTest):
             with self.subTest(key):
                 self.assert_refused(self.good, "--set", f"{key}={value}", says=[f"({words})"], on=(None,))
 
+    def test_a_transfer_that_differs_is_named_and_not_the_step_that_follows_from_it(self):
+        self.scene = self.write(SMALL_SCENE.replace("cfl = 0.5\n", ""))
+        self.run_scene(self.scene, "free", *sets(output__checkpoint_interval=0.05))
+        good = checkpoints(self.folder / "free")[0]
+        for key, value in (("transfer", "flip"), ("shape", "cubic")):
+            with self.subTest(key):
+                self.assert_refused(good, "--set", f'numerics.{key}="{value}"', says=[f"(numerics.{key} is {value} and was "], on=(None,))
+
     def test_end_output_balance_and_ranks_may_change(self):
         keys = sets(time__end=0.2, output__interval=0.01, output__fields='["pressure"]', balance__partitioner="shuffle",
                     balance__trigger="every", balance__interval=1)
