@@ -54,6 +54,12 @@ def _next_line(variant: Variant) -> List[str]:
             f"{duration(following['seconds'])}, {following['memory']}"]
 
 
+def before_level(variant: Variant) -> str:
+    """What a level behind the first is expected to take."""
+    head = f"{variant.name}: " if variant.name else ""
+    return "\n".join(f"{head}{line.strip()}" if head else line for line in _next_line(variant))
+
+
 def after_level(study: Study, variant: Variant) -> str:
     """The text after a level, or after the last."""
     head = f"{variant.name}: " if variant.name else ""

@@ -3,7 +3,7 @@ import pathlib
 import re
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
-from .converge_text import after_level, write_files
+from .converge_text import after_level, before_level, write_files
 from .errors import Error
 from .level_run import Plan
 from .levels import parse_ratio, refuse_tables
@@ -72,8 +72,11 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
         raise Error(f"{name} has no domain.cell or no time.end (both are needed). Is it a scene?")
     refuse_tables(study.keys)
 
+    def before(variant: Variant) -> None:
+        told(before_level(variant))
+
     def after(_: Study, variant: Variant) -> None:
         told(after_level(study, variant))
-    refine(study, plan, after, progress)
+    refine(study, plan, before, after, progress)
     write_files(study)
     return study

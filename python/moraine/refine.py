@@ -71,9 +71,10 @@ def _refuse_quantities(study: Study, plan: Plan, cell: float) -> None:
             quantity.check(start, study.keys)
 
 
-def refine(study: Study, plan: Plan, after: Callable[[Study, Variant], None], told: Callable[[str], None]) -> None:
-    """Computes level by level, all variants on one level before the next. `after` is called when a level is there, and again
-    with a variant that stopped.
+def refine(study: Study, plan: Plan, before: Callable[[Variant], None], after: Callable[[Study, Variant], None],
+           told: Callable[[str], None]) -> None:
+    """Computes level by level, all variants on one level before the next. `before` is called with the forecast of a level behind
+    the first, `after` when a level is there, and again with a variant that stopped.
     """
     cell = study.keys["domain"]["cell"]
     sizes = cell_sizes(plan.ratio, plan.coarsest or coarsest_of(plan.ratio, cell))
@@ -86,6 +87,8 @@ def refine(study: Study, plan: Plan, after: Callable[[Study, Variant], None], to
                 _refuse_quantities(study, plan, wanted)
             first = False
             if level and _may_go_on(study, variant, plan, name):
+                if variant.levels:
+                    before(variant)
                 try:
                     take(study, variant, level, name, compute(study, plan, {**study.sets, **variant.sets, **level.sets}, name, told))
                 except Error as wrong:

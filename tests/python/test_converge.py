@@ -53,6 +53,7 @@ class Converge(PackageTest):
         self.assertEqual(found.verdict, "converges", said)
         self.assertLessEqual(abs(found.finest - exact_energy(1.1)), found.error)
         self.assertIn("level 3: cell 0.5 m, 768 particles", said)
+        self.assertRegex(said, r"(?s)level 1: .*the next level: cell 0.666667 m, .*level 2: .*the next level: cell 0.5 m, 768 particles, about \d+ steps .*level 3: ")
         self.assertIn("the next level: cell 0.333333 m, 1728 particles, about ", said)
         kept = json.loads((study.path / "converge.json").read_text())
         self.assertEqual(kept["estimates"][0]["error"], found.error)
