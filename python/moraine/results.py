@@ -4,6 +4,8 @@ import pathlib
 from typing import Any, Dict, List, Union
 
 from .errors import Error
+from .grids import Grid, read_grid
+from .maps import map_files
 from .particles import ParticleSeries
 from .records import Table, read_summary, read_table, rows_where
 
@@ -51,6 +53,24 @@ class Run:
         table = read_table(path)
         names = dict.fromkeys(table["structure"].tolist())  # in the order of the scene
         return {name: rows_where(table, "structure", name) for name in names}
+
+    @functools.cached_property
+    def maps(self) -> Dict[str, Grid]:
+        """Hazard maps by their names: values (rows, columns) from the south and west on, in the units of docs/terrain.md.
+
+        Empty where the scene has no [hazard]. GeoTIFF wants Pillow.
+        """
+        return {name: read_grid(file) for name, file in map_files(self.path).items()}
+
+    @functools.cached_property
+    def gauges(self) -> Table:
+        """A row per sample of the maps: NAME_depth_m, NAME_speed_m_s, NAME_pressure_Pa of each gauge; each column (samples,)."""
+        return read_table(self.path / "gauges.csv")
+
+    @functools.cached_property
+    def sections(self) -> Table:
+        """A row per sample: discharge [m3/s], volume [m3] and mass [kg] that passed each section; each column (samples,)."""
+        return read_table(self.path / "sections.csv")
 
     @functools.cached_property
     def dimensions(self) -> int:

@@ -91,6 +91,19 @@ class Maps(PackageTest):
         del files["arrival"]
         self.assertEqual(reached_by(files, {"max_depth": read_grid(files["max_depth"])}, "max_depth").sum(), 7)
 
+    def test_a_run_has_its_maps_and_gauges(self):
+        path = valley("with-maps")
+        (path / "gauges.csv").write_text("step,time_s,bridge_depth_m\n0,0,0\n9,1.5,0.25\n")
+        run = moraine.Run(path)
+        self.assertEqual(list(run.maps), ["max_depth", "arrival"])
+        self.assertEqual((run.maps["max_depth"].values.max(), run.maps["max_depth"].cell), (1.5, 2))
+        self.assertEqual(run.gauges["bridge_depth_m"].tolist(), [0, 0.25])
+        self.assertIn("sections.csv", self.problem(lambda: run.sections))
+        bare = folder("without-maps")
+        bare.mkdir()
+        (bare / "history.csv").write_text("time_s\n0\n")
+        self.assertEqual(moraine.Run(bare).maps, {})
+
     def test_the_ground_is_found_beside_the_run_and_is_not_needed(self):
         self.assertEqual(ground_of(valley("with-ground")).extent, (-1, 41, -1, 21))
         self.assertIsNone(ground_of(valley("without-ground", ground=False)))
