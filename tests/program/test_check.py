@@ -86,11 +86,11 @@ class Check(moraine.ProgramTest):
         scene = INPUTS / "strip_footing.toml"
         alone, how = self.seconds(scene)
         self.assertIn("on one core of an Intel Xeon", how)
-        step = 0.37 * 129.9e-9 * self.said("particles", scene) + 0.2 * 8.02e-6 * self.said("blocks", scene)
+        step = 0.37 * 130e-9 * self.said("particles", scene) + 0.2 * 8e-6 * self.said("blocks", scene)
         self.assertAlmostEqual(alone, 1.28 * step * self.said("steps", scene), delta=0.05 * alone)
         valley = INPUTS / "valley.toml"
         on_ground = self.seconds(valley)[0]
-        step = 129.9e-9 * self.said("particles", valley) + 8.02e-6 * self.said("blocks", valley)
+        step = 130e-9 * self.said("particles", valley) + 8e-6 * self.said("blocks", valley)
         self.assertAlmostEqual(on_ground, 1.4 * 1.28 * step * self.said("steps", valley), delta=0.1 * on_ground)
         quarter, how = self.seconds(scene, "--ranks", "4")
         self.assertIn("on 4 cores evenly loaded", how)

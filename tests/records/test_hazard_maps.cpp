@@ -91,6 +91,28 @@ void maps_hold_all() {
     CHECK(totals_of(sim).mass + lost == doctest::Approx(released).epsilon(std::is_same_v<Real, float> ? 1e-6 : 1e-12));
 }
 
+template <class Real>
+void lands() {
+    const Comm comm(MPI_COMM_WORLD);
+    Scene scene = leaving();
+    scene.gravity = {0, 0, -40};
+    scene.bodies = {test::small_valley(InterfaceLaw::voellmy, false).bodies[0]};
+    scene.bodies[0].min = {0.4, 0.3, 1.3}, scene.bodies[0].max = {0.8, 0.7, 1.4};
+    scene.bodies[0].velocity = {};
+    Simulation<Real, 3> sim(scene, comm);
+    sim.seed();
+    HazardMaps maps(scene, comm);
+    sim.bin();
+    maps.sample(sim);
+    CHECK(flies(sim, comm));
+    CHECK(volume_in(maps, scene.hazard.cell) == 0);
+    while (flies(sim, comm) && sim.clock().time < 0.5) sim.step(), sim.balance();
+    sim.bin();
+    maps.sample(sim);
+    CHECK(volume_in(maps, scene.hazard.cell) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
+    sim.conclude();
+}
+
 }  // namespace
 
 TEST_CASE("what is over two empty layers flies") {
@@ -107,24 +129,32 @@ TEST_CASE("what is over two empty layers flies") {
 }
 
 TEST_CASE("a block in the air is no depth until it lands, and one on the ground is") {
+    lands<double>();
+    lands<float>();
+}
+
+TEST_CASE("thin layers and one particle on 45 degrees are all depth, with map cells of any size") {
     const Comm comm(MPI_COMM_WORLD);
-    Scene scene = leaving();
-    scene.gravity = {0, 0, -40};
-    scene.bodies = {test::small_valley(InterfaceLaw::voellmy, false).bodies[0]};
-    scene.bodies[0].min = {0.4, 0.3, 1.3}, scene.bodies[0].max = {0.8, 0.7, 1.4};
-    scene.bodies[0].velocity = {};
-    Simulation<double, 3> sim(scene, comm);
-    sim.seed();
-    HazardMaps maps(scene, comm);
-    sim.bin();
-    maps.sample(sim);
-    CHECK(flies(sim, comm));
-    CHECK(volume_in(maps, scene.hazard.cell) == 0);
-    while (flies(sim, comm) && sim.clock().time < 0.5) sim.step(), sim.balance();
-    sim.bin();
-    maps.sample(sim);
-    CHECK(volume_in(maps, scene.hazard.cell) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
-    sim.conclude();
+    for (double thickness : {0.1, 0.15, 0.3})
+        for (double side : {0.03, 0.1, 0.55}) {
+            CAPTURE(thickness);
+            CAPTURE(side);
+            Scene scene = leaving();
+            scene.structures[0].ground = std::make_shared<Ground>(
+                test::ground_of({-0.55, -0.55}, 26, 0.17, false, [](double x, double) { return 1.5 - x; }));
+            scene.bodies = {late(scene, 0, 0.2)};
+            scene.bodies[0].thickness = thickness;
+            if (side == 0.1) scene.bodies[0].points = {{0.5, 0.5}, {0.54, 0.5}, {0.54, 0.54}, {0.5, 0.54}};
+            scene.hazard.cell = side;
+            Simulation<double, 3> sim(scene, comm);
+            sim.seed();
+            sim.bin();
+            HazardMaps maps(scene, comm);
+            maps.sample(sim);
+            CHECK(volume_of(sim, comm) > 0);
+            CHECK(volume_in(maps, side) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
+            sim.conclude();
+        }
 }
 
 TEST_CASE("maps have the volume of the particles in 1e-6, with releases that come late and soil that leaves") {
