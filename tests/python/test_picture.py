@@ -227,12 +227,13 @@ class Pictures(PackageTest):
     def test_a_run_that_goes_on_or_was_killed_is_drawn_as_far_as_it_is(self):
         directory = folder("under-way")
         job = program.Job("run", program.INPUTS / "slurry_runout.toml", "--output", directory, "--quiet",
-                          *program.sets(domain__cell=0.25, time__end=100, output__interval=0.02), ranks=1)
+                          *program.sets(domain__cell=0.25, time__end=1e4, time__stop="end", output__interval=0.02), ranks=1)
         self.addCleanup(job.stop)
         for _ in range(20000):
             with contextlib.suppress(moraine.Error, OSError):
                 if len(moraine.Run(directory).particles) > 2:
                     break
+            self.assertIsNone(job.started.poll(), "the run ended")
             time.sleep(0.01)
         self.assertIn("speed-0.png", self.program(directory, "--no-animation", "--time", "0.02")[-1])
         job.stop()
