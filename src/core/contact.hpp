@@ -165,13 +165,13 @@ MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& 
     all[StructureSums<Dim>::work] = dot(impulse, s.velocity);
 }
 
-/// All structures in turn on one node: changes v, adds up at the structures if the node is counted here. gap_of(k):
-/// what particles tell of structure k. `given`: what they got together [kg m/s]. `ground`: the node's, where it is
-/// kept. Returns whether one touches.
-template <class Real, int Dim, class GapOf>
+/// All structures in turn on one node: changes v. gap_of(k): what particles tell of structure k. tell(k, values): takes
+/// what that gets from the node (StructureSums). `given`: what they got together [kg m/s]. `ground`: the node's, where
+/// it is kept. Returns whether one touches.
+template <class Real, int Dim, class GapOf, class Tell>
 MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, const ContactTime& time,
-                                 bool counted, const Quantum& quantum, const GapOf& gap_of, Vec<Real, Dim>& v,
-                                 Vec<double, Dim>& given, GroundNode<Dim>* ground = nullptr) {
+                                 const GapOf& gap_of, const Tell& tell, Vec<Real, Dim>& v, Vec<double, Dim>& given,
+                                 GroundNode<Dim>* ground = nullptr) {
     bool touched = false;
     for (int k = 0; k < f.count; ++k) {
         const Structure<Dim>& s = f.structure[k];
@@ -186,8 +186,7 @@ MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Re
         }
         double all[StructureSums<Dim>::count];
         tell_structure(s, n, double(mass), impulse, all);
-        for (int q = 0; counted && q < StructureSums<Dim>::count; ++q)
-            add_shared(&f.sums[k].sum[q], quantum.of(all[q]));
+        tell(k, all);
     }
     return touched;
 }

@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "core/vec.hpp"
 
@@ -28,24 +27,6 @@ struct ExactSum {
         high = ~high + (low == 0 ? 1 : 0);
     }
 };
-
-/// *to += sum by several threads at once: the low word tells the carry. Nobody may read `to` meanwhile.
-MORAINE_HD void add_shared(ExactSum* to, const ExactSum& sum) {
-    if (sum.low == 0 && sum.high == 0) return;
-#if defined(__CUDA_ARCH__)
-    const auto add = [](void* word, std::uint64_t value) {
-        return std::uint64_t(atomicAdd(static_cast<unsigned long long*>(word), static_cast<unsigned long long>(value)));
-    };
-#else
-    const auto add = [](auto* word, std::uint64_t value) {
-        return static_cast<std::uint64_t>(
-            __atomic_fetch_add(word, static_cast<std::remove_pointer_t<decltype(word)>>(value), __ATOMIC_RELAXED));
-    };
-#endif
-    const std::uint64_t old = add(&to->low, sum.low);
-    const std::uint64_t high = static_cast<std::uint64_t>(sum.high) + (old + sum.low < old ? 1 : 0);
-    if (high != 0) add(&to->high, high);
-}
 
 /// The quantum of a run's sums: powers of two, so scaling is exact.
 struct Quantum {
@@ -81,5 +62,16 @@ struct Quantum {
         return sign * (static_cast<double>(s.high) * two64 + static_cast<double>(s.low)) / scale;
     }
 };
+
+/// to[i] += sum by several threads at once: the low word tells the carry. Nobody may read `to` meanwhile.
+template <int N>
+inline void add_shared(ExactSum (&to)[N], const Quantum& quantum, const double (&values)[N]) {
+    for (int i = 0; i < N; ++i) {
+        const ExactSum sum = quantum.of(values[i]);
+        const std::uint64_t old = __atomic_fetch_add(&to[i].low, sum.low, __ATOMIC_RELAXED);
+        const std::int64_t high = sum.high + (old + sum.low < old ? 1 : 0);
+        if (high != 0) __atomic_fetch_add(&to[i].high, high, __ATOMIC_RELAXED);
+    }
+}
 
 }  // namespace moraine

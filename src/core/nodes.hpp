@@ -247,8 +247,12 @@ struct SolveNodes {
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
                     return near &&
                            touch_structures(
-                               contact, node, sums[0], round.contact_time(), counted, quantum,
-                               [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given,
+                               contact, node, sums[0], round.contact_time(),
+                               [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); },
+                               [&](int k, const auto& values) {
+                                   if (counted) add_shared(contact.sums[k].sum, quantum, values);
+                               },
+                               v, given,
                                contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
                 });
         } else {

@@ -53,7 +53,8 @@ struct Plane {
         const int node[2] = {5, 8 + above};
         Vec<double, 2> given = zero_vec<double, 2>();
         touch_structures(
-            field, node, 0.4, time, true, quantum, [&](int) { return gap; }, v, given);
+            field, node, 0.4, time, [&](int) { return gap; },
+            [&](int k, const auto& values) { add_shared(field.sums[k].sum, quantum, values); }, v, given);
         for (int a = 0; a < 2; ++a) CHECK(quantum.value(sums.sum[a]) == doctest::Approx(given[a]));
         return v;
     }

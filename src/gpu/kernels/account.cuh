@@ -21,8 +21,8 @@ __device__ __forceinline__ void add_exact(ExactSum* to, const ExactSum& sum) {
     if (high != 0) atomicAdd(reinterpret_cast<unsigned long long*>(&to->high), static_cast<unsigned long long>(high));
 }
 
-/// Sum over the warp in all its lanes, modulo 2^128. In pieces of 27 bits, 32 of which fit into a word.
-__device__ __forceinline__ ExactSum warp_sum(const ExactSum& mine) {
+/// Sum over these lanes of a warp in all of them, modulo 2^128. In pieces of 27 bits, 32 of which fit into a word.
+__device__ __forceinline__ ExactSum warp_sum(const ExactSum& mine, unsigned lanes = all_lanes) {
     constexpr std::uint64_t piece = (1u << 27) - 1;
     const std::uint64_t low = mine.low, high = static_cast<std::uint64_t>(mine.high);
     const std::uint64_t bits[5] = {low & piece, (low >> 27) & piece, ((low >> 54) | (high << 10)) & piece,
@@ -30,7 +30,7 @@ __device__ __forceinline__ ExactSum warp_sum(const ExactSum& mine) {
     ExactSum sum;
 #pragma unroll
     for (int i = 0; i < 5; ++i) {
-        const std::uint64_t s = __reduce_add_sync(all_lanes, static_cast<std::uint32_t>(bits[i]));
+        const std::uint64_t s = __reduce_add_sync(lanes, static_cast<std::uint32_t>(bits[i]));
         const int at = 27 * i;
         ExactSum shifted;
         shifted.low = at < 64 ? s << at : 0;
@@ -60,6 +60,18 @@ __device__ __forceinline__ void fold_sums(const ExactSum (&mine)[N], ExactSum* t
     for (int i = 0; i < N; ++i) {
         const ExactSum sum = warp_sum(mine[i]);
         if (lane_id() == i) add_exact(to + i, sum);
+    }
+}
+
+/// Adds N values to the exact sums at `to`: 2 N atomics for all lanes that are here together with the same `to`. Any
+/// lanes may call it.
+template <int N>
+__device__ __forceinline__ void add_together(ExactSum (&to)[N], const Quantum& quantum, const double (&values)[N]) {
+    const unsigned lanes = __match_any_sync(__activemask(), reinterpret_cast<std::uintptr_t>(&to));
+    const bool leads = lane_id() == __ffs(static_cast<int>(lanes)) - 1;
+    for (int i = 0; i < N; ++i) {
+        const ExactSum sum = warp_sum(quantum.of(values[i]), lanes);
+        if (leads) add_exact(to + i, sum);
     }
 }
 

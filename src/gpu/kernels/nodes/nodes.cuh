@@ -177,8 +177,11 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
             const auto gap_of = [&](int k) {
                 return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
-            return near && touch_structures(w.contact, node, sums[0], w.round.contact_time(), counting, w.quantum,
-                                            gap_of, v, given, ground ? ground + n : nullptr);
+            const auto tell = [&](int k, const auto& values) {
+                if (counting) add_together(w.contact.sums[k].sum, w.quantum, values);
+            };
+            return near && touch_structures(w.contact, node, sums[0], w.round.contact_time(), gap_of, tell, v, given,
+                                            ground ? ground + n : nullptr);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
