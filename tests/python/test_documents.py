@@ -87,6 +87,22 @@ class Documents(PackageTest):
         self.assertEqual(len(re.findall(r"^ *\d+ Pa +\d+\.\d+ m", done.stdout, re.MULTILINE)), 3, done.stdout)
         self.assertTrue((place / "runs/compare_runouts/fronts.png").exists())
 
+    @unittest.skipIf(NO_MATPLOTLIB, "no matplotlib")
+    def test_the_gallery_script_makes_every_picture_of_the_pages(self):
+        place = self.workplace("gallery")
+        (place / "docs").symlink_to(ROOT / "docs")
+        script = [sys.executable, "python/examples/gallery.py", "--quick"]
+        done = subprocess.run(script, cwd=place, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        pictures = {path.name for path in (place / "runs/gallery/pictures").iterdir() if path.stat().st_size > 1000}
+        self.assertEqual(pictures, {path.name for path in (ROOT / "docs/pictures").iterdir() if path.suffix != ".md"})
+        shown = re.findall(r"\]\(pictures/([\w.]+)\)", (ROOT / "docs/gallery.md").read_text())
+        self.assertGreater(len(shown), 9)
+        self.assertLessEqual({name for name in shown if name != "README.md"}, pictures)
+        self.assertIn("(../python/examples/gallery.py)", (ROOT / "docs/gallery.md").read_text())
+        done = subprocess.run([*script, "--only", "slury"], cwd=place, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr.count("One of slurry, ")), (2, 1), done.stderr)
+
 
 def prose_of(page):
     """Paragraphs and entries of lists, without code and tables."""
