@@ -41,10 +41,12 @@ class Check(NamedTuple):
 
     @property
     def particles(self) -> int:
+        """How many there are at the start."""
         return int(self.values["particles"][0].split()[0])
 
     @property
     def steps(self) -> int:
+        """How many it takes to time.end, by the step at the start."""
         return int(self.values["steps"][0].split()[0])
 
 

@@ -8,8 +8,8 @@ import numpy
 
 from .errors import Error
 
-#: Columns by name, all of one length: numbers as float arrays, words as arrays of str.
 Table = Dict[str, numpy.ndarray]
+"""Columns by name, all of one length (rows,): numbers as float arrays, words as arrays of str."""
 
 
 def _column(values: List[str]) -> numpy.ndarray:

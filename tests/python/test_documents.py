@@ -43,6 +43,12 @@ class Documents(PackageTest):
                 self.assertTrue(getattr(moraine, name).__doc__, name)
         self.assertTrue((pathlib.Path(moraine.__path__[0]) / "py.typed").exists())
 
+    def test_the_api_page_of_the_site_has_every_public_name(self):
+        sys.path.insert(0, str(ROOT / "docs/site"))
+        self.addCleanup(sys.path.remove, str(ROOT / "docs/site"))
+        page = importlib.import_module("api_pages").python_page()
+        self.assertLessEqual(set(moraine.__all__) | {"picture.draw"}, set(re.findall(r"^::: moraine\.([\w.]+)$", page, re.M)))
+
     def workplace(self, name):
         """A folder in which the page's paths hold: inputs, python and build/release/moraine."""
         place = folder(name)
