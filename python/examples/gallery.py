@@ -71,7 +71,7 @@ if "slurry" in ONLY:
 # %%
 if "slide" in ONLY:
     run = made("slide", "inputs/submarine_slide.toml", quick={"domain.cell": 1.0, "time.end": 5.0})
-    keep(run, "submarine_slide.png", times=[0, 10, 20, 30, 60], sheet=True)
+    keep(run, "submarine_slide.png", times=[0, 10, 20, 30, 50], sheet=True)
 if "slide-coarse" in ONLY:
     run = made("slide-coarse", "inputs/submarine_slide.toml", {"domain.cell": 0.5}, {"domain.cell": 1.0, "time.end": 5.0})
     keep(run, "slide_coarse.png", times=[0, 10, 20, 30, 52], sheet=True)
@@ -139,7 +139,7 @@ if "barrier" in ONLY:
 if "ranks" in ONLY:
     run = made("ranks", "inputs/slurry_runout.toml", {"domain.cell": 0.2, "domain.max": [72.0, 7.6]}, {"domain.cell": 0.5, "domain.max": [72.0, 8.0], "time.end": 3.0}, ranks=4)
     print(f"  {run.summary['repartitions']} repartitions, imbalance {run.summary['imbalance_mean']:.3f}")
-    keep(run, "ranks_follow.png", field="rank", times=[0, 1, 3, 6, 20], sheet=True)
+    keep(run, "ranks_follow.png", field="rank", times=[0, 1, 3, 6, 15], sheet=True)
 
 # %% [markdown]
 # ## Error against run time
