@@ -53,7 +53,7 @@ class Documents(PackageTest):
         """A folder in which the page's paths hold: inputs, python and build/release/moraine."""
         place = folder(name)
         (place / "build/release").mkdir(parents=True)
-        for link in ("inputs", "python"):
+        for link in ("inputs", "python", "pyproject.toml"):
             (place / link).symlink_to(ROOT / link)
         (place / "build/release/moraine").symlink_to(program.PROGRAM)
         return place
