@@ -1,10 +1,11 @@
 """Depth of the flow, from its particles: the ground is cut into columns, a depth is a column's extent upwards."""
-from typing import Optional, Sequence, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
 import numpy
+from numpy.typing import NDArray
 
 
-def spacing(position: numpy.ndarray) -> float:
+def spacing(position: NDArray[Any]) -> float:
     """Distance of neighbouring particles [m]: the median over at most 200 of them. (N, d) [m]; 0 of fewer than two.
 
     >>> spacing(numpy.array([[0.0, 0.0], [0.25, 0.0], [0.5, 0.0]]))
@@ -21,7 +22,7 @@ def spacing(position: numpy.ndarray) -> float:
     return float(numpy.sqrt(numpy.median(nearest)))
 
 
-def _extents(height: numpy.ndarray, column: numpy.ndarray, count: int) -> Tuple[numpy.ndarray, numpy.ndarray]:
+def _extents(height: NDArray[Any], column: NDArray[Any], count: int) -> Tuple[NDArray[Any], NDArray[Any]]:
     """Least and greatest height (N,) of each of `count` columns, of which particle p is in column[p]; (count,) each."""
     low, high = numpy.full(count, numpy.inf), numpy.full(count, -numpy.inf)
     numpy.minimum.at(low, column, height)
@@ -29,7 +30,7 @@ def _extents(height: numpy.ndarray, column: numpy.ndarray, count: int) -> Tuple[
     return low, high
 
 
-def depth_at(position: numpy.ndarray, width: float, between: float) -> numpy.ndarray:
+def depth_at(position: NDArray[Any], width: float, between: float) -> NDArray[Any]:
     """Depth of the flow at each particle, (N,) [m]: the extent of the column that it is in, plus one spacing `between`
     [m], for the outermost centres are half a spacing inside.
 
@@ -39,11 +40,12 @@ def depth_at(position: numpy.ndarray, width: float, between: float) -> numpy.nda
     cells, inverse = numpy.unique(numpy.floor(position[:, :-1] / width).astype(int), axis=0, return_inverse=True)
     inverse = inverse.reshape(-1)
     low, high = _extents(position[:, -1], inverse, len(cells))
-    return (high - low + between)[inverse]
+    depths: NDArray[Any] = (high - low + between)[inverse]
+    return depths
 
 
-def depth_profile(position: numpy.ndarray, width: Optional[float] = None,
-                  between: Optional[float] = None) -> Tuple[numpy.ndarray, numpy.ndarray]:
+def depth_profile(position: NDArray[Any], width: Optional[float] = None,
+                  between: Optional[float] = None) -> Tuple[NDArray[Any], NDArray[Any]]:
     """Depth of the flow along x: middles of the columns (n,) [m] and depths (n,) [m], 0 where there is none.
 
     In 3-D the depth at an x is the largest over y. `width` [m] of a column (default: four spacings) and `between`,
@@ -65,8 +67,8 @@ def depth_profile(position: numpy.ndarray, width: Optional[float] = None,
     return (first + numpy.arange(len(depth)) + 0.5) * width, depth
 
 
-def depth_along(position: numpy.ndarray, start: Sequence[float], end: Sequence[float], width: float,
-                between: float) -> Tuple[numpy.ndarray, numpy.ndarray]:
+def depth_along(position: NDArray[Any], start: Sequence[float], end: Sequence[float], width: float,
+                between: float) -> Tuple[NDArray[Any], NDArray[Any]]:
     """Depth of the flow along a line on the ground: distances from `start` (n,) [m] and depths (n,) [m], 0 where there is none.
 
     start, end: x [m] in 2-D, x and y [m] in 3-D; the line is a strip as wide as a column, `width` [m].

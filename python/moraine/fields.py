@@ -4,6 +4,7 @@ import difflib
 from typing import Any, Callable, Dict, List, Optional
 
 import numpy
+from numpy.typing import NDArray
 
 from .columns import depth_at
 from .errors import Error
@@ -20,7 +21,7 @@ class Field:
     below: Optional[float]
     above: float
     needs: List[str]
-    value: Callable[[Particles, float, float], Any]
+    value: Callable[[Particles, float, float], NDArray[Any]]
 
 
 FIELDS: Dict[str, Field] = {

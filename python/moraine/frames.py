@@ -4,6 +4,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 import matplotlib
 import numpy
+from numpy.typing import NDArray
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -38,13 +39,13 @@ class Frames:
     def read(self, k: int, needs: Optional[Sequence[str]] = None) -> Particles:
         return finite(self.run.particles.read(k, self.field.needs if needs is None else needs))
 
-    def profile(self, particles: Particles) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    def profile(self, particles: Particles) -> Tuple[NDArray[Any], NDArray[Any]]:
         """Places along x, or distances along the line, and depths [m]."""
         if self.line:
             return depth_along(particles.position, *self.line, self.width, self.between)
         return depth_profile(particles.position, self.width, self.between)
 
-    def values(self, particles: Particles) -> numpy.ndarray:
+    def values(self, particles: Particles) -> NDArray[Any]:
         return self.field.value(particles, self.width, self.between)
 
     def _survey(self, ks: Sequence[int]) -> None:
@@ -119,7 +120,7 @@ class Frames:
             colour_bar(self, figure, marks, ((LEFT + wide + 0.15) / size[0], BOTTOM / size[1], 0.16 / size[0], 1 - (BOTTOM + 0.34) / size[1]))
         return figure
 
-    def _edges(self, middles: numpy.ndarray) -> numpy.ndarray:
+    def _edges(self, middles: NDArray[Any]) -> NDArray[Any]:
         half = (middles[1] - middles[0]) / 2 if len(middles) > 1 else self.width / 2
         return numpy.append(middles - half, middles[-1:] + half)
 

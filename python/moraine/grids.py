@@ -4,6 +4,7 @@ import pathlib
 from typing import Any, Dict, Tuple, Union
 
 import numpy
+from numpy.typing import NDArray
 
 from .errors import Error
 
@@ -14,7 +15,7 @@ SCALE, TIE, NO_DATA = 33550, 33922, 42113  # tags of GeoTIFF and GDAL
 class Grid:
     """values (rows, columns), from the south and west on; NaN: no value. The outer cells' centres are `first` and `last` [m]."""
 
-    values: numpy.ndarray
+    values: NDArray[Any]
     first: Tuple[float, float]
     cell: float
 
@@ -80,7 +81,7 @@ def _tiff(path: pathlib.Path) -> Grid:
         raise Error(f"{path} cannot be read ({missing}). pip install pillow, or give it as .asc by gdal_translate -of AAIGrid?") from None
     try:
         with Image.open(path) as picture:
-            tags: Any = picture.tag_v2  # type: ignore[attr-defined]
+            tags: Any = getattr(picture, "tag_v2")
             if picture.mode != "F":
                 raise ValueError(f"its numbers are of mode {picture.mode}")
             values = numpy.array(picture, dtype=float)[::-1]

@@ -77,12 +77,12 @@ def _fitting_cell(wanted: float, lengths: Sequence[float]) -> Optional[float]:
     """The cell next to the wanted one that divides all lengths; None if there is none near."""
     if not lengths:
         return wanted
-    found = []
+    found: List[float] = []
     for count in range(math.ceil(lengths[0] / (NEAR * wanted)), math.floor(NEAR * lengths[0] / wanted) + 1):
         cell = lengths[0] / max(count, 1)
         if count > 0 and all(_is_whole(length / cell) for length in lengths):
             found.append(cell)
-    return min(found, key=lambda cell: abs(math.log(cell / wanted)), default=None)
+    return min(found, key=lambda near: abs(math.log(near / wanted))) if found else None
 
 
 def _bodies_that_do_not_fit(scene: Mapping[str, Any], low: Sequence[float], cell: float) -> Iterator[str]:

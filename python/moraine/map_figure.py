@@ -5,6 +5,7 @@ from typing import Any, List, Optional, Tuple
 import matplotlib
 import matplotlib.patheffects
 import numpy
+from numpy.typing import NDArray
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, LightSource
 from matplotlib.figure import Figure
@@ -26,7 +27,7 @@ def _round(length: float) -> float:
     return ten * max(step for step in (1, 2, 5) if step * ten <= length * (1 + 1e-9))
 
 
-def _outline(reached: numpy.ndarray, grid: Grid) -> List[Any]:
+def _outline(reached: NDArray[Any], grid: Grid) -> List[Any]:
     """Edges [m] between cells that were reached and cells that were not."""
     padded = numpy.pad(reached, 1)
     west, _, south, _ = grid.extent
@@ -64,14 +65,14 @@ def _scale_bar(box: Any) -> None:
     box.text(x + long / 2, y + 1.6 * tall, f"{long:g} m", ha="center", va="bottom", zorder=6, path_effects=HALO)
 
 
-def _colours(values: numpy.ndarray, name: str) -> Any:
+def _colours(values: NDArray[Any], name: str) -> Any:
     most = float(values.max()) if values.size else 1.0
     levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(0, most if most > 0 else 1.0)
     colours = matplotlib.colormaps[name].resampled(256)
     return colours, BoundaryNorm(levels, 256)
 
 
-def draw_map(label: str, colours: str, grid: Grid, reached: numpy.ndarray, ground: Optional[Grid], title: str = "") -> Figure:
+def draw_map(label: str, colours: str, grid: Grid, reached: NDArray[Any], ground: Optional[Grid], title: str = "") -> Figure:
     """A figure of a map: its cells where the flow came, over the ground, with outline, heights, scale bar and colour bar.
 
     colours: a colour map of matplotlib; reached (rows, columns): the cells that the outline is around.

@@ -4,6 +4,7 @@ import pathlib
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy
+from numpy.typing import NDArray
 
 from .errors import Error
 from .grids import Grid, read_grid
@@ -42,13 +43,15 @@ def ground_of(run: pathlib.Path, given: Optional[pathlib.Path] = None) -> Option
     return None
 
 
-def reached_by(files: Mapping[str, pathlib.Path], grids: Mapping[str, Grid], name: str) -> numpy.ndarray:
+def reached_by(files: Mapping[str, pathlib.Path], grids: Mapping[str, Grid], name: str) -> NDArray[Any]:
     """Cells that the flow reached: those with a time in the map `arrival` where there is one, else those of the map that are above 0."""
     arrival = grids.get("arrival") or (read_grid(files["arrival"]) if "arrival" in files else None)
     values = grids[name].values
-    if arrival is not None and arrival.values.shape == values.shape:
-        return numpy.isfinite(arrival.values)
-    return numpy.isfinite(values) & (values > 0)
+    if arrival is None or arrival.values.shape != values.shape:
+        reached: NDArray[Any] = numpy.isfinite(values) & (values > 0)
+    else:
+        reached = numpy.isfinite(arrival.values)
+    return reached
 
 
 def draw_maps(run: pathlib.Path, names: List[str], folder: pathlib.Path, terrain: Optional[pathlib.Path], title: str,

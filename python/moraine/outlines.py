@@ -6,13 +6,14 @@ the axis. Structures move and do not turn, so a displacement places them at any 
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy
+from numpy.typing import NDArray
 
 from .records import Table
 
 _ROUND = numpy.linspace(0, 2 * numpy.pi, 64, endpoint=False)
 
 
-def hull(points: numpy.ndarray) -> numpy.ndarray:
+def hull(points: NDArray[Any]) -> NDArray[Any]:
     """Corners (m, 2) of the convex hull of points (n, 2), counterclockwise.
 
     >>> hull(numpy.array([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2]])).tolist()
@@ -31,7 +32,7 @@ def hull(points: numpy.ndarray) -> numpy.ndarray:
     return numpy.array(half(ordered) + half(ordered[::-1]))
 
 
-def _ball(radius: float, dimensions: int) -> numpy.ndarray:
+def _ball(radius: float, dimensions: int) -> NDArray[Any]:
     circle = radius * numpy.column_stack([numpy.cos(_ROUND), numpy.sin(_ROUND)])
     if dimensions == 2:
         return circle
@@ -41,7 +42,7 @@ def _ball(radius: float, dimensions: int) -> numpy.ndarray:
     return numpy.concatenate(rings)
 
 
-def _disk(radius: float, axis: numpy.ndarray) -> numpy.ndarray:
+def _disk(radius: float, axis: NDArray[Any]) -> NDArray[Any]:
     """Points of a circle around the axis, at the origin."""
     across = numpy.cross(axis, numpy.eye(3)[numpy.argmin(abs(axis))])
     across /= numpy.linalg.norm(across)
@@ -49,20 +50,22 @@ def _disk(radius: float, axis: numpy.ndarray) -> numpy.ndarray:
     return radius * (numpy.outer(numpy.cos(_ROUND), across) + numpy.outer(numpy.sin(_ROUND), up))
 
 
-def _surface(structure: Mapping[str, Any], dimensions: int) -> numpy.ndarray:
+def _surface(structure: Mapping[str, Any], dimensions: int) -> NDArray[Any]:
     shape = structure["shape"]
     if shape == "sphere":
-        return _ball(structure["radius"], dimensions) + numpy.array(structure["center"])
+        ball: NDArray[Any] = _ball(structure["radius"], dimensions) + numpy.array(structure["center"])
+        return ball
     if shape == "box":
         both = numpy.array([structure["min"], structure["max"]], dtype=float)
-        return numpy.stack(numpy.meshgrid(*both.T), axis=-1).reshape(-1, dimensions)
+        corners: NDArray[Any] = numpy.stack(numpy.meshgrid(*both.T), axis=-1).reshape(-1, dimensions)
+        return corners
     ends = [numpy.array(structure[end], dtype=float) for end in ("from", "to")]
     ring = _ball(structure["radius"], dimensions) if shape == "capsule" else _disk(structure["radius"], ends[1] - ends[0])
     return numpy.concatenate([ring + end for end in ends])
 
 
 def outline(structure: Mapping[str, Any], axes: Tuple[int, int], dimensions: int,
-            displacement: numpy.ndarray) -> Optional[numpy.ndarray]:
+            displacement: NDArray[Any]) -> Optional[NDArray[Any]]:
     """Outline (m, 2) [m] of a [[structure]] of the scene in the plane of the two axes; None of a plane, which has no end, and of
     ground in 3-D, whose heights are in its own file.
 
@@ -74,15 +77,17 @@ def outline(structure: Mapping[str, Any], axes: Tuple[int, int], dimensions: int
         return None
     moved = displacement[list(axes)]
     if structure["shape"] == "polygon":
-        corners = numpy.array(structure["points"], dtype=float)
-        if axes == (0, 1):
-            return corners + moved
-        low, high = corners[:, 0].min(), corners[:, 0].max()
-        return numpy.array([[x, z] for x, z in zip((low, high, high, low), numpy.repeat(structure["z"], 2))]) + moved
-    return hull(_surface(structure, dimensions)[:, list(axes)]) + moved
+        corners: NDArray[Any] = numpy.array(structure["points"], dtype=float)
+        if axes != (0, 1):
+            low, high = corners[:, 0].min(), corners[:, 0].max()
+            corners = numpy.array([[x, z] for x, z in zip((low, high, high, low), numpy.repeat(structure["z"], 2))])
+    else:
+        corners = hull(_surface(structure, dimensions)[:, list(axes)])
+    there: NDArray[Any] = corners + moved
+    return there
 
 
-def displacement_at(tables: Dict[str, Table], name: str, time: float, dimensions: int) -> numpy.ndarray:
+def displacement_at(tables: Dict[str, Table], name: str, time: float, dimensions: int) -> NDArray[Any]:
     """How far a structure has come at a time [s], (dimensions,) [m], from the run's structures; 0 where no row tells.
 
     Between the rows it is linear, and before the first one it comes from 0 at the start. What is no number is passed over.

@@ -4,6 +4,7 @@ from typing import Any, Tuple
 
 import matplotlib
 import numpy
+from numpy.typing import NDArray
 from matplotlib.ticker import MaxNLocator
 
 from .particles import Particles
@@ -11,7 +12,7 @@ from .particles import Particles
 DRAWN = 300_000  # particles at most: more do not show in a picture
 
 
-def _order(particles: Particles, view: Tuple[int, int], thin: int) -> numpy.ndarray:
+def _order(particles: Particles, view: Tuple[int, int], thin: int) -> NDArray[Any]:
     """Which particles are drawn, in which order: in 3-D the nearest to the reader last, highest from above, least y from the side."""
     order = numpy.arange(0, len(particles), thin)
     if particles.dimensions == 2:

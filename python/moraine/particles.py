@@ -1,9 +1,10 @@
 """particles.vtkhdf: the particles at each output time, read one output at a time."""
 import dataclasses
 import pathlib
-from typing import Dict, Iterator, List, Optional, Sequence, Union
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Union
 
 import numpy
+from numpy.typing import NDArray
 
 from .errors import Error
 
@@ -19,28 +20,29 @@ class Particles:
 
     time: float
     dimensions: int
-    position: numpy.ndarray
-    fields: Dict[str, numpy.ndarray]
+    position: NDArray[Any]
+    fields: Dict[str, NDArray[Any]]
     units: Dict[str, str]
 
     def __len__(self) -> int:
         return len(self.position)
 
-    def __getitem__(self, name: str) -> numpy.ndarray:
+    def __getitem__(self, name: str) -> NDArray[Any]:
         """A field by its name. Raises Error if the run did not write it."""
         if name not in self.fields:
             raise Error(f"there is no field {name!r} (the run wrote {', '.join(self.fields)}). "
                         "Add it to output.fields of the scene?")
         return self.fields[name]
 
-    def speed(self) -> numpy.ndarray:
+    def speed(self) -> NDArray[Any]:
         """|v| of each particle, (N,) [m/s].
 
         >>> two = Particles(0.0, 2, numpy.zeros((2, 2)), {"velocity": numpy.array([[3.0, 4.0], [0.0, 1.0]])}, {})
         >>> two.speed()
         array([5., 1.])
         """
-        return numpy.sqrt((self["velocity"] ** 2).sum(axis=1))
+        found: NDArray[Any] = numpy.sqrt((self["velocity"] ** 2).sum(axis=1))
+        return found
 
 
 class ParticleSeries:
@@ -63,7 +65,7 @@ class ParticleSeries:
             self._file = h5py.File(self.path, "r", locking=False)
             top = self._file["VTKHDF"]
             steps = top["Steps"]
-            self.times: numpy.ndarray = steps["Values"][:]
+            self.times: NDArray[Any] = steps["Values"][:]
             self._first = steps["PointOffsets"][:]
             self._rows = top["NumberOfPoints"][:][steps["PartOffsets"][:]]
             self._points, self._data = top["Points"], top["PointData"]
@@ -98,7 +100,7 @@ class ParticleSeries:
         """Output k with the named fields (default: all). Raises IndexError, or Error for a field that is not there."""
         k = range(len(self))[k]
         rows = slice(int(self._first[k]), int(self._first[k] + self._rows[k]))
-        arrays: Dict[str, numpy.ndarray] = {}
+        arrays: Dict[str, NDArray[Any]] = {}
         units: Dict[str, str] = {}
         for name in self.fields if fields is None else fields:
             if name not in self._data:

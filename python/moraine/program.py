@@ -1,6 +1,7 @@
 """Calls the program: check a scene, run it and wait."""
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import signal
@@ -12,6 +13,8 @@ from .errors import Error
 from .results import Run
 from .scene import Path, Scene, as_file, set_words
 from .waiting import Progress, parse_progress, wait_for
+
+UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0}  # of the time that check says
 
 
 def find_program(program: Optional[Path] = None) -> str:
@@ -41,11 +44,23 @@ class Check(NamedTuple):
 
     @property
     def particles(self) -> int:
+        """How many there are at the start."""
         return int(self.values["particles"][0].split()[0])
 
     @property
     def steps(self) -> int:
+        """How many it takes to time.end, by the step at the start."""
         return int(self.values["steps"][0].split()[0])
+
+    @property
+    def seconds(self) -> Optional[float]:
+        """Wall time of the run [s] on the machine that its line `time` names, without outputs; None where it says none.
+
+        >>> Check("", {"time": ["about 12 min on one core"]}).seconds
+        720.0
+        """
+        found = re.match(r"about (\S+) (s|min|h|days) ", " ".join(self.values.get("time", [])))
+        return float(found[1]) * UNITS[found[2]] if found else None
 
 
 def _problem(lines: Sequence[str], code: int) -> Error:
@@ -54,14 +69,14 @@ def _problem(lines: Sequence[str], code: int) -> Error:
     return Error(message or f"the program failed (exit code {code}, no message). Is it one for this machine?", code)
 
 
-def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = None, ranks: int = 1) -> Check:
-    """Asks the program whether a scene (a file or a dict) is right, and how big it is. `sets` changes keys of it; the memory
-    is that of each of `ranks` ranks.
+def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = None, ranks: int = 1, options: Sequence[str] = ()) -> Check:
+    """Asks the program whether a scene (a file or a dict) is right, and how big it is. `sets` changes keys of it; memory and
+    time are those of each of `ranks` ranks; `options` are more words for the program, as ["--device", "cpu"].
 
     Raises Error with the program's message, which names line and remedy, where it is wrong. Writes nothing.
     """
     with as_file(scene) as file:
-        done = subprocess.run([find_program(program), "check", str(file), "--ranks", str(ranks), *set_words(sets)], capture_output=True, text=True,
+        done = subprocess.run([find_program(program), "check", str(file), "--ranks", str(ranks), *set_words(sets), *options], capture_output=True, text=True,
                               stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise _problem(done.stderr.splitlines(), done.returncode)

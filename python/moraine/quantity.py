@@ -1,9 +1,10 @@
 """One number of a run, by a name: a column of history.csv, of a structure, or the depth; at the end, at a time, or over time."""
 import dataclasses
 import difflib
-from typing import Any, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy
+from numpy.typing import NDArray
 
 from .columns import depth_profile
 from .errors import Error
@@ -17,7 +18,7 @@ COUNTED = {"front_m": 0.5}  # of a cell: to what a column is known that is count
 COLUMNS_PER_CELL = 2.0      # width of a column of the depth, in cells
 
 
-def _column(table: Table, name: str, where: str) -> numpy.ndarray:
+def _column(table: Table, name: str, where: str) -> NDArray[Any]:
     """The column of that name, or of it and a unit."""
     fitting = [column for column in table if column == name or column.startswith(name + "_") and _is_unit(column[len(name) + 1:])]
     if name in table:
@@ -43,7 +44,8 @@ def _depth(particles: Particles, cell: float) -> float:
     return float(max(depth_profile(particles.position, width=COLUMNS_PER_CELL * cell)[1], default=0.0))
 
 
-OF_PARTICLES = {"front": (_front, ["mass"]), "max_depth": (_depth, [])}  # and the fields that they need
+#: Front and depth, and the fields that they need.
+OF_PARTICLES: Dict[str, Tuple[Callable[[Particles, float], float], List[str]]] = {"front": (_front, ["mass"]), "max_depth": (_depth, [])}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +96,7 @@ class Quantity:
             return float(((values[1:] + values[:-1]) / 2 * numpy.diff(times)).sum()) / length if length > 0 else float(values[-1])
         return float(numpy.interp(end if self.when == "end" else float(self.when), times, values))
 
-    def _series(self, run: Run, cell: float) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    def _series(self, run: Run, cell: float) -> Tuple[NDArray[Any], NDArray[Any]]:
         if self.name in OF_PARTICLES:
             of, fields = OF_PARTICLES[self.name]
             series = run.particles

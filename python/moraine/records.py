@@ -5,14 +5,15 @@ import pathlib
 from typing import Any, Dict, List, Union
 
 import numpy
+from numpy.typing import NDArray
 
 from .errors import Error
 
-#: Columns by name, all of one length: numbers as float arrays, words as arrays of str.
-Table = Dict[str, numpy.ndarray]
+Table = Dict[str, NDArray[Any]]
+"""Columns by name, all of one length (rows,): numbers as float arrays, words as arrays of str."""
 
 
-def _column(values: List[str]) -> numpy.ndarray:
+def _column(values: List[str]) -> NDArray[Any]:
     try:
         return numpy.array(values, dtype=float)
     except ValueError:
@@ -62,6 +63,7 @@ def read_summary(path: Union[str, pathlib.Path]) -> Dict[str, Any]:
     if not path.is_file():
         raise Error(f"{path} cannot be read (no such file). Has the run ended?")
     try:
-        return json.loads(path.read_text())
+        found: Dict[str, Any] = json.loads(path.read_text())
+        return found
     except ValueError as wrong:
         raise Error(f"{path} cannot be read ({wrong}). Was the run stopped while it wrote it?") from None

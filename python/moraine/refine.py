@@ -7,12 +7,14 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence
 from .errors import Error
 from .level_run import Plan, compute, forecast, name_of, take
 from .levels import Level, cell_sizes, coarsest_of, fit
+from .number_text import duration
 from .program import check, run
 from .results import Run
 from .study import Study, Variant
 
 INPUT_WRONG = 2  # of the program's exit codes
 CLOSER = 1.05          # levels whose cells differ by less tell nothing
+FAR = 2.0              # times the budget: runs took 0.8 to 3.2 times what check said (docs/guide/cells-and-cost.md), and cores differ
 
 
 def variants_of(set_each: Mapping[str, Sequence[Any]]) -> List[Variant]:
@@ -71,6 +73,24 @@ def _refuse_quantities(study: Study, plan: Plan, cell: float) -> None:
             quantity.check(start, study.keys)
 
 
+def _refuse_budget(study: Study, plan: Plan, wanted: float) -> None:
+    """A first level that would go far over the budget by what `moraine check` says is not begun; one that was, is gone on with."""
+    if plan.budget_s is None:
+        return
+    at = [k for k, word in enumerate(plan.options) if word == "--device"]
+    device = [plan.options[k + more] for k in at for more in (0, 1)]
+    level, seconds = fit(study.keys, wanted), 0.0
+    for variant in study.variants:
+        if name_of(variant, level.cell) not in study.known["runs"]:
+            said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1, device)
+            seconds += (said.seconds or 0.0) / plan.threads
+    left = max(plan.budget_s - study.spent_s, 0.0)
+    if seconds > FAR * left:
+        first = "the first level" if len(study.variants) == 1 else f"the first level of {len(study.variants)}"
+        raise Error(f"--budget {duration(plan.budget_s)} ({first}, cell {level.cell:.6g} m, takes about {duration(seconds)} by moraine check"
+                    f"{f', and {duration(left)} are left' if study.spent_s else ''}). A larger --coarsest, or --budget {duration(study.spent_s + 1.5 * seconds).replace(' ', '')}?")
+
+
 def refine(study: Study, plan: Plan, before: Callable[[Variant], None], after: Callable[[Study, Variant], None],
            told: Callable[[str], None]) -> None:
     """Computes level by level, all variants on one level before the next. `before` is called with the forecast of a level behind
@@ -79,6 +99,7 @@ def refine(study: Study, plan: Plan, before: Callable[[Variant], None], after: C
     cell = study.keys["domain"]["cell"]
     sizes = cell_sizes(plan.ratio, plan.coarsest or coarsest_of(plan.ratio, cell))
     first = True
+    _refuse_budget(study, plan, plan.coarsest or coarsest_of(plan.ratio, cell))
     for wanted in sizes:
         for variant in [v for v in study.variants if not v.stopped]:
             level = _predict_next(study, variant, plan, wanted)

@@ -92,12 +92,13 @@ class Study:
     @property
     def spent_s(self) -> float:
         """Wall time of all runs so far, stopped ones too."""
-        return sum(self.known["runs"].values())
+        return float(sum(self.known["runs"].values()))
 
     def spend(self, directory: str, seconds: float) -> float:
         """Adds to what a level took, and returns that."""
-        self.known["runs"][directory] = self.known["runs"].get(directory, 0.0) + seconds
-        return self.known["runs"][directory]
+        took: float = self.known["runs"].get(directory, 0.0) + seconds
+        self.known["runs"][directory] = took
+        return took
 
     def estimates(self) -> List[Dict[str, Any]]:
         return [{"variant": v.name, "quantity": q.text, **dataclasses.asdict(v.estimate(q)), "relative": v.estimate(q).relative,
@@ -118,6 +119,7 @@ class Study:
     def is_finished(self, directory: str, end: float) -> bool:
         """Whether a level's run came to its end."""
         try:
-            return json.loads((self.path / directory / "summary.json").read_text())["simulated_time_s"] >= end * (1 - 1e-12)
+            reached = json.loads((self.path / directory / "summary.json").read_text())["simulated_time_s"]
+            return bool(reached >= end * (1 - 1e-12))
         except (OSError, ValueError, KeyError):
             return False

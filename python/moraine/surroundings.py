@@ -3,6 +3,7 @@ import json
 from typing import Any, List, Mapping, Optional, Tuple
 
 import numpy
+from numpy.typing import NDArray
 
 from .outlines import displacement_at, outline
 from .results import Run
@@ -28,7 +29,7 @@ class Surroundings:
         self._alpha = 1.0 if run.dimensions == 2 else 0.65  # in 3-D there may be soil before a structure
         self._tables = run.structures if scene else {}
 
-    def outlines(self, axes: Tuple[int, int], time: float) -> List[Tuple[str, numpy.ndarray]]:
+    def outlines(self, axes: Tuple[int, int], time: float) -> List[Tuple[str, NDArray[Any]]]:
         """Name and outline [m] of each structure that has an end, at a time [s]."""
         found = []
         for structure in self._scene.get("structure", []):
@@ -38,7 +39,7 @@ class Surroundings:
                 found.append((structure["name"], shape))
         return found
 
-    def clip(self, limits: numpy.ndarray, margin: numpy.ndarray) -> numpy.ndarray:
+    def clip(self, limits: NDArray[Any], margin: NDArray[Any]) -> NDArray[Any]:
         """Limits of a view (dimensions, 2) [m], no further than a margin (dimensions,) [m] outside the domain; what is near a wall shows it."""
         domain = self._scene.get("domain")
         if not domain:
@@ -46,7 +47,7 @@ class Surroundings:
         low, high = (numpy.array(domain[end], dtype=float) for end in ("min", "max"))
         return numpy.column_stack([numpy.maximum(limits[:, 0], low - margin), numpy.minimum(limits[:, 1], high + margin)])
 
-    def walls(self, axes: Tuple[int, int], view: numpy.ndarray) -> List[Tuple[int, float, List[float]]]:
+    def walls(self, axes: Tuple[int, int], view: NDArray[Any]) -> List[Tuple[int, float, List[float]]]:
         """Closed faces in a view (2, 2) [m]: which of its axes they are across, where, and from where to where they fill it."""
         found = []
         for wall in self._scene.get("wall", []):
@@ -60,7 +61,7 @@ class Surroundings:
                 found.append((across, face, outside))
         return found
 
-    def planes(self, axes: Tuple[int, int], time: float, view: numpy.ndarray) -> List[numpy.ndarray]:
+    def planes(self, axes: Tuple[int, int], time: float, view: NDArray[Any]) -> List[NDArray[Any]]:
         """The part (m, 2) [m] of a view that is behind a plane, of each; of none that the view is not along."""
         found = []
         for structure in self._scene.get("structure", []):
@@ -76,7 +77,7 @@ class Surroundings:
                 found.append(shape)
         return found
 
-    def solids(self, axes: Tuple[int, int], time: float, view: numpy.ndarray) -> List[Tuple[numpy.ndarray, str]]:
+    def solids(self, axes: Tuple[int, int], time: float, view: NDArray[Any]) -> List[Tuple[NDArray[Any], str]]:
         """All of these as polygons (m, 2) [m], each a "wall" or a "structure"."""
         found = []
         for across, _, outside in self.walls(axes, view):
@@ -102,7 +103,7 @@ class Surroundings:
                 panel.annotate(name, middle, ha="center", va="center", zorder=4, clip_on=True)
 
 
-def _behind(view: numpy.ndarray, point: numpy.ndarray, normal: numpy.ndarray) -> numpy.ndarray:
+def _behind(view: NDArray[Any], point: NDArray[Any], normal: NDArray[Any]) -> NDArray[Any]:
     """The view's rectangle, cut by the line through a point across a normal: what is behind it, (m, 2)."""
     corners = numpy.array([[view[0, i], view[1, j]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
     height = (corners - point) @ normal

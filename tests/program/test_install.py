@@ -50,6 +50,21 @@ class Install(moraine.ProgramTest):
         shutil.move(self.folder / "moraine", self.folder / "bin/moraine")
         self.assertRegex(self.call(self.folder, "report", "first", code=4), moraine.PROBLEM)
 
+    @unittest.skipUnless(shutil.which("cpack") and shutil.which("dpkg-deb") and shutil.which("dpkg-shlibdeps"), "no cpack or dpkg-deb")
+    def test_the_debian_package_has_what_is_installed_and_names_version_and_libraries(self):
+        made = subprocess.run(["cpack", "-G", "DEB", "-B", self.folder / "deb"], cwd=BUILD, capture_output=True, text=True)
+        self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+        package, = (self.folder / "deb").glob("*.deb")
+        version = (ROOT / "python/VERSION").read_text().strip()
+        self.assertRegex(package.name, rf"^moraine_{version}_\w+\.deb$")
+        told = subprocess.run(["dpkg-deb", "--field", package, "Package", "Version", "Depends"], capture_output=True, text=True).stdout
+        self.assertIn(f"Package: moraine\nVersion: {version}\n", told)
+        self.assertRegex(told, r"Depends: .*\blibhdf5")
+        subprocess.run(["dpkg-deb", "--extract", package, self.folder / "unpacked"], check=True)
+        unpacked, prefix = self.folder / "unpacked/usr", self.installed()
+        self.assertEqual(*[{str(path.relative_to(place)) for path in place.rglob("*")} for place in (unpacked, prefix)])
+        self.assertRegex(self.call(unpacked, "--version"), rf"^moraine {version} \(")
+
     @unittest.skipUnless(shutil.which("git") and (ROOT / ".git").exists(), "no git")
     def test_an_archive_of_the_sources_knows_its_commit(self):
         text = subprocess.run(["git", "archive", "HEAD", "cmake/commit.txt"], cwd=ROOT, capture_output=True).stdout

@@ -124,6 +124,16 @@ class Converge(PackageTest):
         self.assertEqual(len(study.variants[0].levels), 1)
         self.assertIsNotNone(study.variants[0].next_level["seconds"])
 
+    def test_a_budget_far_below_the_first_level_is_refused_before_anything_is_begun(self):
+        code, out, said = self.command(INPUTS / "submarine_slide.toml", "--budget", "1s", "--device", "cpu", "--output", folder("far"))
+        self.assertEqual((code, out), (2, ""), said)
+        self.assertRegex(said, rf"^moraine: {PROBLEM.pattern}$")
+        self.assertRegex(said, r"--budget 1 s \(the first level, cell 0\.5 m, takes about \d+ s by moraine check\)\. A larger --coarsest, or --budget \d\S*s\?")
+        self.assertFalse(folder("far").exists())
+        converge(BAR, "begun", "kinetic_J@1.1", error=1e-6, budget=0.02)
+        study, said = converge(BAR, "begun", "kinetic_J@1.1", error=1e-6, budget=1e-6)  # one that has begun is gone on with
+        self.assertIn("the next level would go over the budget", said)
+
     def test_a_bar_that_the_next_level_leaves_is_said_and_no_error_is_reached_by_it(self):
         quantity, = parse_quantities("front")
         levels = [LevelRun(h, "", {}, [], 1, 1, 1.0, "", {"front": value})

@@ -43,11 +43,17 @@ class Documents(PackageTest):
                 self.assertTrue(getattr(moraine, name).__doc__, name)
         self.assertTrue((pathlib.Path(moraine.__path__[0]) / "py.typed").exists())
 
+    def test_the_api_page_of_the_site_has_every_public_name(self):
+        sys.path.insert(0, str(ROOT / "docs/site"))
+        self.addCleanup(sys.path.remove, str(ROOT / "docs/site"))
+        page = importlib.import_module("api_pages").python_page()
+        self.assertLessEqual(set(moraine.__all__) | {"picture.draw"}, set(re.findall(r"^::: moraine\.([\w.]+)$", page, re.M)))
+
     def workplace(self, name):
         """A folder in which the page's paths hold: inputs, python and build/release/moraine."""
         place = folder(name)
         (place / "build/release").mkdir(parents=True)
-        for link in ("inputs", "python"):
+        for link in ("inputs", "python", "pyproject.toml"):
             (place / link).symlink_to(ROOT / link)
         (place / "build/release/moraine").symlink_to(program.PROGRAM)
         return place
@@ -87,6 +93,22 @@ class Documents(PackageTest):
         self.assertEqual(len(re.findall(r"^ *\d+ Pa +\d+\.\d+ m", done.stdout, re.MULTILINE)), 3, done.stdout)
         self.assertTrue((place / "runs/compare_runouts/fronts.png").exists())
 
+    @unittest.skipIf(NO_MATPLOTLIB, "no matplotlib")
+    def test_the_gallery_script_makes_every_picture_of_the_pages(self):
+        place = self.workplace("gallery")
+        (place / "docs").symlink_to(ROOT / "docs")
+        script = [sys.executable, "python/examples/gallery.py", "--quick"]
+        done = subprocess.run(script, cwd=place, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        pictures = {path.name for path in (place / "runs/gallery/pictures").iterdir() if path.stat().st_size > 1000}
+        self.assertEqual(pictures, {path.name for path in (ROOT / "docs/pictures").iterdir() if path.suffix != ".md"})
+        shown = re.findall(r"\]\(pictures/([\w.]+)\)", (ROOT / "docs/gallery.md").read_text())
+        self.assertGreater(len(shown), 9)
+        self.assertLessEqual({name for name in shown if name != "README.md"}, pictures)
+        self.assertIn("(../python/examples/gallery.py)", (ROOT / "docs/gallery.md").read_text())
+        done = subprocess.run([*script, "--only", "slury"], cwd=place, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr.count("One of slurry, ")), (2, 1), done.stderr)
+
 
 def prose_of(page):
     """Paragraphs and entries of lists, without code and tables."""
@@ -97,6 +119,14 @@ def prose_of(page):
             yield " ".join(" ".join(lines).split())
 
 
+def cells_of(page):
+    """Cells of tables, without code blocks; a bar behind a backslash divides nothing."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for line in text.splitlines():
+        if line.lstrip().startswith("|"):
+            yield from (cell.strip() for cell in re.split(r"(?<!\\)\|", line))
+
+
 class Rules(unittest.TestCase):
     def test_pages_and_paragraphs_are_short(self):
         self.assertGreater(len(PAGES), 90)
@@ -104,6 +134,7 @@ class Rules(unittest.TestCase):
             with self.subTest(str(page.relative_to(ROOT))):
                 self.assertLess(len(page.read_text().splitlines()), 200)
                 self.assertLessEqual(max(map(len, prose_of(page))), 500)
+                self.assertLessEqual(max(map(len, cells_of(page)), default=0), 500)
                 self.assertNotRegex(page.read_text(), r"\bGATE\b|\bTARGETS?\b|\bissue \d|\basked:|\bAsked\b")
 
     def test_the_first_page_begins_with_two_pictures_and_is_short(self):
