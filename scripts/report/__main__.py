@@ -112,6 +112,8 @@ def left_out(plots, runs):
         words.append("Scaling: give runs of one scene on two or more numbers of ranks.")
     if any(run.loads is None for run in shared):
         words.append("Owners and causes of imbalance: of runs with <code>--set output.block_loads=on</code>.")
+    if any(run.loads is None and "asleep" in run.history for run in runs if run.finished):
+        words.append("Where it slept: of runs with <code>--set output.block_loads=on</code>.")
     if shared and "predictions" not in names:
         words.append("Predictions for more ranks: of runs that <code>moraine replay</code> has looked at.")
     return words
@@ -140,13 +142,14 @@ def progress(words):
 def balance_plots(runs, times):
     """Plots of how the work was shared; of runs on one rank there are none but scaling and predictions."""
     import plots as p
+    from asleep import where_it_slept
     from owners import owners
     runs = [run for run in runs if run.finished]
     if not runs:
         return []
     shared = [run for run in runs if run.summary["ranks"] > 1]
     shown = [run for run in shared if len(run.balance["step"]) > 0]
-    found = [p.strong(runs), p.weak(runs), p.lost_time(runs) if shared else None]
+    found = [where_it_slept(runs), p.strong(runs), p.weak(runs), p.lost_time(runs) if shared else None]
     if shown:
         found += [p.imbalance(shown), owners(shown, times), p.halo(shown), p.migration(shown), p.decisions(shown)]
     return [plot for plot in [*found, p.predictions(runs)] if plot]

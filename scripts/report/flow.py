@@ -1,5 +1,6 @@
 """What the flow of a run did, for the page: facts, warnings, pictures, and charts of history.csv and structures.csv."""
 import html
+import itertools
 import math
 
 import page
@@ -92,6 +93,22 @@ def sleepers(runs):
         return None
     return Chart("asleep", "Asleep and awake", "Share of the particles. Those of blocks that sleep are left out of P2G and G2P, and count little in the load.",
                  "time [s]", "share [%]", lines, zero=True)
+
+
+def particle_steps(runs):
+    """Made and saved so far, of runs that have ended; None of those in which no block can sleep."""
+    lines = []
+    for run in runs:
+        if not run.finished or "asleep" not in run.balance or not len(run.balance["step"]):
+            continue
+        more, steps = f"{run.name}: " if len(runs) > 1 else "", run.steps_between
+        for name, words in (("awake", "made"), ("asleep", "saved")):
+            so_far = itertools.accumulate(float(n) * float(of) / 1e6 for n, of in zip(run.balance[name], steps))
+            lines.append(Line(more + words, list(map(float, run.time)), list(so_far), dashed=words == "made"))
+    if not lines:
+        return None
+    return Chart("particle_steps", "Particle-steps", "Made and saved since the start, by who slept at each balance interval.", "time [s]",
+                 "particle-steps [million]", lines, zero=True)
 
 
 def forces(run):
@@ -217,14 +234,14 @@ def sections(runs):
         missing += [words for words in (why, unmapped) if words]
         mine = [chart for chart in [depth, energies(run), unaccounted(run), *forces(run)] if chart]
         if len(flows) == 1:
-            mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows), sleepers(flows)) if chart]
+            mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows), sleepers(flows), particle_steps(flows)) if chart]
         if len(run.structures) > STRONG:
             missing.append(f"Forces on {len(run.structures) - STRONG} more structures of {html.escape(run.name)}: see its structures.csv.")
         charts += mine
         parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{warnings(run)}{shown}{mapped}\n"
                      f'<div class="charts">{"".join(map(section, mine))}</div>\n</section>')
     if len(flows) > 1:
-        both = [chart for chart in (fronts(flows), speeds(flows), *together.forces(flows), fillings(flows), sleepers(flows)) if chart]
+        both = [chart for chart in (fronts(flows), speeds(flows), *together.forces(flows), fillings(flows), sleepers(flows), particle_steps(flows)) if chart]
         charts += both
         parts.insert(0, together.flows(runs, flows, both))
     return parts, charts, missing

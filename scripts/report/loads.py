@@ -5,9 +5,11 @@ import struct
 import numpy
 from wrong import Wrong
 
-HEADER = struct.Struct("<8s2i3i3i6id2q3dd24s2dQ")  # io/block_loads.hpp
+HEADER = struct.Struct("<8s2i3i3i8id2q3dd24s2dQ")  # io/block_loads.hpp
 FRAME = struct.Struct("<8sqddqqqQ")
-ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])
+ROW = numpy.dtype([("key", "<u8"), ("particles", "<u4"), ("owner", "<i4")])  # the top bit of particles: it sleeps
+ASLEEP = 1 << 31
+SLEEPERS_PER_AWAKE = 16  # balance/weight.hpp
 
 
 def mix(word):
@@ -35,20 +37,24 @@ def gather_bits(key, start, stride, bits):
 
 
 class ImbalanceCheck:
-    """Blocks at one balance interval: keys, particles, owners."""
+    """Blocks at one balance interval: keys, particles, owners, who sleeps (`slept`: the run has sleepers), and their loads."""
 
-    def __init__(self, step, time, ranks, rows):
-        self.step, self.time, self.ranks, self.rows = step, time, ranks, rows
+    def __init__(self, step, time, ranks, rows, slept):
+        self.step, self.time, self.ranks, self.rows = step, time, ranks, rows.copy()
+        self.rows["particles"] &= ASLEEP - 1
+        self.asleep = (rows["particles"] & ASLEEP != 0) & slept
+        particles = self.rows["particles"].astype(numpy.int64)
+        self.loads = numpy.where(self.asleep, -(-particles // SLEEPERS_PER_AWAKE), particles)
 
     def imbalance(self):
-        """Maximum over mean of the ranks, by particles."""
-        held = numpy.bincount(self.rows["owner"], weights=self.rows["particles"], minlength=self.ranks)
+        """Maximum over mean of the ranks, of particles by what they cost."""
+        held = numpy.bincount(self.rows["owner"], weights=self.loads, minlength=self.ranks)
         return held.max() * self.ranks / held.sum()
 
     def best_imbalance(self):
         """The same of the best contiguous cut of the Morton curve: bisection over the heaviest part."""
-        sums = numpy.concatenate(([0], numpy.cumsum(self.rows["particles"], dtype=numpy.int64)))
-        low, high = int(max(self.rows["particles"].max(), -(-sums[-1] // self.ranks))), int(sums[-1])
+        sums = numpy.concatenate(([0], numpy.cumsum(self.loads)))
+        low, high = int(max(self.loads.max(), -(-sums[-1] // self.ranks))), int(sums[-1])
         while low < high:
             middle, at = (low + high) // 2, 0
             for _ in range(self.ranks):
@@ -65,20 +71,21 @@ class Loads:
 
     def __init__(self, path):
         data = pathlib.Path(path).read_bytes()
-        if len(data) < HEADER.size or data[:8] != b"MORLOAD4":
+        if len(data) < HEADER.size or data[:8] != b"MORLOAD5":
             raise Wrong(f"{path} is no record of block loads (its header is missing). Leave that run out?")
         if hash_of(data[:HEADER.size - 8]) != HEADER.unpack_from(data)[-1]:
             raise Wrong(f"{path} is damaged (its header is not what was written). Leave that run out?")
         head = HEADER.unpack_from(data)
         self.dimensions = head[1]
-        self.corner, self.side = head[18:21], head[21]
+        self.slept = head[15] == 1  # SleepersRecord::asleep
+        self.corner, self.side = head[20:23], head[23]
         self.checks, at = [], HEADER.size
         while at + FRAME.size <= len(data):
             _, step, time, _, _, ranks, blocks, _ = FRAME.unpack_from(data, at)
             at += FRAME.size + 32 * ranks
             if at + ROW.itemsize * blocks > len(data):
                 break
-            self.checks.append(ImbalanceCheck(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at)))
+            self.checks.append(ImbalanceCheck(step, time, ranks, numpy.frombuffer(data, ROW, blocks, at), self.slept))
             at += ROW.itemsize * blocks
 
     def position(self, check):

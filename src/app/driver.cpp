@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "io/disk_file.hpp"
+#include "predict/capacity.hpp"
 #include "predict/scene_warnings.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/frame_choice.hpp"
@@ -55,6 +56,9 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
       device_message_(device.message),
       sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr) {
+    // Moves within one host leave its memory as full as it was.
+    if (!device.cuda && host_count(sim_.hosts()) > 1)
+        sim_.hold_at_most(particles_in_memory(scene, {comm.size(), comm.on_this_machine().size, host_memory()}));
     if (scene.hazard.cell > 0) maps_ = std::make_unique<HazardMaps>(scene, comm);
     if (!scene.hazard.sections.empty()) flow_ = std::make_unique<SectionFlow>(scene, comm);
     if (scene.rest.stops) rest_ = std::make_unique<RestWatch<Dim>>(scene, comm);

@@ -17,12 +17,18 @@ Key hilbert_key(const Layout& layout, Key morton) {
                                   : Hilbert<3>::encode(Morton<3>::decode(morton));
 }
 
-std::vector<std::int64_t> weights_of(std::span<const BlockLoad> blocks, const Links& links) {
+/// Of each link the sum of a column of its blocks.
+std::vector<std::int64_t> sums_of(std::span<const BlockLoad> blocks, const Links& links,
+                                  std::int64_t BlockLoad::*column) {
     std::int32_t count = 0;
     for (std::int32_t link : links) count = std::max(count, link + 1);
-    std::vector<std::int64_t> weights(static_cast<std::size_t>(count), 0);
-    for (std::size_t b = 0; b < blocks.size(); ++b) weights[links[b]] += blocks[b].weight;
-    return weights;
+    std::vector<std::int64_t> sums(static_cast<std::size_t>(count), 0);
+    for (std::size_t b = 0; b < blocks.size(); ++b) sums[links[b]] += blocks[b].*column;
+    return sums;
+}
+
+std::vector<std::int64_t> weights_of(std::span<const BlockLoad> blocks, const Links& links) {
+    return sums_of(blocks, links, &BlockLoad::weight);
 }
 
 std::vector<std::int32_t> parts_of(const Links& links, const std::vector<std::int64_t>& cuts) {
@@ -81,19 +87,35 @@ std::vector<std::int32_t> ChainPartitioner::owners(std::span<const BlockLoad> bl
     return relabelled(blocks, parts_of(links, exact_cut(weights_of(blocks, links), ranks_)));
 }
 
-std::vector<Option> ChainPartitioner::options(std::span<const BlockLoad> blocks, std::int64_t) const {
-    const Links links = order_(blocks);
-    const std::vector<std::int64_t> weights = weights_of(blocks, links);
-    const std::vector<std::int32_t> parts = parts_of(links, exact_cut(weights, ranks_));
+std::vector<Option> ChainPartitioner::options_of(std::span<const BlockLoad> blocks, const Links& links,
+                                                 std::span<const std::int64_t> weights,
+                                                 const std::vector<std::int64_t>& cuts,
+                                                 const MemoryLimit& memory) const {
+    const std::vector<std::int32_t> parts = parts_of(links, cuts);
     std::vector<Option> options{
         {PlanKind::natural, host_count(hosts_) > 1 ? renamed(parts, ranks_by_host(hosts_)) : parts},
         {PlanKind::relabelled, relabelled(blocks, parts)}};
     const OwnerAffinity homes = affinity_of(blocks, links, static_cast<std::int64_t>(weights.size()), ranks_);
-    if (const auto least = least_migration(weights, homes, ranks_, migration_tolerance)) {
+    if (const auto least = least_migration(weights, homes, ranks_, migration_tolerance, memory)) {
         const std::vector<std::int32_t> pieces = parts_of(links, least->cuts);
         options.push_back({PlanKind::least, relabelled(blocks, pieces, least->rank_of)});
     }
     return options;
+}
+
+std::vector<Option> ChainPartitioner::options(std::span<const BlockLoad> blocks, std::int64_t) const {
+    const Links links = order_(blocks);
+    const std::vector<std::int64_t> weights = weights_of(blocks, links);
+    return options_of(blocks, links, weights, exact_cut(weights, ranks_), {});
+}
+
+std::vector<Option> ChainPartitioner::options_within(std::span<const BlockLoad> blocks, std::int64_t most) const {
+    const Links links = order_(blocks);
+    const std::vector<std::int64_t> weights = weights_of(blocks, links);
+    const std::vector<std::int64_t> held = sums_of(blocks, links, &BlockLoad::particles);
+    const MemoryLimit memory{held, most};
+    const auto cuts = exact_cut(weights, ranks_, memory);
+    return cuts ? options_of(blocks, links, weights, *cuts, memory) : std::vector<Option>{};
 }
 
 }  // namespace moraine

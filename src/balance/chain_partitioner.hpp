@@ -39,7 +39,13 @@ class ChainPartitioner final : public Partitioner {
     /// natural, relabelled and, where it differs from them, least migration.
     std::vector<Option> options(std::span<const BlockLoad> blocks, std::int64_t round) const override;
 
+    /// The same under the limit; none only where the chain has no such cut.
+    std::vector<Option> options_within(std::span<const BlockLoad> blocks, std::int64_t most) const override;
+
   private:
+    std::vector<Option> options_of(std::span<const BlockLoad> blocks, const Links& links,
+                                   std::span<const std::int64_t> weights, const std::vector<std::int64_t>& cuts,
+                                   const MemoryLimit& memory) const;
     std::vector<std::int32_t> relabelled(std::span<const BlockLoad> blocks, std::span<const std::int32_t> parts,
                                          std::span<const std::int32_t> wanted = {}) const;
 

@@ -13,13 +13,11 @@ std::vector<std::int64_t> counted_cut(std::int64_t blocks, std::int64_t used, in
     return cuts;
 }
 
-}  // namespace
-
-std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int parts) {
-    const Chain chain(weights);
+/// All of the chain must fit into so many parts, and some link weigh something.
+std::vector<std::int64_t> cut_of(const Chain& chain, int parts) {
     const std::int64_t n = chain.size();
     const std::int64_t used = std::min<std::int64_t>(n, parts);
-    if (chain.total() == 0 || used == n) return counted_cut(n, used, parts);
+    if (used == n) return counted_cut(n, used, parts);
 
     const std::int64_t b = chain.bottleneck(used);
     // first[p]: the blocks from there on, and from no earlier block, fit into the parts p, ..., used - 1
@@ -34,6 +32,22 @@ std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int p
         cuts[p] = chain.nearest_to_mean(cuts[p - 1], used - p + 1, low, high);
     }
     return cuts;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> exact_cut(std::span<const std::int64_t> weights, int parts) {
+    const Chain chain(weights);
+    if (chain.total() == 0) return counted_cut(chain.size(), std::min<std::int64_t>(chain.size(), parts), parts);
+    return cut_of(chain, parts);
+}
+
+std::optional<std::vector<std::int64_t>> exact_cut(std::span<const std::int64_t> weights, int parts,
+                                                   const MemoryLimit& memory) {
+    Chain chain(weights, memory);
+    if (chain.total() == 0) chain = Chain(std::vector<std::int64_t>(weights.size(), 1), memory);
+    if (!chain.fits(parts, chain.total())) return {};
+    return cut_of(chain, parts);
 }
 
 std::int64_t even_parts(std::span<const std::int64_t> weights, std::int64_t at_most, double limit) {

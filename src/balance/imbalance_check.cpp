@@ -1,5 +1,6 @@
 #include "balance/imbalance_check.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "balance/load.hpp"
@@ -8,9 +9,17 @@
 namespace moraine {
 namespace {
 
+/// Of each kind the option that a partitioner has, if all ranks can hold it, else its best of those that they can hold.
 std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& in, int ranks,
                                      const Partitioner& partitioner) {
-    std::vector<Option> options = that_fit(partitioner.options(blocks, in.round), blocks, ranks, in.most);
+    std::vector<Option> all = partitioner.options(blocks, in.round);
+    const std::size_t offered = all.size();
+    std::vector<Option> options = that_fit(std::move(all), blocks, ranks, in.most);
+    if (options.size() == offered) return options;
+    for (Option& option : partitioner.options_within(blocks, in.most)) {
+        const auto same = [&](const Option& o) { return o.kind == option.kind; };
+        if (std::none_of(options.begin(), options.end(), same)) options.push_back(std::move(option));
+    }
     if (!options.empty()) return options;
     std::vector<BlockLoad> by_particles(blocks.begin(), blocks.end());
     for (BlockLoad& block : by_particles) block.weight = block.particles;

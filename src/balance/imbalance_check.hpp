@@ -33,8 +33,9 @@ struct ImbalanceCheckResult {
     std::vector<std::int32_t> owners;  ///< of each block; none where all stays
 };
 
-/// blocks: of all ranks, in key order. Where a rank cannot hold its part by weight, parts are by particles; where it
-/// cannot hold that either, all stays. Collective where the partitioner is.
+/// blocks: of all ranks, in key order. Where a rank cannot hold its part by weight, a chain is cut as evenly by weight
+/// as its ranks can hold; where it has no such cut, and with partitioners that know none, parts are by particles; where
+/// a rank cannot hold that either, all stays. Collective where the partitioner is.
 ImbalanceCheckResult check_imbalance(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& input, int ranks,
                                      const Partitioner& partitioner, const RepartitionTrigger& trigger);
 

@@ -54,8 +54,9 @@ struct Layer {
 
 class Search {
   public:
-    Search(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts, double tolerance)
-        : chain_(weights), held_(homes.held), homes_(homes), parts_(parts), home_of_(weights.size()) {
+    Search(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts, double tolerance,
+           const MemoryLimit& memory)
+        : chain_(weights, memory), held_(homes.held), homes_(homes), parts_(parts), home_of_(weights.size()) {
         const std::int64_t best = chain_.bottleneck(std::min<std::int64_t>(parts, chain_.size()));
         const double allowed = tolerance * static_cast<double>(best);
         limit_ = allowed < static_cast<double>(chain_.total() - best) ? best + static_cast<std::int64_t>(allowed)
@@ -65,7 +66,7 @@ class Search {
                       static_cast<std::int32_t>(h));
         begin_.reserve(weights.size() + 1);
         for (std::int64_t i = 0, j = 0; j <= chain_.size(); begin_.push_back(i), ++j)
-            while (chain_.weight(i, j) > limit_) ++i;
+            while (!chain_.is_part(i, j, limit_)) ++i;
         set_ranges();
     }
 
@@ -224,10 +225,10 @@ class Search {
 }  // namespace
 
 std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts,
-                                         double tolerance) {
+                                         double tolerance, const MemoryLimit& memory) {
     const bool weighs = std::any_of(weights.begin(), weights.end(), [](std::int64_t w) { return w > 0; });
     if (homes.rank.empty() || !weighs) return {};
-    Search search(weights, homes, parts, tolerance);
+    Search search(weights, homes, parts, tolerance, memory);
     if (search.is_too_much()) return {};
     return search.best();
 }

@@ -20,6 +20,7 @@
 #include <span>
 #include <vector>
 
+#include "balance/cut.hpp"
 #include "balance/owner_affinity.hpp"
 
 namespace moraine {
@@ -33,9 +34,10 @@ struct RankedCut {
     std::vector<std::int32_t> rank_of;  ///< of each part; -1: none that it would keep something of
 };
 
-/// Nothing where there is nothing to keep, no weight, or too much to search (more than 2^23 states: few
-/// links so heavy that all others fit anywhere). Not collective.
+/// Among the cuts whose parts keep to the limit of memory, which some cut into so many parts must; the optimum is
+/// theirs. Nothing where there is nothing to keep, no weight, or too much to search (more than 2^23 states: few links
+/// so heavy that all others fit anywhere). Not collective.
 std::optional<RankedCut> least_migration(std::span<const std::int64_t> weights, const OwnerAffinity& homes, int parts,
-                                         double tolerance);
+                                         double tolerance, const MemoryLimit& memory = {});
 
 }  // namespace moraine

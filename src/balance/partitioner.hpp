@@ -60,6 +60,11 @@ class Partitioner {
         return {{PlanKind::natural, owners(blocks, round)}};
     }
 
+    /// The same with no more than `most` particles on any rank; none where the partitioner knows none. Not collective.
+    virtual std::vector<Option> options_within(std::span<const BlockLoad> /*blocks*/, std::int64_t /*most*/) const {
+        return {};
+    }
+
     /// The rank that owns this place, also outside the domain; -1: take that of the first occupied
     /// neighbour, in offset order. Not collective.
     virtual std::int32_t owner_at(const Position&) const { return -1; }

@@ -104,17 +104,28 @@ inline SleepRule sleep_rule(const Scene& scene) {
             s.wake};
 }
 
-/// u of a particle that is awake.
+/// u of a particle by its speed alone.
 template <class Real, int Dim>
-double activity_of(const SleepRule& rule, const ParticleView<Real, Dim>& p, std::uint32_t s) {
-    const double moved = displacement_between<Dim>(p.rest_place[s], rest_place<Real, Dim>(p.position[s]));
-    const double density = static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]);
-    const double change = stress_change(p.rest_stress[s], rest_stress(p.stress[s]));
+double activity_by_speed(const SleepRule& rule, const ParticleView<Real, Dim>& p, std::uint32_t s) {
     double square = 0;
     for (int a = 0; a < Dim; ++a)
         square += static_cast<double>(p.velocity[s][a]) * static_cast<double>(p.velocity[s][a]);
-    const double by_stress = change / (rule.weight * density);
-    return std::fmax(std::fmax(moved / rule.displacement, by_stress), std::sqrt(square) / rule.speed);
+    return std::sqrt(square) / rule.speed;
+}
+
+/// u of a particle that is awake, by the two words of the last check.
+template <class Real, int Dim>
+double activity_since(const SleepRule& rule, const ParticleView<Real, Dim>& p, std::uint32_t s, std::uint64_t place,
+                      std::uint64_t stress) {
+    const double moved = displacement_between<Dim>(place, rest_place<Real, Dim>(p.position[s]));
+    const double density = static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]);
+    const double by_stress = stress_change(stress, rest_stress(p.stress[s])) / (rule.weight * density);
+    return std::fmax(std::fmax(moved / rule.displacement, by_stress), activity_by_speed<Real, Dim>(rule, p, s));
+}
+
+template <class Real, int Dim>
+double activity_of(const SleepRule& rule, const ParticleView<Real, Dim>& p, std::uint32_t s) {
+    return activity_since<Real, Dim>(rule, p, s, p.rest_place[s], p.rest_stress[s]);
 }
 
 }  // namespace moraine

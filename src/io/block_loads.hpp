@@ -3,8 +3,8 @@
 //
 //   header   what a replay must know of the run: layout, message sizes, rules of balance; a hash over it
 //   frame    step, time, seconds lost to imbalance, exchanges of the halo; of each rank its seconds per phase since the
-//            frame before (32 bytes); of each block its key, particles and owner (16 bytes), in key order; a hash over
-//            all of it
+//            frame before (32 bytes); of each block its key, particles, owner, and whether it sleeps (16 bytes), in key
+//            order; a hash over all of it
 //
 // Rank 0 writes, a frame by one write, so a killed run leaves whole frames and at most one torn frame at the end. A
 // reader refuses a torn or damaged frame; that whole frames are missing is told by balance.csv, which
@@ -24,9 +24,16 @@
 
 namespace moraine {
 
+/// What a record says of sleeping blocks.
+enum class SleepersRecord : std::int32_t {
+    none,    ///< nothing: all count as awake
+    asleep,  ///< which of them sleep: of a run with numerics.sleep = "on"
+    would    ///< which of them would: of a run in which all are awake
+};
+
 /// In the byte order of the machine that wrote it. Axes that the scene does not have: 1 block.
 struct LoadHeader {
-    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '4'};
+    std::array<char, 8> magic{'M', 'O', 'R', 'L', 'O', 'A', 'D', '5'};
     std::int32_t dimensions = 3;
     std::int32_t width = 3;                  ///< of the stencil [nodes]
     std::array<std::int32_t, 3> blocks{};    ///< of the domain
@@ -37,6 +44,8 @@ struct LoadHeader {
     std::int32_t axis = 0;                   ///< of slabs
     std::int32_t trigger = 0;                ///< Trigger as a number
     std::int32_t weighs_cost = 0;            ///< 1: blocks weigh what they cost, 0: particles
+    std::int32_t sleepers = 0;               ///< who sleeps: SleepersRecord as a number
+    std::int32_t unused = 0;                 ///< fills eight bytes
     double threshold = 1.05;                 ///< of the trigger
     std::array<std::int64_t, 2> model{};     ///< cost of a step per particle and block [ps]
     std::array<double, 3> corner{};          ///< lower corner of block (0, 0, 0) [m]
@@ -45,11 +54,12 @@ struct LoadHeader {
     std::array<double, 2> moves{};           ///< cost of a migration: of any, per particle of the busiest rank [s]
     std::uint64_t hash = 0;                  ///< of all before it; the writer sets it
 };
-static_assert(sizeof(LoadHeader) == 168);
+static_assert(sizeof(LoadHeader) == 176);
 
 struct LoadRow {
     Key key;
-    std::uint32_t particles;
+    std::uint32_t particles : 31;
+    std::uint32_t asleep : 1;  ///< LoadHeader::sleepers says in which sense
     std::int32_t owner;
 };
 static_assert(sizeof(LoadRow) == 16);

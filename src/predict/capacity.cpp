@@ -108,6 +108,13 @@ Prediction estimate(const Scene& scene) {
     return p;
 }
 
+std::int64_t particles_in_memory(const Scene& scene, const Machine& machine) {
+    const Prediction p = estimate(scene);
+    if (machine.memory <= 0 || p.particles == 0) return static_cast<std::int64_t>(most_slots);
+    const double each = bytes_of(scene, p, machine) * machine.ranks / static_cast<double>(p.particles);
+    return static_cast<std::int64_t>(std::min(most_slots, machine.memory / machine.ranks_here / each));
+}
+
 void check_capacity(const Scene& scene, const Machine& machine) {
     const Prediction p = estimate(scene);
     const auto particles = static_cast<double>(p.particles);

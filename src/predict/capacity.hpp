@@ -30,6 +30,10 @@ double host_memory();
 /// As predict(), without going through the particles: their number, blocks and nothing else. Not collective.
 Prediction estimate(const Scene& scene);
 
+/// Particles that a rank of the host has memory for, if its host's ranks share that evenly and blocks are as full as at
+/// the start; as many as it can number where the memory is not known. Not collective.
+std::int64_t particles_in_memory(const Scene& scene, const Machine& machine);
+
 /// Throws InputError, with what would do, if the scene is too large. Not collective.
 void check_capacity(const Scene& scene, const Machine& machine);
 

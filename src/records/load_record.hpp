@@ -2,10 +2,18 @@
 // block_loads.bin in terms of the simulation: where the run stands at each balance interval, for `moraine replay`
 // and `moraine report`. Exists only where the scene says output.block_loads = "on".
 
+#include <algorithm>
+
 #include "io/block_loads.hpp"
+#include "records/sleep_forecast.hpp"
 #include "simulation/simulation.hpp"
 
 namespace moraine {
+
+inline SleepersRecord sleepers_recorded(const Scene& scene) {
+    if (scene.sleep.on) return SleepersRecord::asleep;
+    return can_sleep(scene) ? SleepersRecord::would : SleepersRecord::none;
+}
 
 /// What a replay must know of the run besides its loads. Not collective.
 template <class Real, int Dim>
@@ -26,6 +34,7 @@ LoadHeader load_header(const Simulation<Real, Dim>& sim) {
     h.weighs_cost = scene.balance.weight == "cost" ? 1 : 0;
     h.threshold = scene.balance.threshold;
     const bool on_host = sim.engine().device() == "cpu";
+    if (on_host) h.sleepers = static_cast<std::int32_t>(sleepers_recorded(scene));
     const CostModel& costs = on_host ? host_costs : device_costs;
     const MoveModel& moves = on_host ? host_moves : device_moves;
     h.model = {costs.a, costs.d};
@@ -42,15 +51,21 @@ class LoadRecord {
     /// With `resume_step` it goes on behind the frame of that step. Collective.
     LoadRecord(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
                std::optional<std::int64_t> resume_step)
-        : sim_(sim), comm_(comm), writer_(comm, path, load_header(sim), resume_step) {}
+        : sim_(sim), comm_(comm), header_(load_header(sim)), writer_(comm, path, header_, resume_step) {
+        if (header_.sleepers == static_cast<std::int32_t>(SleepersRecord::would))
+            forecast_ = std::make_unique<SleepForecast<Real, Dim>>(sim.scene(), comm);
+    }
 
     /// Files the particles, and writes who holds which block. Collective.
     void write() {
         LoadFrame frame;
         frame.step = sim_.clock().step;
         frame.time = sim_.clock().time;
-        for (const BlockLoad& load : sim_.block_loads())
-            frame.rows.push_back({load.key, static_cast<std::uint32_t>(load.particles), load.owner});
+        const std::vector<BlockLoad> loads = sim_.block_loads();
+        const std::vector<Key> asleep = sleepers();
+        for (const BlockLoad& load : loads)
+            frame.rows.push_back({load.key, static_cast<std::uint32_t>(load.particles) & 0x7fffffffu,
+                                  std::binary_search(asleep.begin(), asleep.end(), load.key) ? 1u : 0u, load.owner});
         RankSeconds mine{};
         for (std::size_t k = 0; k < Phases::count; ++k)
             mine[k] = static_cast<float>(sim_.phases().all()[k] - reported_[k]);
@@ -64,8 +79,23 @@ class LoadRecord {
     }
 
   private:
+    /// Keys of the blocks that sleep or would, ascending; the same on all ranks. Binned state. Collective.
+    std::vector<Key> sleepers() {
+        if (forecast_) return forecast_->look(sim_);
+        if (header_.sleepers == 0) return {};
+        const BlockCounts mine = sim_.block_counts();
+        std::vector<Key> asleep;
+        for (std::size_t b = 0; b < mine.asleep.size(); ++b)
+            if (mine.asleep[b] != 0) asleep.push_back(mine.key[b]);
+        asleep = comm_.all_gather(asleep);
+        std::sort(asleep.begin(), asleep.end());
+        return asleep;
+    }
+
     Simulation<Real, Dim>& sim_;
     const Comm& comm_;
+    LoadHeader header_;
+    std::unique_ptr<SleepForecast<Real, Dim>> forecast_;  ///< of a run in which all are awake
     BlockLoadWriter writer_;
     std::array<double, Phases::count> reported_{};  ///< seconds, as of the last frame
     double lost_ = 0;                               ///< the same

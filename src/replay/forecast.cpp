@@ -28,12 +28,12 @@ Forecast::Forecast(const BalanceSpec& spec, const Layout& layout, const CostMode
     result_.trigger = partitioner_->is_static() ? "static" : name_of(spec.trigger);
 }
 
-Forecast::Loads Forecast::loads_of(const std::vector<BlockLoad>& blocks) const {
+Forecast::Loads Forecast::loads_of(const Interval& now) const {
     Loads loads;
-    loads.particles = loads_of_ranks(blocks, owners_, ranks_, &BlockLoad::particles);
+    loads.particles = now.loads(owners_, ranks_);
     loads.blocks.assign(static_cast<std::size_t>(ranks_), 0);
     for (std::int32_t owner : owners_) ++loads.blocks[owner];
-    loads.weight = summary_of(loads_of_ranks(blocks, owners_, ranks_));
+    loads.weight = summary_of(loads_of_ranks(now.blocks, owners_, ranks_));
     return loads;
 }
 
@@ -73,7 +73,9 @@ void Forecast::add_end_of_interval(const Loads& loads, std::int64_t steps, doubl
     lost_ += n * (slowest - mean + slowest_ - mean_) / 2;
 }
 
-void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step) {
+void Forecast::decide(const Interval& now, const Loads& loads) {
+    const std::vector<BlockLoad>& blocks = now.blocks;
+    const std::int64_t step = now.step;
     if (!trigger_.is_due(step)) return;
     ++result_.checks;
     result_.checking += model_.check;
@@ -108,24 +110,24 @@ void Forecast::decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::i
     owners_ = plan.owners;
     last_repartition_ = step;
     lost_ = 0;
-    take_mark(loads_of(blocks));
+    take_mark(loads_of(now));
 }
 
 void Forecast::check(Interval& now, const Carry& carry) {
     std::vector<BlockLoad>& blocks = now.blocks;
-    for (BlockLoad& block : blocks) block.weight = weight_(block.particles, 0);
+    for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].weight = weight_(now.load(b), 0);
     if (step_ < 0) {
         for (BlockLoad& block : blocks) block.owner = -1;
         partitioner_->start(blocks);
         owners_ = partitioner_->owners(blocks, round_++);
         last_repartition_ = now.step;
-        take_mark(loads_of(blocks));
+        take_mark(loads_of(now));
     } else {
         owners_ = carry.owners(owners_, now, layout_, *partitioner_);
         for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].owner = owners_[b];
-        const Loads loads = loads_of(blocks);
+        const Loads loads = loads_of(now);
         add_end_of_interval(loads, now.step - step_, now.exchanges);
-        decide(blocks, loads, now.step);
+        decide(now, loads);
     }
     step_ = now.step;
 }

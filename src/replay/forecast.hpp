@@ -57,12 +57,12 @@ class Forecast {
 
   private:
     struct Loads {
-        std::vector<std::int64_t> particles, blocks;  ///< of each rank
+        std::vector<std::int64_t> particles, blocks;  ///< of each rank; particles by what they cost
         LoadSummary weight;
     };
-    Loads loads_of(const std::vector<BlockLoad>& blocks) const;
+    Loads loads_of(const Interval& now) const;
     void add_end_of_interval(const Loads& loads, std::int64_t steps, double exchanges);
-    void decide(std::vector<BlockLoad>& blocks, const Loads& loads, std::int64_t step);
+    void decide(const Interval& now, const Loads& loads);
     void take_mark(const Loads& loads);
 
     const Layout& layout_;

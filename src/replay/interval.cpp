@@ -93,6 +93,13 @@ class Inheritance {
 
 }  // namespace
 
+std::vector<std::int64_t> Interval::loads(std::span<const std::int32_t> owners, int ranks) const {
+    std::vector<std::int64_t> sums(static_cast<std::size_t>(ranks), 0);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        if (owners[b] >= 0) sums[static_cast<std::size_t>(owners[b])] += load(b);
+    return sums;
+}
+
 bool neighbour_key(const Layout& layout, Key key, int code, Key& result) {
     return layout.dimensions == 2 ? neighbour_in<2>(layout, key, code, result)
                                   : neighbour_in<3>(layout, key, code, result);

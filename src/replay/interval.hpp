@@ -13,13 +13,23 @@
 #include <vector>
 
 #include "balance/partitioner.hpp"
+#include "balance/weight.hpp"
 
 namespace moraine {
 
 struct Interval {
     std::int64_t step = 0;
-    double exchanges = 1;           ///< of the halo per step, since the imbalance check before
-    std::vector<BlockLoad> blocks;  ///< in key order; each forecast sets their weights and owners
+    double exchanges = 1;              ///< of the halo per step, since the imbalance check before
+    std::vector<BlockLoad> blocks;     ///< in key order; each forecast sets their weights and owners
+    std::vector<std::uint8_t> asleep;  ///< of each block; empty: all are awake
+
+    /// Particles of a block by what they cost.
+    std::int64_t load(std::size_t b) const {
+        const std::int64_t particles = blocks[b].particles;
+        return load_of(particles, !asleep.empty() && asleep[b] != 0 ? particles : 0);
+    }
+    /// The same of the blocks of each rank. Not collective.
+    std::vector<std::int64_t> loads(std::span<const std::int32_t> owners, int ranks) const;
 };
 
 /// Of blocks of now: where each comes from. The same for every partition.

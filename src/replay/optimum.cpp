@@ -45,7 +45,7 @@ class Followed {
     double slowest(const Interval& interval) const {
         std::vector<std::int64_t> blocks(static_cast<std::size_t>(ranks_), 0);
         for (std::int32_t owner : owners_) ++blocks[owner];
-        return model_.slowest(loads_of_ranks(interval.blocks, owners_, ranks_, &BlockLoad::particles), blocks);
+        return model_.slowest(interval.loads(owners_, ranks_), blocks);
     }
 
     const Layout& layout_;
@@ -68,7 +68,8 @@ Optimum offline_optimum(const BalanceSpec& spec, const Layout& layout, const Cos
     std::vector<std::vector<std::int32_t>> parts;
     for (const Interval& interval : intervals) {
         std::vector<BlockLoad> blocks = interval.blocks;
-        for (BlockLoad& block : blocks) block.weight = weight(block.particles, 0), block.owner = -1;
+        for (std::size_t b = 0; b < blocks.size(); ++b)
+            blocks[b].weight = weight(interval.load(b), 0), blocks[b].owner = -1;
         parts.push_back(partitioner->owners(blocks, static_cast<std::int64_t>(parts.size())));
     }
     const std::size_t last = intervals.size() - 1;

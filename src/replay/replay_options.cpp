@@ -34,6 +34,8 @@ po::options_description visible(ReplayOptions& o, Words& w) {
     add("ranks", "P,P,...", &w.ranks, "ranks to predict for (default: 4,16,64,... as far as there are blocks)");
     add("partitioner", "A,B,...", &w.partitioners, "default: all that need no library");
     add("trigger", "A,B,...", &w.triggers, "never, every, threshold, planned (default: that of the run)");
+    options.add_options()("sleep", po::bool_switch(&o.sleep),
+                          "as if numerics.sleep had been on, of a run recorded without (default: as it ran)");
     options.add_options()("regret", po::bool_switch(&o.regret),
                           "compare all triggers with the best times to repartition, known afterwards");
     add("calibrate", "DIR,DIR,...", &w.calibrate, "other runs on the same machine, whose times count as well");

@@ -16,6 +16,7 @@ struct ReplayOptions {
     std::vector<std::string> partitioners;  ///< empty: all that need no library
     std::vector<Trigger> triggers;          ///< empty: that of the run
     std::vector<std::string> calibrate;     ///< directories of other runs whose times the model takes in
+    bool sleep = false;                     ///< weigh who would have slept as asleep
     bool regret = false;                    ///< also all triggers against the offline optimum
     double latency = 2e-6;                  ///< [s]
     double bandwidth = 5e9;                 ///< [byte/s]

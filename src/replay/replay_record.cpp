@@ -70,6 +70,8 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
             "{} has no block_loads.bin (the run did not record them). Run it again with --set output.block_loads=on?",
             options.directory));
     header_ = BlockLoadReader(path_).header();
+    sleepers_ = static_cast<SleepersRecord>(header_.sleepers);
+    check_sleepers();
     coarse_ = layout_of(header_, 0);
     layout_ = layout_of(header_, options.refine);
     balance_.partitioner = header_.partitioner.data();
@@ -86,6 +88,14 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
     set_network(model_);
     model_.moves = {header_.moves[0], header_.moves[1]};
+}
+
+void ReplayRecord::check_sleepers() const {
+    if (!options_.sleep || sleepers_ != SleepersRecord::none) return;
+    throw InputError(
+        fmt::format("--sleep of {} (its record does not say who would sleep: a device made it, or a scene for which "
+                    "numerics.sleep is refused). Leave it out?",
+                    options_.directory));
 }
 
 void ReplayRecord::set_network(TimeModel& model) const {
@@ -123,15 +133,35 @@ Interval ReplayRecord::interval_of(LoadFrame& frame) const {
     Interval interval;
     interval.step = frame.step;
     interval.blocks.reserve(frame.rows.size());
-    for (const LoadRow& row : frame.rows) interval.blocks.push_back({row.key, row.particles, row.particles, row.owner});
+    for (const LoadRow& row : frame.rows) {
+        interval.blocks.push_back({row.key, row.particles, row.particles, row.owner});
+        if (weighs_sleepers()) interval.asleep.push_back(row.asleep);
+    }
     frame.rows = {};  // of millions of blocks every copy counts
     return interval;
+}
+
+/// Of the steps since the frame before half count as they began, half as they ended.
+void ReplayRecord::count_sleepers(const LoadFrame& frame) {
+    const double half = checks_ == 0 ? 0 : 0.5 * static_cast<double>(frame.step - last_step_);
+    std::array<double, 2> now{};
+    for (const LoadRow& row : frame.rows) {
+        now[0] += row.particles;
+        if (weighs_sleepers() && row.asleep != 0) now[1] += row.particles;
+    }
+    particle_steps_ += half * (sleepers_before_[0] + now[0]);
+    asleep_steps_ += half * (sleepers_before_[1] + now[1]);
+    sleepers_before_ = now;
 }
 
 /// The same with cells halved as often as was asked for.
 Interval ReplayRecord::refined(Interval interval) const {
     for (int k = 0; k < options_.refine; ++k) {
         std::vector<BlockLoad> children;
+        std::vector<std::uint8_t> asleep;
+        for (const std::uint8_t sleeps : interval.asleep)
+            asleep.insert(asleep.end(), layout_.dimensions == 2 ? 4 : 8, sleeps);
+        interval.asleep = std::move(asleep);
         children.reserve(interval.blocks.size() * (layout_.dimensions == 2 ? 4 : 8));
         for (const BlockLoad& block : interval.blocks)
             layout_.dimensions == 2 ? append_children<2>(block, children) : append_children<3>(block, children);
@@ -146,6 +176,7 @@ void ReplayRecord::read_through() {
     Interval before;
     std::unique_ptr<Partitioner> partitioner;
     while (next(reader, frame)) {
+        count_sleepers(frame);
         Interval now = interval_of(frame);
         if (!partitioner) {
             partitioner = make_partitioner(balance_, coarse_, static_cast<int>(frame.seconds.size()));
@@ -177,8 +208,10 @@ void ReplayRecord::measure(const LoadFrame& frame, const Interval& before, const
     const Carry carry = carry_between(coarse_, keys_of(before.blocks), now.blocks);
     const std::vector<std::int32_t> begin = present_owners(before.blocks);
     const std::vector<std::int32_t> end = carry.owners(begin, now, coarse_, partitioner);
-    const auto first = loads_of_ranks(before.blocks, begin, ranks, &BlockLoad::particles);
-    const auto last = loads_of_ranks(now.blocks, end, ranks, &BlockLoad::particles);
+    const auto loads = [&](const Interval& at, std::span<const std::int32_t> owners) {  // as it ran
+        return slept() ? at.loads(owners, ranks) : loads_of_ranks(at.blocks, owners, ranks, &BlockLoad::particles);
+    };
+    const auto first = loads(before, begin), last = loads(now, end);
     std::vector<double> blocks(frame.seconds.size(), 0);
     for (std::int32_t owner : begin) blocks[owner] += 0.5;
     for (std::int32_t owner : end) blocks[owner] += 0.5;
@@ -234,8 +267,8 @@ void ReplayRecord::feed(const Interval& coarse) {
     std::vector<std::int64_t> weights;
     weights.reserve(static_cast<std::size_t>(children_of_a_block()) * coarse.blocks.size());
     const BlockWeight weight(balance_, weights_);
-    for (const BlockLoad& block : coarse.blocks)
-        weights.insert(weights.end(), static_cast<std::size_t>(children_of_a_block()), weight(block.particles, 0));
+    for (std::size_t b = 0; b < coarse.blocks.size(); ++b)
+        weights.insert(weights.end(), static_cast<std::size_t>(children_of_a_block()), weight(coarse.load(b), 0));
     const auto blocks = static_cast<std::int64_t>(weights.size());
     const std::int64_t fed = even_parts(weights, std::max<std::int64_t>(1, blocks), feed_limit);
     if (checks_ == 0) feeds_at_start_ = fed;

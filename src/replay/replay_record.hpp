@@ -2,6 +2,7 @@
 // What a run recorded, checked and in terms of the balance: its looks one after another, how its time went, and how
 // many ranks its loads can feed. Reads files only; knows no MPI.
 
+#include <array>
 #include <functional>
 #include <string>
 
@@ -34,6 +35,11 @@ class ReplayRecord {
     static constexpr double feed_limit = 1.25;
 
     /// What the run itself did; measured, of the grid as it was run.
+    /// Share of the particle-steps that slept or, with --sleep, would have; 0 where all count as awake.
+    double asleep_share() const { return particle_steps_ > 0 ? asleep_steps_ / particle_steps_ : 0; }
+    /// Whether that is of the run itself.
+    bool slept() const { return sleepers_ == SleepersRecord::asleep; }
+
     const ForecastResult& measured() const { return measured_; }
     double measured_seconds() const { return measured_seconds_; }
 
@@ -44,6 +50,8 @@ class ReplayRecord {
     bool next(BlockLoadReader& reader, LoadFrame& frame) const;
     /// Takes the rows out of the frame.
     Interval interval_of(LoadFrame& frame) const;
+    void check_sleepers() const;
+    void count_sleepers(const LoadFrame& frame);
     Interval refined(Interval interval) const;
     void read_through();
     void check_end() const;
@@ -54,17 +62,20 @@ class ReplayRecord {
     std::int64_t children_of_a_block() const { return std::int64_t(1) << (layout_.dimensions * options_.refine); }
     void count(const Interval& coarse);
     void feed(const Interval& coarse);
+    bool weighs_sleepers() const { return slept() || options_.sleep; }
 
     const ReplayOptions& options_;
     std::string path_;
     LoadHeader header_;
+    SleepersRecord sleepers_ = SleepersRecord::none;
     Layout coarse_, layout_;
     BalanceSpec balance_;
     CostModel weights_{};
     TimeModel model_;
     ModelFit fit_;
     ForecastResult measured_;
-    double measured_seconds_ = 0;
+    double measured_seconds_ = 0, asleep_steps_ = 0, particle_steps_ = 0;
+    std::array<double, 2> sleepers_before_{};  ///< particles of the last frame, and those of them that sleep
     std::int64_t last_step_ = -1, blocks_min_ = 0, blocks_max_ = 0, feeds_at_start_ = 0, feeds_always_ = 0;
     int checks_ = 0;
 };

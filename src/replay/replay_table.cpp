@@ -40,6 +40,10 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
             "Hosts of {} rank{} in a row: that network is between them, within one {:.2g} us and {:.2g} GB/s "
             "(--latency-within, --bandwidth-within).\n",
             m.ranks_per_host, m.ranks_per_host == 1 ? "" : "s", 1e6 * m.within.latency, m.within.bandwidth / 1e9);
+    if (record.asleep_share() > 0 || options.sleep)
+        text +=
+            fmt::format("Of the particle-steps {:.1f} % {}; {} sleeping particles weigh as much as one.\n",
+                        100 * record.asleep_share(), record.slept() ? "slept" : "would have slept", sleepers_per_awake);
     if (options.refine > 0)
         text += fmt::format(
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "
@@ -86,20 +90,21 @@ std::string csv_text(const ReplayRecord& record, const std::vector<ForecastResul
         "neighbours_mean,neighbours_max,repartitions,migrated_particles,migrated_blocks,plan_mean_s,plan_max_s,"
         "computing_s,"
         "timing_noise_s,ideal_s,sending_s,migration_s,checks_s,time_s,efficiency,regret_percent,halo_tiles_between_"
-        "hosts\n";
+        "hosts,asleep_share\n";
     const ForecastResult& run = record.measured();
-    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,,\n", run.ranks, run.partitioner,
-                        run.imbalance_mean(), run.imbalance_max, run.bytes, record.measured_seconds());
+    text += fmt::format("measured,{},{},,{},{},,,{},,,,,,,,,,,,,,,{},,,,{}\n", run.ranks, run.partitioner,
+                        run.imbalance_mean(), run.imbalance_max, run.bytes, record.measured_seconds(),
+                        record.slept() ? record.asleep_share() : 0);
     for (const ForecastResult& r : results)
-        text += fmt::format("predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,{}\n",
-                            r.ranks, r.partitioner, r.trigger, r.imbalance_mean(), r.imbalance_max,
-                            per(r.imbalance_time_sum, r.steps), per(r.tiles, r.intervals), r.bytes,
-                            per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals), r.neighbours_max,
-                            r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
-                            r.plan_seconds_max, r.computing, r.timing_noise, r.ideal, r.sending, r.migration,
-                            r.checking, r.seconds(), r.efficiency(), per(r.tiles_between, r.intervals));
+        text += fmt::format(
+            "predicted,{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,{},{}\n", r.ranks,
+            r.partitioner, r.trigger, r.imbalance_mean(), r.imbalance_max, per(r.imbalance_time_sum, r.steps),
+            per(r.tiles, r.intervals), r.bytes, per(r.face_cut, r.intervals), per(r.neighbours_mean, r.intervals),
+            r.neighbours_max, r.repartitions, r.migrated_particles, r.migrated_blocks, per(r.plan_seconds, r.plans),
+            r.plan_seconds_max, r.computing, r.timing_noise, r.ideal, r.sending, r.migration, r.checking, r.seconds(),
+            r.efficiency(), per(r.tiles_between, r.intervals), record.asleep_share());
     for (const RegretRow& r : rows)
-        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{},\n", r.ranks, r.partitioner, r.trigger,
+        text += fmt::format("regret,{},{},{},,,,,,,,,{},,,,,,,,,,,{},,{},,\n", r.ranks, r.partitioner, r.trigger,
                             r.repartitions, r.seconds, r.percent());
     return text;
 }

@@ -28,6 +28,9 @@ void check_scene(const Scene& scene, const Places& places);
 /// could be right. The materials and bodies must be whole.
 void check_time(const Scene& scene, const Places& places);
 
+/// Whether numerics.sleep = "on" would be taken. Of a scene that is whole.
+bool can_sleep(const Scene& scene);
+
 /// What sleeping blocks cannot do with. Of a scene that is whole.
 void check_sleep(const Scene& scene, const Places& places);
 

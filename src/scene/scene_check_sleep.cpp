@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/sleep.hpp"
 #include "scene/scene_check.hpp"
 
@@ -19,6 +21,14 @@ void check_method(const Scene& scene, const Places& places) {
 }
 
 }  // namespace
+
+bool can_sleep(const Scene& scene) {
+    const bool moves = std::any_of(scene.structures.begin(), scene.structures.end(),
+                                   [](const StructureSpec& s) { return s.motion.kind != StructureMotion::fixed; });
+    const bool smooth = scene.transfer != Transfer::flip && scene.transfer != Transfer::aflip;
+    return scene.gravity != Triple{} && smooth && scene.transfer != Transfer::fmpm &&
+           scene.stress_update == StressUpdate::usl && !moves;
+}
 
 void check_sleep(const Scene& scene, const Places& places) {
     if (!scene.sleep.on) return;

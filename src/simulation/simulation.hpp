@@ -44,6 +44,10 @@ class Simulation {
     /// Acceleration that each particle feels besides gravity (manufactured solutions). Before seed(); on the host only.
     void set_body_force(Acceleration acceleration);
 
+    /// Balancing gives no rank more particles than this, nor more than its engine can hold; the least of all ranks
+    /// counts.
+    void hold_at_most(std::int64_t particles) { most_ = particles; }
+
     /// Takes over what a checkpoint held: `blocks` of all ranks, in key order, and a reader of rows.
     /// read(first row, count, slots) fills the slots of this rank. Collective.
     using ReadRows = std::function<void(const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
@@ -185,9 +189,10 @@ class Simulation {
     NextEpoch<Dim> next_epoch_;
     Rebalance<Dim> rebalance_;
     AsyncAllgather<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
-    bool in_place_ = false;     ///< lattices are seeded by the engine
-    bool async_ = false;        ///< epochs are made asynchronously
-    double computed_ = 0;       ///< computing time up to the last step [s]
+    std::int64_t most_ = Engine<Real, Dim>::unlimited;  ///< particles that this rank has memory for
+    bool in_place_ = false;                             ///< lattices are seeded by the engine
+    bool async_ = false;                                ///< epochs are made asynchronously
+    double computed_ = 0;                               ///< computing time up to the last step [s]
     std::uint32_t asked_ = 0;
     bool writing_ = false;
     bool report_pending_ = false;  ///< a step's report is still with the engine

@@ -1,6 +1,7 @@
 // Between steps: who owns which block, and for how long that is known to all. A plan is rebalance.hpp's, what blocks
 // weigh measured_loads.hpp's, how long an epoch holds comm/epoch_lifetime.hpp's.
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -113,7 +114,8 @@ void Simulation<Real, Dim>::begin_check() {
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(loads_.weighs_cells());
         loads_.refine(mine, clock_.step, phases_.computing());
-        ImbalanceCheckInput input{{}, clock_.round, -comm_.max(-engine_->capacity()), loads_.unit()};
+        const std::int64_t most = -comm_.max(-std::min(most_, engine_->capacity()));
+        ImbalanceCheckInput input{{}, clock_.round, most, loads_.unit()};
         loads_.take_times(clock_.step, input.times);
         keys_.finish();  // what would have been the next epoch
         rebalance_.begin(clock_.step, loads_.of(mine), std::move(input));

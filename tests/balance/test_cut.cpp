@@ -28,6 +28,20 @@ std::int64_t exhaustive(const Weights& w, std::size_t from, int parts) {
     return best;
 }
 
+constexpr std::int64_t none = INT64_MAX;
+
+/// The bottleneck by trying every cut whose parts hold at most `most`; `none` if there is none.
+std::int64_t exhaustive(const Weights& w, const MemoryLimit& memory, std::size_t from, int parts) {
+    std::int64_t best = none, mine = 0, held = 0;
+    for (std::size_t to = from; held <= memory.most; ++to) {
+        if (parts > 1) best = std::min(best, std::max(mine, exhaustive(w, memory, to, parts - 1)));
+        if (parts == 1 && to == w.size()) return mine;
+        if (to == w.size()) break;
+        mine += w[to], held += memory.held[to];
+    }
+    return best;
+}
+
 /// The bottleneck by bisection, with a probe that walks block by block.
 std::int64_t bisected(const Weights& w, int parts) {
     std::int64_t low = 0;
@@ -112,6 +126,61 @@ TEST_CASE("the exact cut of a long chain agrees with a bisection and never excee
         better += exact < prefix;
     }
     CHECK(better > 30);
+}
+
+TEST_CASE("under a limit of memory no cut of a short chain that keeps to it beats the exact one") {
+    std::mt19937_64 random(5);
+    int possible = 0, impossible = 0, binds = 0, costs = 0;
+    for (int round = 0; round < 8000; ++round) {
+        const Weights w = random_weights(random, 1 + random() % 9);
+        const Weights held = random_weights(random, w.size());
+        const int parts = static_cast<int>(1 + random() % 5);
+        const auto all = static_cast<std::uint64_t>(total_of(held)), each = all / static_cast<std::uint64_t>(parts);
+        const std::uint64_t most = round % 2 == 0 ? random() % (all + 2) : each + random() % (each + 2);
+        const MemoryLimit memory{held, static_cast<std::int64_t>(most)};
+        CAPTURE(w);
+        CAPTURE(held);
+        CAPTURE(memory.most);
+        CAPTURE(parts);
+        const std::int64_t best = exhaustive(w, memory, 0, parts);
+        const auto cuts = exact_cut(w, parts, memory);
+        REQUIRE(cuts.has_value() == (best != none));
+        if (!cuts) {
+            ++impossible;
+            continue;
+        }
+        ++possible;
+        check_shape(*cuts, w.size(), parts);
+        if (total_of(w) > 0) REQUIRE(heaviest_part(w, *cuts) == best);
+        REQUIRE(heaviest_part(held, *cuts) <= memory.most);
+        const Weights free = exact_cut(w, parts);
+        if (heaviest_part(held, free) <= memory.most) REQUIRE(heaviest_part(w, free) == best);
+        binds += heaviest_part(held, free) > memory.most;
+        costs += best > heaviest_part(w, free);
+        if (total_of(w) > 0 && memory.most >= total_of(held)) REQUIRE(*cuts == free);
+    }
+    CHECK(possible > 3000);
+    CHECK(impossible > 1000);
+    CHECK(binds > 500);
+    CHECK(costs > 150);
+}
+
+TEST_CASE("a long chain of sleepers and awake blocks is cut within the memory of its ranks") {
+    Weights w(100000, 64), held(w.size(), 64);
+    std::fill(w.begin(), w.begin() + 90000, 4);  // nine tenths sleep
+    const std::int64_t mean = total_of(held) / 100;
+    const auto load = [&](std::int64_t most) {
+        const auto cuts = exact_cut(w, 100, {held, most});
+        REQUIRE(cuts);
+        REQUIRE(heaviest_part(held, *cuts) <= most);
+        return heaviest_part(w, *cuts);
+    };
+    CHECK(2 * heaviest_part(held, exact_cut(w, 100)) > 5 * mean);  // by weight alone
+    CHECK(load(20 * mean) == heaviest_part(w, exact_cut(w, 100)));
+    CHECK(load(2 * mean) == 64 * 182);  // 45 parts of sleepers, 55 of the 10 000 blocks that are awake
+    CHECK(load(mean) == 64 * 1000);
+    CHECK_FALSE(exact_cut(w, 100, {held, mean - 1}));
+    CHECK_FALSE(exact_cut(Weights{1, 1}, 5, {Weights{3, 4}, 3}));  // one block is too much
 }
 
 TEST_CASE("among the best cuts each part in turn is nearest to the mean of what remains") {

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "balance/imbalance_check.hpp"
 
 using namespace moraine;
@@ -62,14 +64,45 @@ TEST_CASE("an imbalance check changes nothing where all is balanced, unless the 
     CHECK(check(blocks, 1000, Trigger::every).owners.size() == 8);
 }
 
-TEST_CASE("where a rank cannot hold its part by weight, parts are by particles; where not even that, all stays") {
+TEST_CASE("where a rank cannot hold its part by weight, the cut is the most even that all can hold; else all stays") {
     const std::vector<std::int64_t> heavy{70, 1, 1, 1, 1, 1, 1, 1};
     const std::vector<BlockLoad> blocks = blocks_of(tens, heavy);
     CHECK(held_by(check(blocks, 70), blocks, 0) == 70);
-    const ImbalanceCheckResult fits = check(blocks, 40, Trigger::every);
-    REQUIRE(fits.owners.size() == 8);
-    CHECK(held_by(fits, blocks, 1) == 40);
+    for (const std::int64_t most : {60, 50, 40}) {  // by particles it would always be 40
+        CAPTURE(most);
+        const ImbalanceCheckResult fits = check(blocks, most + 9, Trigger::every);
+        REQUIRE(fits.owners.size() == 8);
+        CHECK(held_by(fits, blocks, 1) == 80 - most);
+    }
     const ImbalanceCheckResult none = check(blocks, 39, Trigger::every);
     CHECK(none.owners.empty());
     CHECK(none.found.reason == "memory");
+}
+
+TEST_CASE("where the memory of ranks has no say, not a block goes elsewhere than without") {
+    const std::vector<BlockLoad> blocks = blocks_of({10, 3, 9, 1, 10, 40, 2, 5}, {70, 1, 7, 1, 30, 1, 1, 9});
+    const ImbalanceCheckResult plenty = check(blocks, 1000, Trigger::every);
+    REQUIRE(plenty.owners.size() == 8);
+    const std::int64_t most = std::max(held_by(plenty, blocks, 0), held_by(plenty, blocks, 1));
+    CHECK(check(blocks, most, Trigger::every).owners == plenty.owners);
+    CHECK(check(blocks, most - 1, Trigger::every).owners != plenty.owners);
+}
+
+TEST_CASE("a partitioner that knows nothing of memory is asked for parts by particles") {
+    const std::vector<BlockLoad> blocks = blocks_of(tens, {70, 1, 1, 1, 1, 1, 1, 1});
+    struct ByWeight final : Partitioner {
+        const char* name() const override { return "by weight"; }
+        std::vector<std::int32_t> owners(std::span<const BlockLoad> all, std::int64_t) const override {
+            return all[0].weight > 10 ? std::vector<std::int32_t>{0, 1, 1, 1, 1, 1, 1, 1}
+                                      : std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1};
+        }
+    } partitioner;
+    BalanceSpec spec;
+    spec.trigger = Trigger::every;
+    ImbalanceCheckInput input;
+    input.most = 60;
+    const ImbalanceCheckResult found =
+        check_imbalance(blocks, input, 2, partitioner, RepartitionTrigger(spec, partitioner));
+    REQUIRE(found.owners.size() == 8);
+    CHECK(held_by(found, blocks, 1) == 40);
 }

@@ -89,7 +89,7 @@ void each_cut(Weights& cuts, int p, std::int64_t n, const F& f) {
 }
 
 /// The least number of particles that any cut within the limit moves, under any naming of its parts.
-std::int64_t exhaustive(const Case& c, std::int64_t limit) {
+std::int64_t exhaustive(const Case& c, std::int64_t limit, const MemoryLimit& memory = {}) {
     const auto n = static_cast<std::int64_t>(c.blocks.size());
     const Weights weights = c.weights();
     std::int64_t least = INT64_MAX;
@@ -97,6 +97,7 @@ std::int64_t exhaustive(const Case& c, std::int64_t limit) {
     cuts[0] = 0;
     each_cut(cuts, 1, n, [&] {
         if (heaviest_part(weights, cuts) > limit) return;
+        if (!memory.held.empty() && heaviest_part(memory.held, cuts) > memory.most) return;
         const Owners parts = c.parts(cuts);
         Owners rank_of(static_cast<std::size_t>(c.ranks));
         std::iota(rank_of.begin(), rank_of.end(), 0);
@@ -137,6 +138,33 @@ TEST_CASE("no cut within the tolerance moves less, under any assignment, if each
     }
     CHECK(searched > 5000);
     CHECK(below_exact > 1000);
+}
+
+TEST_CASE("nor does one whose parts keep to a limit of memory, where that is one") {
+    std::mt19937_64 random(4);
+    int searched = 0, binds = 0;
+    for (int round = 0; round < 4000; ++round) {
+        const Case c = in_pieces(random, 8, 4);
+        Weights held;
+        for (const BlockLoad& b : c.blocks) held.push_back(b.particles);
+        const std::int64_t all = std::accumulate(held.begin(), held.end(), std::int64_t(0));
+        const MemoryLimit memory{held, all / c.ranks + static_cast<std::int64_t>(random() % 16)};
+        const auto cuts = exact_cut(c.weights(), c.ranks, memory);
+        if (!cuts) continue;
+        const auto found = least_migration(c.weights(), c.affinity(), c.ranks, 0.1, memory);
+        if (!found) continue;
+        ++searched;
+        const std::int64_t best = heaviest_part(c.weights(), *cuts);
+        const std::int64_t limit = best + static_cast<std::int64_t>(0.1 * static_cast<double>(best));
+        REQUIRE(is_a_cut(found->cuts, c.blocks.size(), c.ranks));
+        REQUIRE(heaviest_part(held, found->cuts) <= memory.most);
+        REQUIRE(heaviest_part(c.weights(), found->cuts) <= limit);
+        REQUIRE(c.moved_relabelled(found->cuts, found->rank_of) == exhaustive(c, limit, memory));
+        const auto without = least_migration(c.weights(), c.affinity(), c.ranks, 0.1);
+        binds += !without || heaviest_part(held, without->cuts) > memory.most;
+    }
+    CHECK(searched > 2000);
+    CHECK(binds > 100);
 }
 
 TEST_CASE("with five ranks on a longer chain it is still the best of all") {

@@ -103,3 +103,17 @@ TEST_CASE("this machine has memory") {
     CHECK(host_memory() > 1e8);
     CHECK(host_memory() < 1e15);
 }
+
+TEST_CASE("a rank has memory for the particles that would just not be refused") {
+    const auto holds = [](const Machine& machine) {
+        return particles_in_memory(read_scene(slurry, test::particle_pressures({"domain.cell=0.02"})), machine);
+    };
+    const auto ranks_of_four = [&](double memory) { return holds({8, 4, memory}); };
+    CHECK(static_cast<double>(ranks_of_four(64e9)) == doctest::Approx(2.0 * static_cast<double>(ranks_of_four(32e9))));
+    const double one = static_cast<double>(holds({1, 1, 24e9}));
+    const std::string needs = said("0.02", {1, 1, 24e9});  // 125 million particles by FLIP, 25.8 GB
+    REQUIRE_FALSE(needs.empty());
+    CHECK(one < 1.25e8 * 24 / 25.8);  // these have an affine field besides
+    CHECK(one > 0.6 * 1.25e8 * 24 / 25.8);
+    CHECK(holds({8, 4, 0}) == 2147483647);
+}

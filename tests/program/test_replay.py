@@ -2,6 +2,7 @@
 import csv
 import re
 import shutil
+import struct
 
 import moraine
 from moraine import INPUTS, call, sets, summary, table
@@ -131,10 +132,10 @@ class Replay(moraine.ProgramTest):
         words = self.refused(self.run)
         self.assertRegex(words, r"is truncated or damaged \(the interval of step \d+ is cut off\)")
         self.replay("--ranks", "4", *words.split(", ")[-1].rstrip("?").split())
-        frame = (len(whole) - 168) // (len(table(self.run, "balance.csv")) + 1)
-        (self.run / "block_loads.bin").write_bytes(whole[:168 + 64 + 64])
+        frame = (len(whole) - 176) // (len(table(self.run, "balance.csv")) + 1)
+        (self.run / "block_loads.bin").write_bytes(whole[:176 + 64 + 64])
         self.assertIn("is truncated or damaged", self.refused(self.run))
-        (self.run / "block_loads.bin").write_bytes(whole[:168])
+        (self.run / "block_loads.bin").write_bytes(whole[:176])
         self.assertIn("holds 0 imbalance checks (a replay needs two). Run it for longer", self.refused(self.run))
         self.assertGreater(frame, 1000)
 
@@ -157,6 +158,81 @@ class Replay(moraine.ProgramTest):
         shutil.rmtree(self.run)
         first.rename(self.run)
         self.replay("--ranks", "4", "--partitioner", "morton")
+
+
+BED = INPUTS / "undercut_bed.toml"
+COARSE = dict(domain__cell=0.008, time__end=0.2, balance__interval=20, output__block_loads="on")
+
+
+def sleepers(run):
+    """Of each imbalance check its step, who is there, and who sleeps, by key."""
+    data, at, checks = (run / "block_loads.bin").read_bytes(), 176, []
+    while at < len(data):
+        _, step, _, _, _, ranks, blocks, _ = struct.unpack_from("<8sqddqqqQ", data, at)
+        at += 64 + 32 * ranks
+        rows = [struct.unpack_from("<QIi", data, at + 16 * b) for b in range(blocks)]
+        at += 16 * blocks
+        checks.append((step, {key: particles & 0x7fffffff for key, particles, _ in rows}, {key for key, particles, _ in rows if particles >> 31}))
+    return checks
+
+
+def awake_share(check):
+    _, there, asleep = check
+    return 1 - sum(there[key] for key in asleep) / sum(there.values())
+
+
+class ReplayOfSleep(moraine.ProgramTest):
+    def record(self, name, sleep, *words, ranks=1, **keys):
+        return self.run_scene(BED, name, *words, *sets(**{**COARSE, **keys, "numerics__sleep": sleep}), ranks=ranks)
+
+    def test_a_run_recorded_awake_predicts_the_one_that_sleeps(self):
+        awake, asleep = self.record("awake", "off"), self.record("asleep", "on", ranks=2)
+        would, slept = sleepers(awake), sleepers(asleep)
+        self.assertEqual([check[0] for check in would], [check[0] for check in slept])
+        shares = [(awake_share(a), awake_share(b)) for a, b in zip(would, slept)]
+        self.assertLess(shares[-1][1], 0.4)  # it does sleep, and not from the first step on
+        self.assertEqual(shares[0], (1, 1))
+        self.assertLess(sum(abs(a - b) for a, b in shares) / len(shares), 0.03)
+        ended = call("replay", awake, "--ranks", "2", "--partitioner", "morton", "--sleep")
+        self.assertEqual(ended.code, 0, ended)
+        self.assertRegex(ended.out, r"Of the particle-steps \d+\.\d % would have slept; 16 sleeping")
+        with open(awake / "replay.csv", newline="") as file:
+            predicted = list(csv.DictReader(file))[1]
+        found = summary(asleep)
+        self.assertAlmostEqual(float(predicted["asleep_share"]), found["sleep"]["share_of_particle_steps"], delta=0.03)
+        self.assertAlmostEqual(float(predicted["imbalance_mean"]), found["imbalance_mean"], delta=0.03)
+        self.assertAlmostEqual(float(predicted["imbalance_max"]), found["imbalance_max"], delta=0.1)
+        self.assertGreater(found["imbalance_max"], 1.2)
+        self.assertEqual(call("replay", awake, "--ranks", "2", "--partitioner", "morton").code, 0)
+        with open(awake / "replay.csv", newline="") as file:
+            without = list(csv.DictReader(file))[1]
+        self.assertEqual(float(without["asleep_share"]), 0)
+        self.assertLess(float(without["imbalance_max"]), 1.1)
+
+    def test_who_would_sleep_is_the_same_on_any_ranks_and_changes_no_run(self):
+        keys = dict(time__end=0.12, balance__trigger="every")
+        alone = self.record("alone", "off", **keys)
+        shared = self.record("shared", "off", "--partitioner", "shuffle", ranks=3, **keys)
+        self.assertEqual(sleepers(shared), sleepers(alone))
+        self.assertLess(awake_share(sleepers(alone)[-1]), 0.5)
+        unrecorded = self.record("unrecorded", "off", **{**keys, "output__block_loads": "off"})
+        self.assertEqual(summary(unrecorded)["state_hash"], summary(alone)["state_hash"])
+
+    def test_a_run_that_slept_is_replayed_as_it_slept(self):
+        asleep = self.record("asleep", "on")
+        ended = call("replay", asleep, "--ranks", "1", "--partitioner", "morton")
+        share = float(re.search(r"Of the particle-steps (\S+) % slept", ended.out).group(1)) / 100
+        self.assertAlmostEqual(share, summary(asleep)["sleep"]["share_of_particle_steps"], delta=0.01)
+        table_of = [(awake_share(check), row["awake"] / (row["awake"] + row["asleep"])) for check, row in zip(sleepers(asleep)[1:], table(asleep, "balance.csv"))]
+        for recorded, told in table_of:
+            self.assertAlmostEqual(recorded, told, delta=1e-9)
+
+    def test_a_record_that_does_not_say_who_would_sleep_is_refused(self):
+        noisy = self.record("noisy", "off", numerics__transfer="flip", time__end=0.01)
+        said = self.assert_one_problem(call("replay", noisy, "--sleep"))
+        self.assertIn("--sleep of", said)
+        self.assertIn("Leave it out?", said)
+        self.assertEqual(call("replay", noisy, "--ranks", "1").code, 0)
 
 
 if __name__ == "__main__":

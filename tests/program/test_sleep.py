@@ -94,6 +94,27 @@ class Sleep(moraine.ProgramTest):
         with open(self.folder / "page_files" / "asleep.csv", newline="") as file:
             shares = [float(row["share [%]"]) for row in csv.DictReader(file) if row["line"] == "asleep"]
         self.assertEqual(shares, [100 * float(row["asleep"]) / 1236 for row in rows(self.folder / "drawn")])
+        self.assertIn("Where it slept: of runs with <code>--set output.block_loads=on</code>", (self.folder / "page.html").read_text())
+
+    def test_a_report_shows_where_and_when_particle_steps_were_saved(self):
+        if not moraine_can_draw():
+            self.skipTest("no Python with matplotlib and h5py")
+        run = self.run_scene(self.write(BED), "drawn", *sets(time__end=0.4, output__block_loads="on", balance__interval=2))
+        ended = call("report", run, "--output", self.folder / "page.html")
+        self.assertEqual(ended.code, 0, ended)
+        text = (self.folder / "page.html").read_text()
+        self.assertIn("<h2>Where it slept</h2>", text)
+        self.assertNotIn("Where it slept: of runs", text)
+        share = summary(run)["sleep"]["share_of_particle_steps"]
+        with open(self.folder / "page_files" / "where_it_slept.csv", newline="") as file:
+            places = [{name: float(row[name]) for name in ("x_m", "particle_steps", "slept")} for row in csv.DictReader(file)]
+        self.assertAlmostEqual(sum(row["slept"] for row in places) / sum(row["particle_steps"] for row in places), share, delta=0.01)
+        struck = max(row["slept"] / row["particle_steps"] for row in places if 0.5 <= row["x_m"] <= 1.1)
+        self.assertLess(struck, max(row["slept"] / row["particle_steps"] for row in places if 2 <= row["x_m"] <= 3))
+        with open(self.folder / "page_files" / "particle_steps.csv", newline="") as file:
+            last = {row["line"]: float(row["particle-steps [million]"]) for row in csv.DictReader(file)}
+        self.assertAlmostEqual(last["saved"] / (last["made"] + last["saved"]), share, delta=0.01)
+        self.assertAlmostEqual(1e6 * (last["made"] + last["saved"]), 1236 * summary(run)["steps"], delta=1236 * 4)
 
     def test_sleepers_cost_less_and_change_little(self):
         scene = self.write(BED.replace("[[body]]\nname = \"block\"", "[[body]]\nname = \"stone\"").replace("min = [0.8, 1.0]\nmax = [1.1, 1.3]", "min = [0.8, 0.6]\nmax = [1.1, 0.8]"))

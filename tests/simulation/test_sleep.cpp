@@ -139,3 +139,33 @@ TEST_CASE("a displacement between two places of blocks is that modulo a block") 
     CHECK(displacement_between<2>(place(1, 3), place(1, 1.1)) == doctest::Approx(1.9));
     CHECK(displacement_between<2>(place(1, 3) | rest_word::asleep, place(1, 3)) == 0);
 }
+
+TEST_CASE("where ranks cannot hold what would even out the load, each holds what it can, and the answer is the same") {
+    Scene scene = bed(2);
+    const Comm comm(MPI_COMM_WORLD), self(MPI_COMM_SELF);
+    const Result alone = run<double, 2>(scene, self, 0.4);
+    scene.balance.trigger = Trigger::every;
+    scene.balance.interval = 17;
+    const std::int64_t mean = (1236 + comm.size() - 1) / comm.size();
+    std::int64_t fullest = 0;  // of any rank after any repartition, with as much memory as anyone wants
+    for (const std::int64_t most : {Engine<double, 2>::unlimited, mean + 64}) {
+        CAPTURE(most);
+        Simulation<double, 2> sim(scene, comm);
+        sim.hold_at_most(most);
+        sim.seed();
+        std::int64_t now = 0, made = 0;
+        while (sim.clock().time < 0.4) {
+            sim.step();
+            sim.balance();
+            if (sim.counts().repartitions > made) now = std::max(now, comm.max(sim.engine().census().particles));
+            made = sim.counts().repartitions;
+        }
+        sim.conclude();
+        CHECK(state_hash(sim, true) == alone.lists);
+        if (most == Engine<double, 2>::unlimited) fullest = now;
+        if (comm.size() == 1) continue;
+        CHECK(made > 5);
+        CHECK(now <= most);
+        CHECK(fullest > mean + 64);
+    }
+}
