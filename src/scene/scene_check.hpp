@@ -28,6 +28,9 @@ void check_scene(const Scene& scene, const Places& places);
 /// could be right. The materials and bodies must be whole.
 void check_time(const Scene& scene, const Places& places);
 
+/// Which methods output.energy_budget knows.
+void check_energy_budget(const Scene& scene, const Places& places);
+
 /// What sleeping blocks cannot do with. Of a scene that is whole.
 void check_sleep(const Scene& scene, const Places& places);
 
