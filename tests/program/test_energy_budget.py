@@ -171,14 +171,24 @@ class EnergyBudget(moraine.ProgramTest):
         first, *_, last = self.history(COLUMN, *sets(time__end=0.3, numerics__precision="single"), output="single")
         self.assertAlmostEqual(last["shift_J"] / moved(last, first), 0, delta=1e-4)
 
+    def test_what_is_put_out_of_a_structure_is_contact_and_no_shift(self):
+        """A floor between nodes: fluid that lands on it goes in deeper than it may stand."""
+        floor = '[[structure]]\nname = "floor"\nshape = "box"\nmin = [-1.0, -1.0]\nmax = [5.0, 0.3]\n'
+        falls = weight(9.81) + HEAD + FLUID + body("fluid", (0.0, 0.3), (1.0, 1.75)) + wall("x-min", "free-slip") + wall("x-max", "free-slip")
+        first, *_, last = self.history(falls + floor, *sets(time__end=0.6))
+        self.assertAlmostEqual(last["shift_J"] / moved(last, first), 0, delta=1e-10)
+        self.assertLess(abs(rest(last)), 0.01 * moved(last, first))
+
     def test_what_leaves_takes_its_motion_and_its_height(self):
         rain = weight(10.0) + HEAD + SOFT + body("soft", (1.0, 0.25), (2.0, 0.75), "velocity = [0.5, -2.0]\n") + wall("y-min", "open")
-        first, *_, last = self.history(rain, *sets(time__dt=1e-3, time__end=0.5))
-        self.assertEqual(last["particles"], 0)
-        took = last["lost_J"]
-        self.assertAlmostEqual((took + rest(last)) / (first["kinetic_J"] + first["potential_J"]), 1, delta=1e-9)
-        for part in ("shift_J", "wall_J", "transfer_J"):
-            self.assertAlmostEqual(last[part] / took, 0, delta=1e-9)
+        for shape in ("quadratic", "linear"):  # the end is inside a block, or between two
+            with self.subTest(shape=shape):
+                first, *_, last = self.history(rain, *sets(time__dt=1e-3, time__end=0.5, numerics__shape=shape), output=shape)
+                self.assertEqual(last["particles"], 0)
+                took = last["lost_J"]
+                self.assertAlmostEqual((took + rest(last)) / (first["kinetic_J"] + first["potential_J"]), 1, delta=1e-9)
+                for part in ("shift_J", "wall_J", "transfer_J"):
+                    self.assertAlmostEqual(last[part] / took, 0, delta=1e-9)
 
     def test_it_is_the_same_on_any_ranks_and_partitioners_and_after_a_restart(self):
         post = '[[structure]]\nname = "post"\nshape = "box"\nmin = [2.0, 0.0]\nmax = [2.3, 0.4]\n'
@@ -215,7 +225,7 @@ class EnergyBudget(moraine.ProgramTest):
 
 
 class OverTerrain(ValleyTest):
-    def test_what_comes_in_counts_and_what_is_put_out_of_the_ground_is_contact(self):
+    def test_what_comes_in_is_no_shift_and_what_the_ground_takes_is_contact(self):
         self.write("time,discharge,speed\n0.1,0,2\n0.3,8,4\n0.9,4,3\n", "torrent.csv")
         self.write(SCENE +
                    '[[inflow]]\nname = "torrent"\nmaterial = "debris"\nline = [[1.0, 7.5], [1.0, 4.5]]\ntable = "torrent.csv"\n')
