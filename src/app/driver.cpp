@@ -142,8 +142,8 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
             path_ = std::make_unique<StructurePath>(scene_, comm_, directory_ + "/structures.vtkhdf");
         with_frame(sim_, [&](auto& frame) { series_->check_types(frame.position(), frame.fields()); });
     }
-    history_ = std::make_unique<CsvLog>(comm_, directory_ + "/history.csv",
-                                        TimeSeriesRow<Dim>::columns(scene_.sleep.on), resume);
+    history_ =
+        std::make_unique<CsvLog>(comm_, directory_ + "/history.csv", TimeSeriesRow<Dim>::columns(scene_), resume);
     if (resume) resume->row.clear();  // the others tell of times, which differ from run to run
     balance_ =
         std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(scene_.sleep.on), resume);

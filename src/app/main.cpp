@@ -64,6 +64,9 @@ void check_device_scene(const Scene& scene) {
     if (scene.sleep.on)
         throw InputError(
             fmt::format("{}: numerics.sleep = \"on\" (devices do not have it). Use --device cpu?", scene.path));
+    if (scene.output.energy_budget)
+        throw InputError(
+            fmt::format("{}: output.energy_budget = \"on\" (devices do not have it). Use --device cpu?", scene.path));
     if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
     const auto& all = scene.materials;
     if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;

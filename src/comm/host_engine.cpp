@@ -117,10 +117,13 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
     const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, mean_) : blocks);
     const auto count = static_cast<std::int64_t>(pairs.size());
+    const bool weighs = finding_ && scene_.output.energy_budget;
+    const std::vector<double> held = weighs ? potentials_of(pairs) : std::vector<double>{};
     if (finding_)
         Host::launch(count,
                      LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
                                            static_cast<int>(count), call.particles.id, &buried_, pairs_.bounds()});
+    if (weighs) note_put_out(held, potentials_of(pairs));
     method_.kernels.p2g(call, method_.cell);
     if (sleepers_) sleepers_->keep_masses();
     if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
@@ -197,19 +200,31 @@ template <class Real, int Dim>
 template <bool Contact>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
+    if (scene_.output.energy_budget)
+        solve<Contact, true>(round, step, contact, nodes);
+    else
+        solve<Contact, false>(round, step, contact, nodes);
+}
+
+template <class Real, int Dim>
+template <bool Contact, bool Energy>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
     impulse_.resize(nodes.size() * Dim);
-    const SolveNodes<Real, Dim, Contact> kernel{method_.context.walls,
-                                                patch_.table(),
-                                                patch_.grid(),
-                                                nodes.data(),
-                                                method_.stencil.width,
-                                                method_.stencil.origin,
-                                                round,
-                                                step.quantum,
-                                                impulse_.data(),
-                                                contact,
-                                                {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
-                                                {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))}};
+    if (Energy) energy_.resize(nodes.size());
+    const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
+                                                        patch_.table(),
+                                                        patch_.grid(),
+                                                        nodes.data(),
+                                                        method_.stencil.width,
+                                                        method_.stencil.origin,
+                                                        round,
+                                                        step.quantum,
+                                                        impulse_.data(),
+                                                        contact,
+                                                        {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
+                                                        {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
+                                                        energy_.data()};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 
@@ -272,6 +287,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         buried_ = {};
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
+    record_energy(quantum, moved);
 }
 
 /// Notes who went wrong in a block, before binning moves it on.

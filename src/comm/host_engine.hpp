@@ -69,6 +69,14 @@ class HostEngine final : public Engine<Real, Dim> {
     template <bool Contact>
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact,
                std::span<const std::int32_t> nodes);
+    template <bool Contact, bool Energy>
+    void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact,
+               std::span<const std::int32_t> nodes);
+    double potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry);
+    std::vector<double> potentials_of(const std::vector<ContactPair>& pairs);
+    void note_put_out(const std::vector<double>& before, const std::vector<double>& after);
+    void count_lost(const Quantum& quantum);
+    void record_energy(const Quantum& quantum, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     CellContext<Real, Dim> cell_context();
     void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
@@ -91,6 +99,8 @@ class HostEngine final : public Engine<Real, Dim> {
     std::vector<FaultRecord<Dim>> fault_records_;
     Buried<Dim> buried_;  ///< of this step
     Host::Array<ExactSum> impulse_;
+    Host::Array<NodeEnergy> energy_;  ///< with an energy budget, as the next
+    std::vector<double> put_out_;     ///< potential energy that blocks set free in this step [J]
     NodeMean mean_ = NodeMean::none;
     Host::Array<HeldNode<Real, Dim>> held_;  ///< of the grid's pressure, as the next two
     Host::Array<CellPressure<Real>> cells_;

@@ -15,10 +15,11 @@
 // nodes, v_i / (h^d c_i) (over_filling.hpp): where they are full the sums over particles, whose errors grow with the
 // level of the pressure (Steffen et al. 2008), give way to exact integrals, and a cell that happens to hold no particle
 // takes part. Gradient and divergence are exact transposes, sum_i G_ic = 0: momentum is exact, and the loop is a leap
-// frog. -t tr(L L) is what the frozen places leave out of the rate of ln J, L of the start; half of it is taken,
-// because places go by the velocity of the end: with none a Taylor-Green vortex of 32 cells loses 4.8 % of its energy
-// at 6 substeps, with all it gains 5.5 %, with half 0.03 % (docs/adr/0009). The damping of the divergence keeps what
-// the step does not resolve from ringing; it is a bulk viscosity 0.2 K dt.
+// frog. -t tr(L L) is what the frozen places leave out of the rate of ln J, L of the start. Because places go by the
+// velocity of the end, and D rises by t tr(L L) on the way there, the sum that keeps a body that turns at its volume is
+// -dt^2/2 tr(L L) / S. Half of dt^2/2 is taken, whatever S is: what is too much of it at S > 2 makes up for what
+// transfers take of a vortex, and the body shrinks; at S = 1 it swells (S26; docs/adr/0009 has the figures of both).
+// The damping of the divergence keeps what the step does not resolve from ringing; it is a bulk viscosity 0.2 K dt.
 //
 // The modulus of a cell that is not whole is bounded for the substep:  K_c <= 1.8^2 V_c / ((1 + 2 d) s dts^2 sum_i
 // |G_ic|^2 / m_i). It is a secant, P_c = K_c / K of the particles' mean, and returns to K as the nodes grow heavy. s is

@@ -21,6 +21,7 @@
 #include "core/contact.hpp"
 #include "core/exact_sum.hpp"
 #include "core/grid_views.hpp"
+#include "core/node_energy.hpp"
 #include "core/tile_sums.hpp"
 #include "core/walls.hpp"
 
@@ -153,8 +154,44 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     return motion;
 }
 
-/// One instance for scenes with structures, one for the others.
-template <class Real, int Dim, bool Contact = false>
+/// What a round that has forces does to the energy of a node. after_contact, touched: what structures left of
+/// motion.trial, and whether one touches; node: as in move_node.
+template <class Real, int Dim>
+MORAINE_HD void add_energy(const NodeRound<Real, Dim>& round, const Walls<Real, Dim>& walls, const int* node,
+                           const Quad<Real>& sums, const Quad<Real>& force, const NodeMotion<Real, Dim>& motion,
+                           const Vec<Real, Dim>& after_contact, bool touched, const Quantum& quantum,
+                           NodeEnergy& energy) {
+    const Real m = sums[0];
+    if (!(m > round.mass_cutoff)) return;
+    Vec<Real, Dim> damped = after_contact, moves = motion.end;
+    if (round.damping > Real(0) && !touched) damp_node(round, force, Real(1) / m, damped);
+    // particles move once in a step, by the velocity of its end: the last of these differences is added to the first
+    const bool goes_on = round.task == NodeTask::substep && !round.first_substep;
+    for (int a = 0; goes_on && a < Dim; ++a) moves[a] -= motion.start[a];
+    const double dt = double(round.task == NodeTask::substep ? round.step : round.dt);
+    const Vec<Real, Dim> blow = stopped_by(motion.start, motion.trial, after_contact);
+    Vec<Real, Dim> held = blow;  // with it, and walls alone
+    if (node) walls.constrain(node, held);
+    const auto taken = [&](const auto& from, const auto& to, const auto& before, const auto& after) {
+        return energy_taken(m, from, to, before, after);
+    };
+    const auto& end = motion.end;
+    // of the impulse that structures and walls give, what is left of the blow
+    Vec<Real, Dim> contact, wall;
+    for (int a = 0; a < Dim; ++a) {
+        contact[a] = (motion.trial[a] - after_contact[a]) - (motion.start[a] - blow[a]);
+        wall[a] = (damped[a] - end[a]) - (blow[a] - held[a]);
+    }
+    const Vec<Real, Dim> none = zero_vec<Real, Dim>();
+    energy.gain.add(quantum.of(taken(end, motion.start, motion.start, end)));
+    energy.fall.add(quantum.of(dt * power_of_weight(m, round.gravity, moves)));
+    energy.contact.add(quantum.of(taken(motion.start, blow, motion.start, blow) + taken(contact, none, held, end)));
+    energy.damping.add(quantum.of(taken(after_contact, damped, held, end)));
+    energy.walls.add(quantum.of(taken(blow, held, blow, held) + taken(wall, none, held, end)));
+}
+
+/// One instance for scenes with structures, one for the others; each with the energy budget and without.
+template <class Real, int Dim, bool Contact = false, bool Energy = false>
 struct SolveNodes {
     using Scratch = TileSums<Real, Dim>;
 
@@ -170,12 +207,15 @@ struct SolveNodes {
     ContactField<Dim> contact = {};
     GapTiles gaps = {};
     HeldNodes<Real, Dim> held = {};
+    NodeEnergy* energy = nullptr;  ///< node blocks, with an energy budget: of this step
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
         const int c = chosen[item];
-        if (round.task != NodeTask::substep || round.first_substep)
+        if (round.task != NodeTask::substep || round.first_substep) {
             for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
+            if constexpr (Energy) energy[item] = NodeEnergy{};
+        }
         if (grid.node_of[c] < 0) return;
         const bool border = table.node_border[c] != 0;
         const bool near = structure_near(c);
@@ -187,6 +227,12 @@ struct SolveNodes {
     }
 
   private:
+    /// What structures leave of a node's velocity.
+    struct Contacted {
+        Vec<Real, Dim> velocity;
+        bool touched;
+    };
+
     static MORAINE_HD int cell_coordinate_of(int n, int axis) { return (n >> (2 * axis)) & 3; }
 
     /// Other node blocks look at no structure.
@@ -242,9 +288,11 @@ struct SolveNodes {
         }
         NodeMotion<Real, Dim> motion;
         Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
+        Contacted contacted{zero_vec<Real, Dim>(), false};
         if constexpr (Contact) {
             motion =
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
+<<<<<<< HEAD
                     return near &&
                            touch_structures(
                                contact, node, sums[0], round.contact_time(),
@@ -254,6 +302,16 @@ struct SolveNodes {
                                },
                                v, given,
                                contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
+=======
+                    const bool touched =
+                        near &&
+                        touch_structures(
+                            contact, node, sums[0], round.contact_time(), counted, quantum,
+                            [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given,
+                            contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
+                    if constexpr (Energy) contacted = {v, touched};
+                    return touched;
+>>>>>>> issue24
                 });
         } else {
             motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);
@@ -264,6 +322,10 @@ struct SolveNodes {
                 if constexpr (Contact) impulse_of_node += given[a];
                 impulse[item * Dim + a].add(quantum.of(impulse_of_node));
             }
+        if constexpr (Energy)
+            if (counted && solves(round.task))
+                add_energy(round, walls, border ? node : nullptr, sums, scratch.sums[2 * n + 1], motion,
+                           Contact ? contacted.velocity : motion.trial, contacted.touched, quantum, energy[item]);
         const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);

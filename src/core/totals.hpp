@@ -12,6 +12,7 @@
 
 #include "core/exact_sum.hpp"
 #include "core/law_batch.hpp"
+#include "core/node_energy.hpp"
 #include "core/particles.hpp"
 
 namespace moraine {
@@ -118,11 +119,13 @@ struct Budget {
     std::int64_t lost_count = 0;
     ExactSum slept_kinetic;                      ///< taken from what fell asleep, and from sleepers [J]
     std::array<ExactSum, Dim> slept_momentum{};  ///< likewise [kg m/s]
+    EnergyAccount energy;                        ///< zero but in scenes that want it
 
     void add(const Budget& o) {
         work.add(o.work);
         lost_mass.add(o.lost_mass);
         slept_kinetic.add(o.slept_kinetic);
+        energy.add(o.energy);
         for (std::size_t a = 0; a < Dim; ++a) {
             impulse[a].add(o.impulse[a]);
             lost_momentum[a].add(o.lost_momentum[a]);

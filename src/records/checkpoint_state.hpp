@@ -73,6 +73,20 @@ void each_sleep_entry(Budget<Dim>& budget, const F& f) {
     for (std::size_t a = 0; a < Dim; ++a) f("slept_momentum_" + std::string(1, "xyz"[a]), budget.slept_momentum[a]);
 }
 
+/// The same of the energy budget; only in scenes that want it.
+template <int Dim, class F>
+void each_energy_entry(Budget<Dim>& budget, const F& f) {
+    EnergyAccount& energy = budget.energy;
+    f("energy_gain", energy.nodes.gain);
+    f("energy_fall", energy.nodes.fall);
+    f("energy_contact", energy.nodes.contact);
+    f("energy_damping", energy.nodes.damping);
+    f("energy_walls", energy.nodes.walls);
+    f("energy_put_out", energy.put_out);
+    f("energy_lost_kinetic", energy.lost_kinetic);
+    f("energy_lost_potential", energy.lost_potential);
+}
+
 /// Names of the sums of all structures, and the sums.
 template <int Dim, class F>
 void each_structure_sum(StructureSet<Dim>& set, const F& f) {
@@ -151,6 +165,13 @@ void take_sleep_check(const CheckpointReader& file, RunClock<Dim>& clock) {
         clock.sleep_step > clock.step)
         file.refuse("no run has such a last sleep check");
     clock.sleep_check = time[0];
+}
+
+template <int Dim>
+void take_start_potential(const CheckpointReader& file, RunClock<Dim>& clock) {
+    const auto& potential = file.get<std::vector<double>>("start_potential");
+    if (potential.size() != 1 || !std::isfinite(potential[0])) file.refuse("no run has such a potential energy");
+    clock.start_potential = potential[0];
 }
 
 /// A sum over ranks, as a checkpoint holds it.
@@ -246,6 +267,10 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         header["sleep_check"] = std::vector<double>{sim.clock().sleep_check};
         header["sleep_step"] = sim.clock().sleep_step;
     }
+    if (sim.scene().output.energy_budget) {
+        each_energy_entry(budget, store);
+        header["start_potential"] = std::vector<double>{sim.clock().start_potential};
+    }
 
     save_structures(sim, comm, header);
 
@@ -290,6 +315,15 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);
         take_sleep_check(file, clock);
+    }
+    if (sim.scene().output.energy_budget) {
+        if (!file.header().contains("start_potential"))
+            throw InputError(
+                fmt::format("{} has no energy budget (output.energy_budget was off in its run). Turn it off, or run "
+                            "from the start?",
+                            path));
+        each_energy_entry(budget, take);
+        take_start_potential(file, clock);
     }
     std::vector<std::int64_t> state;
     if (file.get<std::string>("partitioner") == sim.partitioner().name())

@@ -11,6 +11,20 @@
 
 namespace moraine {
 
+/// Of the unaccounted energy, who took it [J] (core/node_energy.hpp). What is left of it is the error of the step in
+/// time. Negative: gave it.
+struct EnergyBudget {
+    double transfer = 0;  ///< on the way from particles to nodes and back
+    double shift = 0;     ///< by places that changed without a velocity: particle shifting; it lifts mass
+    double wall = 0, contact = 0, damping = 0;  ///< contact: less the work on structures, with what is put out of them
+    double lost = 0;                            ///< left through open ends, kinetic and potential
+
+    static std::vector<std::string> columns() {
+        return {"transfer_J", "shift_J", "wall_J", "contact_J", "damping_J", "lost_J"};
+    }
+    std::array<double, 6> values() const { return {transfer, shift, wall, contact, damping, lost}; }
+};
+
 /// Numbers of one output time, in the order of their columns.
 template <int Dim>
 struct TimeSeriesRow {
@@ -28,9 +42,9 @@ struct TimeSeriesRow {
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;                                        ///< particles; -1: none can in this scene
     double over_filling = std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not known
+    std::optional<EnergyBudget> energy;                              ///< none: the scene does not want it
 
-    /// with_sleep: of a scene in which blocks can sleep.
-    static std::vector<std::string> columns(bool with_sleep = false) {
+    static std::vector<std::string> columns(const Scene& scene) {
         std::vector<std::string> names{"step", "time_s", "dt_s", "particles", "mass_kg"};
         const auto per_axis = [&](const std::string& name, const std::string& unit) {
             for (int a = 0; a < Dim; ++a) names.push_back(name + "_" + "xyz"[a] + "_" + unit);
@@ -46,7 +60,11 @@ struct TimeSeriesRow {
         for (const char* n : {"lost_particles", "lost_mass_kg"}) names.push_back(n);
         per_axis("momentum_error", "kg_m_s");
         names.push_back("over_filling");
-        if (with_sleep) names.insert(names.end(), {"asleep", "slept_J"});
+        if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
+        if (scene.output.energy_budget) {
+            const std::vector<std::string> more = EnergyBudget::columns();
+            names.insert(names.end(), more.begin(), more.end());
+        }
         return names;
     }
 
@@ -65,6 +83,10 @@ struct TimeSeriesRow {
         add(momentum_error);
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
+        if (energy) {
+            const auto more = energy->values();
+            v.insert(v.end(), more.begin(), more.end());
+        }
         return v;
     }
 };
@@ -94,6 +116,24 @@ struct RowSums {
         asleep += o.asleep;
     }
 };
+
+/// work: done on structures [J].
+template <int Dim>
+EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>& clock, const Quantum& quantum,
+                              const EnergyAccount& account, double work) {
+    const auto value = [&](const ExactSum& sum) { return quantum.value(sum); };
+    const double lost_kinetic = value(account.lost_kinetic), lost_potential = value(account.lost_potential);
+    const double start_kinetic = clock.start_energy - clock.start_strain - clock.start_potential;
+    const double put_out = value(account.put_out);
+    EnergyBudget energy;
+    energy.transfer = start_kinetic + value(account.nodes.gain) - row.totals.kinetic - lost_kinetic;
+    energy.shift = clock.start_potential - row.potential - lost_potential - value(account.nodes.fall) - put_out;
+    energy.wall = value(account.nodes.walls);
+    energy.contact = value(account.nodes.contact) - work + put_out;
+    energy.damping = value(account.nodes.damping);
+    energy.lost = lost_kinetic + lost_potential;
+    return energy;
+}
 
 /// Binned state only. Three reductions at most. Collective.
 template <class Real, int Dim>
@@ -134,7 +174,12 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         row.slept = value(budget.slept_kinetic);
         row.unaccounted -= row.slept;
     }
-    for (const StructureSums<Dim>& s : felt) row.unaccounted -= value(s.sum[StructureSums<Dim>::work]);
+    double work = 0;
+    for (const StructureSums<Dim>& s : felt) {
+        row.unaccounted -= value(s.sum[StructureSums<Dim>::work]);
+        work += value(s.sum[StructureSums<Dim>::work]);
+    }
+    if (scene.output.energy_budget) row.energy = energy_budget_of(row, clock, sim.quantum(), budget.energy, work);
     return row;
 }
 

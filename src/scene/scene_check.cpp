@@ -207,6 +207,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_bodies(scene, places);
     check_time(scene, places);
     check_sleep(scene, places);
+    check_energy_budget(scene, places);
 }
 
 }  // namespace moraine

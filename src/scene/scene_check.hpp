@@ -31,6 +31,9 @@ void check_time(const Scene& scene, const Places& places);
 /// Whether numerics.sleep = "on" would be taken. Of a scene that is whole.
 bool can_sleep(const Scene& scene);
 
+/// Which methods output.energy_budget knows.
+void check_energy_budget(const Scene& scene, const Places& places);
+
 /// What sleeping blocks cannot do with. Of a scene that is whole.
 void check_sleep(const Scene& scene, const Places& places);
 

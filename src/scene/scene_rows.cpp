@@ -283,6 +283,14 @@ const std::vector<KeyRow<Scene>> rows{
       .choices = {"off", "on"},
       .meaning = "Particles and owner of every block at each balance interval (16 bytes a block), for moraine replay."},
      [](S& s, const V& v) { s.output.block_loads = v.text == "on"; }},
+    {{.table = "output",
+      .name = "energy_budget",
+      .type = choice,
+      .standard = "\"off\"",
+      .choices = {"off", "on"},
+      .meaning = "On: history.csv says of unaccounted_J what transfers, shifts, walls, contact and damping took and "
+                 "what left. On the host only."},
+     [](S& s, const V& v) { s.output.energy_budget = v.choice == 1; }},
 
     {{.table = "run",
       .name = "watchdog",

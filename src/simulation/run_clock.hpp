@@ -20,9 +20,10 @@ struct RunClock {
     double start_strain = 0;                    ///< stored energy at the start [J]
     std::array<double, Dim> start_momentum{};
     double start_mass = 0;
-    double start_energy = 0;  ///< kinetic, stored and potential [J]
-    std::int64_t round = 0;   ///< partitions made
-    double sleep_check = -1;  ///< when the last sleep check was, and its step; -1: none was [s]
+    double start_energy = 0;     ///< kinetic, stored and potential [J]
+    double start_potential = 0;  ///< of it [J]
+    std::int64_t round = 0;      ///< partitions made
+    double sleep_check = -1;     ///< when the last sleep check was, and its step; -1: none was [s]
     std::int64_t sleep_step = 0;
 };
 

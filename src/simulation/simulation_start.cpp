@@ -166,7 +166,8 @@ void Simulation<Real, Dim>::seed() {
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
     clock_.start_strain = start.strain;
-    clock_.start_energy = start.kinetic + start.strain + potential_energy(scene_, start);
+    clock_.start_potential = potential_energy(scene_, start);
+    clock_.start_energy = start.kinetic + start.strain + clock_.start_potential;
 }
 
 /// Units of the exact sums and the mass below which a node is empty, from what the particles weigh.

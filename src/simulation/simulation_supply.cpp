@@ -17,10 +17,10 @@ namespace {
 /// What the budget must know of those that came in: as if they had been there from the start.
 template <int Dim>
 struct SupplySums {
-    ExactSum mass, energy, momentum[Dim];
+    ExactSum mass, energy, potential, momentum[Dim];
 
     void add(const SupplySums& o) {
-        mass.add(o.mass), energy.add(o.energy);
+        mass.add(o.mass), energy.add(o.energy), potential.add(o.potential);
         for (int a = 0; a < Dim; ++a) momentum[a].add(o.momentum[a]);
     }
 };
@@ -86,16 +86,19 @@ void Simulation<Real, Dim>::admit() {
             place_seed(scene_, method_, domain_, p, seed, slot);
             placed.push_back({key, share.cell_of_slot(slot), seed.id, slot});
             const double m = static_cast<double>(p.mass[slot]);
-            double energy = 0, square = 0;
+            double energy = 0, potential = 0, square = 0;
             for (int a = 0; a < Dim; ++a) {
                 const auto i = static_cast<std::size_t>(a);
                 const double v = static_cast<double>(p.velocity[slot][a]);
                 square += v * v;
-                energy += 0.5 * m * v * v - m * scene_.gravity[i] * (seed.x[i] - scene_.min[i]);
+                const double weight = m * scene_.gravity[i] * (seed.x[i] - scene_.min[i]);
+                energy += 0.5 * m * v * v - weight;
+                potential -= weight;
                 sums.momentum[a].add(quantum().of(m * (v - clock_.gravity_impulse[i])));
             }
             sums.mass.add(quantum().of(m));
             sums.energy.add(quantum().of(energy));
+            sums.potential.add(quantum().of(potential));
             signal = std::max(signal, method_.law_of(seed.body).signal(p, slot));
             square_speed = std::max(square_speed, square);
         }
@@ -104,6 +107,7 @@ void Simulation<Real, Dim>::admit() {
     const SupplySums<Dim> all = comm_.exact_sum(sums);
     clock_.start_mass += quantum().value(all.mass);
     clock_.start_energy += quantum().value(all.energy);
+    clock_.start_potential += quantum().value(all.potential);
     for (std::size_t a = 0; a < Dim; ++a) clock_.start_momentum[a] += quantum().value(all.momentum[a]);
     clock_.signal = own_.signal = std::max(clock_.signal, comm_.max(signal));
     if (scene_.substeps != 1)
