@@ -84,15 +84,17 @@ void check_transfer(const Scene& scene, const Places& places) {
                        scene.transfer == Transfer::tpic ? "pic" : "flip"));
 }
 
+constexpr const char* for_what_flows =
+    "it is for fluids and undrained clays: bingham, herschel-bulkley, newtonian, tresca, von-mises";
+
 /// Smoothing and shifting are for what remembers no shape.
 void check_fluid_terms(const Scene& scene, const Places& places) {
     for (const MaterialSpec& m : scene.materials) {
         if (!has_fluid_terms(m)) continue;
         const std::string path = "material." + m.name;
         const std::string key = path + (m.particle_shifting > 0 ? ".particle_shifting" : ".pressure_smoothing");
-        if (!find_law(m.law)->is_fluid)
-            refuse(places.of(key), fmt::format("{} with law \"{}\"", key, m.law),
-                   "it is for fluids: bingham, herschel-bulkley, newtonian", "Remove it?");
+        if (!find_law(m.law)->flows)
+            refuse(places.of(key), fmt::format("{} with law \"{}\"", key, m.law), for_what_flows, "Remove it?");
         if (m.volumetric == Volumetric::cell)
             refuse(places.of(path + ".volumetric"), path + ".volumetric = \"cell\" with " + key,
                    "means of cells smooth pressures already, and crowd particles", "Remove one of them?");
@@ -116,6 +118,10 @@ std::optional<Hindrance> substeps_hindered_by(const Scene& scene) {
             return Hindrance{"numerics.substeps", fmt::format("structure.{}, which is free", s.name),
                              "structures move once in a step", "Remove it?"};
     for (const MaterialSpec& m : scene.materials)
+        if (!find_law(m.law)->is_fluid)
+            return Hindrance{"numerics.substeps", fmt::format("law \"{}\" of material.{}", m.law, m.name),
+                             "substeps are for fluids: bingham, herschel-bulkley, newtonian", "Remove it?"};
+    for (const MaterialSpec& m : scene.materials)
         if (poisson_ratio(m) < 0.45)
             return Hindrance{"material." + m.name + ".poisson", "this Poisson's ratio",
                              "below 0.45 shear is nearly as fast as pressure", "Remove it?"};
@@ -128,9 +134,9 @@ void check_grid_pressure(const Scene& scene, const Places& places) {
         if (m.volumetric != Volumetric::grid) continue;
         const std::string key = "material." + m.name + ".volumetric";
         const std::string what = key + " = \"grid\"";
-        if (!find_law(m.law)->is_fluid)
-            refuse(places.of(key), fmt::format("{} with law \"{}\"", what, m.law),
-                   "it is for fluids: bingham, herschel-bulkley, newtonian", "Use \"cell\" or \"particle\"?");
+        if (!find_law(m.law)->flows)
+            refuse(places.of(key), fmt::format("{} with law \"{}\"", what, m.law), for_what_flows,
+                   "Use \"cell\" or \"particle\"?");
         if (scene.shape != Shape::quadratic)
             refuse(places.of(key), what + " with this numerics.shape", "it is for quadratic splines",
                    "Use shape = \"quadratic\"?");

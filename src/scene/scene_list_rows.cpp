@@ -36,14 +36,16 @@ const std::vector<KeyRow<MaterialSpec>> materials{
       .choices = {"particle", "cell", "grid"},
       .meaning =
           "Volumetric rate and pressure: each particle's; the mean of a cell, against locking near nu = 0.5; or, "
-          "for fluids, on the cells of the grid, with exact integrals in full ones."},
+          "for fluids and undrained clays, on the cells of the grid, with exact integrals in full ones."},
      [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
     {{.table = "material",
       .name = "pressure_smoothing",
       .standard = "0.0",
       .range = from_zero,
-      .meaning = "For fluids (bingham, herschel-bulkley, newtonian): the share of its pressure that a particle takes "
-                 "from the grid while a wave crosses a cell; 0: none. 0.22 leaves little noise."},
+      .meaning =
+          "For fluids and undrained clays (bingham, herschel-bulkley, newtonian, tresca, von-mises): the share of "
+          "its pressure that a particle takes from the grid while a wave crosses a cell; 0: none. 0.22 leaves little "
+          "noise."},
      [](M& m, const V& v) { m.pressure_smoothing = v.real; }},
     {{.table = "material",
       .name = "particle_shifting",

@@ -158,6 +158,11 @@ class SameAnswer(moraine.ProgramTest):
         steps = [self.same_from_every_checkpoint(scene, f"most-{most}", sets(numerics__substeps=most)) for most in (1, 10)]
         self.assertLess(2 * steps[1], steps[0])
 
+    def test_checkpoints_of_clay_with_the_pressure_of_the_grid(self):
+        scene = self.write(LEAKY_SCENE.replace('"neo-hookean"', '"tresca"\nsu = 100.0\nvolumetric = "grid"').replace(
+            "poisson = 0.3", "poisson = 0.49\npressure_smoothing = 0.22\nparticle_shifting = 0.1"))
+        self.same_from_every_checkpoint(scene, "clay", [])
+
     def same_from_every_checkpoint(self, scene, name, keys):
         """Steps of the run."""
         straight = self.run_scene(scene, f"{name}-straight", *keys)

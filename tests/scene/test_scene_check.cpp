@@ -192,12 +192,15 @@ TEST_CASE("substeps by the scene are ten where it can have them, and else one") 
 }
 
 TEST_CASE(
-    "the grid's pressure is for fluids, and its substeps for nearly incompressible ones without free structures") {
+    "the grid's pressure is for what flows, its substeps for nearly incompressible fluids without free structures") {
     const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
     const std::string grid = "material.clay.volumetric=grid", stiff = "material.clay.poisson=0.49";
     CHECK(said_about(mud, {grid}).empty());
     CHECK(said_about(mud, {grid, stiff, "numerics.substeps=10"}).empty());
-    says(said_about(good_scene, {grid}), "it is for fluids");
+    const std::string elastic = replaced(replaced(good_scene, "von-mises", "linear-elastic"), "su = 2.0e3", "");
+    says(said_about(elastic, {grid}), "it is for fluids and undrained clays");
+    CHECK(said_about(good_scene, {grid}).empty());
+    says(said_about(good_scene, {grid, stiff, "numerics.substeps=4"}), "substeps are for fluids");
     says(said_about(mud, {grid, "numerics.shape=cubic"}), "it is for quadratic splines");
     says(said_about(mud, {grid, "numerics.stress_update=musl"}), "with this stress_update or transfer");
     says(said_about(mud, {stiff, "numerics.substeps=4"}), "a material has its pressure on particles");
@@ -211,14 +214,16 @@ TEST_CASE(
          "with structure.ball, which is free");
 }
 
-TEST_CASE("smoothing and shifting are for fluids, without means of cells") {
+TEST_CASE("smoothing and shifting are for what flows, without means of cells") {
     const std::string mud = replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0");
     const std::string smooth = "material.clay.pressure_smoothing=0.22", shift = "material.clay.particle_shifting=0.1";
+    const std::string elastic = replaced(replaced(good_scene, "von-mises", "linear-elastic"), "su = 2.0e3", "");
     CHECK(said_about(mud, {smooth, shift}).empty());
     CHECK(
-        said_about(good_scene, {shift}) ==
-        "--set material.clay.particle_shifting=0.1: material.clay.particle_shifting with law \"von-mises\" (it is for "
-        "fluids: bingham, herschel-bulkley, newtonian). Remove it?");
-    says(said_about(good_scene, {smooth}), "material.clay.pressure_smoothing with law");
+        said_about(elastic, {shift}) ==
+        "--set material.clay.particle_shifting=0.1: material.clay.particle_shifting with law \"linear-elastic\" (it is "
+        "for fluids and undrained clays: bingham, herschel-bulkley, newtonian, tresca, von-mises). Remove it?");
+    says(said_about(elastic, {smooth}), "material.clay.pressure_smoothing with law");
+    CHECK(said_about(good_scene, {smooth, shift}).empty());
     says(said_about(mud, {smooth, "material.clay.volumetric=cell"}), "means of cells smooth pressures already");
 }

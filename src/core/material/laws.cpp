@@ -17,8 +17,8 @@ LawInfo describe(int position) {
     using L = Law<double>;
     static_assert(L::history <= max_history && std::size(L::parameters) <= max_parameters);
     LawInfo info{
-        L::name,      L::parameters, L::history, {}, L::uses_left_stretch, position, {}, HasInitialState<L, double>,
-        is_fluid<L>()};
+        L::name,       L::parameters, L::history, {}, L::uses_left_stretch, position, {}, HasInitialState<L, double>,
+        is_fluid<L>(), flows<L>()};
     if constexpr (L::history > 0) {
         static_assert(std::size(L::history_names) == L::history);
         info.history_names = L::history_names;

@@ -40,7 +40,8 @@ struct LawInfo {
     int position;                  ///< position in Laws
     std::span<const double> tail;  ///< values that the name fixes: they follow the parameters
     bool has_initial_state;        ///< which is not zero and depends on stress and body
-    bool is_fluid;                 ///< its particles may be shifted
+    bool is_fluid;                 ///< point.hpp
+    bool flows;                    ///< point.hpp
 
     /// P-wave modulus K + 4G/3 [Pa] at the start, under a stress of these normal components [Pa].
     double wave_modulus(const double* values, const BodyStart& start = {}, const Vec<double, 3>& stress = {}) const;

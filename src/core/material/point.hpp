@@ -15,7 +15,10 @@
 // and, where it wants them,
 //   const char* begin(const BodyStart&, PointState&) const;   host only: its scalars at the start, from the body's keys
 //                                                       and the initial stress; nullptr, or why there are none
-//   static constexpr bool is_fluid = true;              its particles may be shifted: no shape is remembered
+//   static constexpr bool flows = true;                 its particles may be shifted, and its pressure be that of the
+//                                                       grid: beyond a strength no shape is remembered, and the mean
+//                                                       stress is K times the change of volume
+//   static constexpr bool is_fluid = true;              flows, and devices have kernels for that; may have substeps
 //   static constexpr DeviceBlocks device_blocks;        registers of its kernels (below)
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
 // its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller. A law may take
@@ -84,6 +87,14 @@ constexpr bool is_fluid() {
         return Law::is_fluid;
     else
         return false;
+}
+
+template <class Law>
+constexpr bool flows() {
+    if constexpr (requires { Law::flows; })
+        return Law::flows;
+    else
+        return is_fluid<Law>();
 }
 
 /// One key of a [[material]] table.

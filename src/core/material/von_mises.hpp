@@ -20,6 +20,7 @@ struct VonMises {
     static constexpr int history = 1;
     static constexpr const char* history_names[] = {"plastic_shear_strain"};
     static constexpr bool uses_left_stretch = false;
+    static constexpr bool flows = true;
     static constexpr const auto& parameters = undrained_parameters;
     static const char* problem(const double* values) { return UndrainedStrength<double>::problem(values); }
 
