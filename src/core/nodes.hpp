@@ -292,26 +292,17 @@ struct SolveNodes {
         if constexpr (Contact) {
             motion =
                 move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, [&](auto& v) {
-<<<<<<< HEAD
-                    return near &&
-                           touch_structures(
-                               contact, node, sums[0], round.contact_time(),
-                               [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); },
-                               [&](int k, const auto& values) {
-                                   if (counted) add_shared(contact.sums[k].sum, quantum, values);
-                               },
-                               v, given,
-                               contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
-=======
                     const bool touched =
-                        near &&
-                        touch_structures(
-                            contact, node, sums[0], round.contact_time(), counted, quantum,
-                            [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); }, v, given,
-                            contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
+                        near && touch_structures(
+                                    contact, node, sums[0], round.contact_time(),
+                                    [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); },
+                                    [&](int k, const auto& values) {
+                                        if (counted) add_shared(contact.sums[k].sum, quantum, values);
+                                    },
+                                    v, given,
+                                    contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);
                     if constexpr (Energy) contacted = {v, touched};
                     return touched;
->>>>>>> issue24
                 });
         } else {
             motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);
