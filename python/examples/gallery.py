@@ -20,7 +20,7 @@ import sys
 import moraine
 from moraine.picture import draw
 
-NAMES = ("slurry", "slide", "slide-coarse", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge")
+NAMES = ("slurry", "slide", "slide-coarse", "slope", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge")
 words = argparse.ArgumentParser(description="Makes the pictures of the gallery, all or some.")
 words.add_argument("--only", default=",".join(NAMES), metavar="NAME,...", help=f"of {', '.join(NAMES)} (slide takes most of the time)")
 words.add_argument("--quick", action="store_true", help="coarse cells and early ends: seconds instead of minutes")
@@ -75,6 +75,16 @@ if "slide" in ONLY:
 if "slide-coarse" in ONLY:
     run = made("slide-coarse", "inputs/submarine_slide.toml", {"domain.cell": 0.5}, {"domain.cell": 1.0, "time.end": 5.0})
     keep(run, "slide_coarse.png", times=[0, 10, 20, 30, 52], sheet=True)
+
+# %% [markdown]
+# ## A slope that fails backwards
+# Sensitive clay whose toe is cut away; what rests behind the last slip surface sleeps.
+
+# %%
+if "slope" in ONLY:
+    run = made("slope", "inputs/retrogressive_slope.toml", {"time.end": 15.0}, {"domain.cell": 1.0, "time.end": 3.0})
+    print(f"  {100 * run.summary['sleep']['share_of_particle_steps']:.0f} % of the particle-steps were saved")
+    keep(run, "retrogressive_slope.png", times=[0, 3, 6, 9, 15], sheet=True)
 
 # %% [markdown]
 # ## Debris in a valley
