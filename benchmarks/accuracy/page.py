@@ -40,17 +40,26 @@ def order(levels):
 
 
 def reach(levels, goal, key):
-    """(key at which the error first is `goal`, whether that is only an upper bound, whether it is exceeded again); None: never."""
+    """(key at which the error is `goal` and stays below, whether that is only an upper bound, False); if it does not stay, where it first was and True; None: never."""
+    first = None
     for k, level in enumerate(levels):
         if fails(level) or level["error"] > goal:
             continue
         again = any(fails(x) or x["error"] > goal for x in levels[k + 1:])
+        if again and first:
+            continue
         if k == 0 or fails(levels[k - 1]):
-            return level[key], True, again
-        before = levels[k - 1]
-        share = math.log(before["error"] / goal) / math.log(before["error"] / level["error"])
-        return before[key] * (level[key] / before[key]) ** share, False, again
-    return None
+            found = level[key], True, again
+        elif levels[k - 1]["error"] <= goal:
+            continue
+        else:
+            before = levels[k - 1]
+            share = math.log(before["error"] / goal) / math.log(before["error"] / level["error"])
+            found = before[key] * (level[key] / before[key]) ** share, False, again
+        if not again:
+            return found
+        first = found
+    return first
 
 
 def front(lines):
@@ -70,12 +79,12 @@ def seconds_to(reached):
     return f"{'<= ' if bound else ''}{value:.2g}{' (then worse)' if again else ''}"
 
 
-def gain(base, reached):
-    """How many times sooner than B0."""
+def gain(base, reached, longest):
+    """How many times sooner than B0; where B0 never gets there, than its finest level, `longest`, which is not there either."""
     if not reached:
         return "-"
     if not base:
-        return "B0 never"
+        return f"> {longest / reached[0]:.2g}"
     sign = "" if base[1] == reached[1] else ("<= " if base[1] else ">= ")
     return f"{sign}{base[0] / reached[0]:.2g}" if not (base[1] and reached[1]) else "both below"
 
@@ -96,9 +105,10 @@ def row(lines, name, precision, cells):
     columns += ["-"] * 3 if fails(last) and "failed" in last else [
         f"{last['processor_s']:.2g}", f"{last['wall_s']:.2g}", f"{last['particle_steps'] / 1e6:.2g}"]
     for goal in GOALS:
-        reached = reach(levels, goal, "processor_s")
-        columns += [seconds_to(reached), gain(reach(base, goal, "processor_s"), reached),
-                    gain(reach(base, goal, "particle_steps"), reach(levels, goal, "particle_steps"))]
+        columns.append(seconds_to(reach(levels, goal, "processor_s")))
+        for key in ("processor_s", "particle_steps"):
+            longest = max((x[key] for x in base if not fails(x)), default=0)
+            columns.append(gain(reach(base, goal, key), reach(levels, goal, key), longest))
     return "| " + " | ".join(columns) + " |"
 
 
