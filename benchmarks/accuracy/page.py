@@ -80,7 +80,7 @@ def seconds_to(reached):
     return f"{'<= ' if bound else ''}{value:.2g}{' (then worse)' if again else ''}"
 
 
-def gain(base, reached, longest):
+def gain(base, reached, longest=0):
     """How many times sooner than B0; where B0 never gets there, than its finest level if that is given, `longest`, which is not there either."""
     if not reached:
         return "-"
