@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/courant.hpp"
 #include "method_name.hpp"
 
 namespace moraine {
@@ -15,6 +16,12 @@ void add(std::vector<Configuration>& all, Shape shape, Transfer transfer, Stress
     std::string name = method_name(shape, transfer, update);
     if (cfl != paper_cfl) name += fmt::format(" @{}", cfl);
     all.push_back({name, shape, transfer, update, cfl});
+}
+
+void add_on_cells(std::vector<Configuration>& all, Transfer transfer) {
+    const std::string name = method_name(Shape::quadratic, transfer, StressUpdate::usl) + " on cells";
+    all.push_back({name, Shape::quadratic, transfer, StressUpdate::usl,
+                   0.8 * stable_courant(Shape::quadratic, transfer, StressUpdate::usl), 1, true});
 }
 
 void add_series(std::vector<Configuration>& all, Shape shape, int order) {
@@ -39,6 +46,7 @@ std::vector<Configuration> make_configurations() {
     add(all, Shape::quadratic, Transfer::apic, usf, 2 * paper_cfl);
     add(all, Shape::cubic, Transfer::apic, usl, 2 * paper_cfl);
     add(all, Shape::cubic, Transfer::apic, musl, 2 * paper_cfl);
+    for (Transfer transfer : {Transfer::apic, Transfer::aflip}) add_on_cells(all, transfer);
     add_series(all, Shape::gimp_contiguous, 2);
     for (int order : {2, 3}) add_series(all, Shape::quadratic, order);
     add_series(all, Shape::cubic, 3);
@@ -50,7 +58,7 @@ std::vector<Configuration> make_configurations() {
 bool is_for_long_runs(const Configuration& c) {
     const bool wave = c.shape == Shape::gimp_contiguous && c.transfer == Transfer::tpic;
     const bool stress = c.shape == Shape::quadratic && c.transfer != Transfer::tpic && c.update == StressUpdate::usl;
-    return c.name == "gimp FLIP USL" || (c.cfl > paper_cfl && (wave || stress));
+    return c.on_cells || c.name == "gimp FLIP USL" || (c.cfl > paper_cfl && (wave || stress));
 }
 
 const std::vector<Configuration>& configurations() {
@@ -100,6 +108,19 @@ const std::vector<AccuracyCase>& accuracy_cases() {
                          "H0",
                          slurry_time, slurry_reference),
          .problem = Problem::slurry,
+         .cells = {10, 20, 40},
+         .long_runs = true},
+        {.name = "SEED-1-rest",
+         .message = fmt::format("slurry at rest; runout at {} s over that of three transfers at H0 / 200; cells over "
+                                "H0",
+                                slurry_rest_time),
+         .problem = Problem::slurry_at_rest,
+         .cells = {10, 20, 40},
+         .long_runs = true},
+        {.name = "dam-break",
+         .message = "dam break without viscosity on a smooth bed; L1 of the depth against Ritter's at t sqrt(g / h0) = "
+                    "7.5, steps by the program's rule; cells over h0",
+         .problem = Problem::dam_break,
          .cells = {10, 20, 40},
          .long_runs = true},
         {.name = "R4",

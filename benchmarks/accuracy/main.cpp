@@ -1,6 +1,6 @@
 // benchmark_accuracy: run time against error, on one core of the host.
 //
-//   benchmark_accuracy CASE [--configurations WORDS] [--cells N,N,...] [--precision single|double|both] [--list]
+//   benchmark_accuracy CASE [--configurations WORDS,WORDS] [--cells N,N,...] [--precision single|double|both] [--list]
 //
 // One JSON line per run: case, configuration, cells, particle-steps, time of the step loop (wall and processor), norms
 // of the error, or why it failed. Short runs are repeated, at most five times, and say their median. `run` makes tables
@@ -29,11 +29,25 @@ constexpr double long_enough = 0.2;  ///< [s]
 
 struct Options {
     std::string wanted;
-    std::string configurations;  ///< part of the name; empty: all
-    std::vector<int> cells;      ///< empty: the case's
+    std::vector<std::string> configurations;  ///< parts of the names; empty: all
+    std::vector<int> cells;                   ///< empty: the case's
     std::string precision = "both";
     bool list = false;
 };
+
+/// Between commas.
+std::vector<std::string> words(const std::string& text) {
+    std::vector<std::string> all;
+    std::istringstream list(text);
+    for (std::string word; std::getline(list, word, ',');) all.push_back(word);
+    return all;
+}
+
+bool is_wanted(const Options& o, const AccuracyCase& problem, const Configuration& c) {
+    if (problem.long_runs ? !is_for_long_runs(c) : c.on_cells) return false;
+    return o.configurations.empty() || std::any_of(o.configurations.begin(), o.configurations.end(),
+                                                   [&](const auto& w) { return c.name.find(w) != std::string::npos; });
+}
 
 Options parse(int argc, char** argv) {
     Options o;
@@ -46,12 +60,11 @@ Options parse(int argc, char** argv) {
         if (key == "--list")
             o.list = true;
         else if (key == "--configurations")
-            o.configurations = value();
+            o.configurations = words(value());
         else if (key == "--precision")
             o.precision = value();
         else if (key == "--cells") {
-            std::istringstream list(value());
-            for (std::string n; std::getline(list, n, ',');) o.cells.push_back(std::stoi(n));
+            for (const std::string& n : words(value())) o.cells.push_back(std::stoi(n));
         } else
             o.wanted = key;
     }
@@ -124,8 +137,7 @@ void benchmark(const Options& o) {
     if (problem == all.end()) throw std::runtime_error("no case " + o.wanted + " (see --list)");
     for (int cells : o.cells.empty() ? problem->cells : o.cells)
         for (const Configuration& c : configurations()) {
-            if (c.name.find(o.configurations) == std::string::npos) continue;
-            if (problem->long_runs && !is_for_long_runs(c)) continue;
+            if (!is_wanted(o, *problem, c)) continue;
             if (o.precision != "single") report(*problem, c, cells, Precision::double_);
             if (o.precision != "double") report(*problem, c, cells, Precision::single_);
         }

@@ -1,6 +1,7 @@
 // One level of each problem. An .ipp: one source per precision includes it, so that both are compiled at once.
 
 #include "accuracy/cases.hpp"
+#include "stability/cures.hpp"
 #include "verification/problem_bar.hpp"
 #include "verification/problem_column.hpp"
 #include "verification/problem_flow.hpp"
@@ -70,37 +71,70 @@ Measured measure_vortex(const Configuration& c, int cells) {
     return measured(run, {{"place", turn(run, exact)}});
 }
 
-/// A run of a flow at the configuration's own fixed step, to `time`.
-template <class Real>
-void flow(Run<Real>& run, double time) {
-    run.steps(static_cast<std::int64_t>(std::ceil(time / run.sim.scene().dt)));
-}
-
 inline double fixed_step(const Configuration& c, const Scene& scene) {
     const auto& p = scene.materials[0].parameters;  // young, poisson
     const double modulus = p[0] * (1 - p[1]) / ((1 + p[1]) * (1 - 2 * p[1]));
     return c.cfl * scene.cell / std::sqrt(modulus / scene.materials[0].density);
 }
 
+/// Whether a step is fixed, or goes by the program's rule, cfl h / (c + |v|), as fast flows want it.
+enum class Steps { fixed, by_rule };
+
+/// A flow by a configuration, on cells as the shipped scenes of fluids. Steps are at most `longest`.
 template <class Real>
-Measured measure_slurry(const Configuration& c, int cells) {
-    Scene scene = slurry_scene(choice_of(c), cells);
-    scene.dt = fixed_step(c, scene);
-    Run<Real> run(scene);
-    flow(run, slurry_time);
-    const double runout = front(run.sim) - gate;
-    const double error = cells == slurry_reference ? NAN : std::fabs(runout / finest_slurry(c) - 1);
-    return measured(run, {{"error", error}, {"runout_m", runout}});
+class Flow {
+  public:
+    Flow(const Scene& scene, const Configuration& c, Steps steps = Steps::fixed)
+        : scene_(ready(scene, c, steps)),
+          longest_(fixed_step(c, scene) * (c.on_cells ? most_substeps : 1)),
+          run_(scene_) {}
+
+    /// To the first step at `time` or after it; where the front is then, between the two steps about it [m].
+    double front_at(double time) {
+        double place = 0, before = 0;
+        while (run_.time() < time) {
+            const double left = time - run_.time();
+            if (left <= longest_) place = front(run_.sim), before = run_.time();
+            run_.steps(std::max<std::int64_t>(1, static_cast<std::int64_t>(left / longest_)));
+        }
+        return place + (front(run_.sim) - place) * (time - before) / (run_.time() - before);
+    }
+
+    Run<Real>& run() { return run_; }
+
+  private:
+    static Scene ready(Scene scene, const Configuration& c, Steps steps) {
+        scene.cfl = c.cfl;
+        if (c.on_cells) cure_fluid(scene, shipped);
+        if (!c.on_cells && steps == Steps::fixed) scene.dt = fixed_step(c, scene);
+        return scene;
+    }
+
+    Scene scene_;     ///< to which the run refers
+    double longest_;  ///< [s]
+    Run<Real> run_;
+};
+
+/// Runout of SEED-1 at `time` over `reference(c)` [m].
+template <class Real, class Reference>
+Measured measure_slurry(const Configuration& c, int cells, double time, const Reference& reference) {
+    Flow<Real> flow(slurry_scene(choice_of(c), cells), c);
+    const double runout = flow.front_at(time) - gate;
+    return measured(flow.run(), {{"error", std::fabs(runout / reference(c) - 1)}, {"runout_m", runout}});
 }
 
 template <class Real>
 Measured measure_current(const Configuration& c, int cells) {
-    Scene scene = current_scene(choice_of(c), cells);
-    scene.dt = fixed_step(c, scene);
-    Run<Real> run(scene);
-    flow(run, current_end);
-    const double signed_error = front(run.sim) / huppert_front(run.time()) - 1;
-    return measured(run, {{"error", std::fabs(signed_error)}, {"front", signed_error}});
+    Flow<Real> flow(current_scene(choice_of(c), cells), c);
+    const double signed_error = flow.front_at(current_end) / huppert_front(current_end) - 1;
+    return measured(flow.run(), {{"error", std::fabs(signed_error)}, {"front", signed_error}});
+}
+
+template <class Real>
+Measured measure_dam_break(const Configuration& c, int cells) {
+    Flow<Real> flow(dam_break_scene(choice_of(c), cells), c, Steps::by_rule);
+    const double front = flow.front_at(dam_break_end) - dam_gate;
+    return measured(flow.run(), {{"error", ritter_error(flow.run())}, {"front_m", front}});
 }
 
 }  // namespace accuracy
@@ -114,7 +148,14 @@ Measured measure(const AccuracyCase& problem, const Configuration& c, int cells)
         case Problem::column:
             return accuracy::measure_column<Real>(c, cells);
         case Problem::slurry:
-            return accuracy::measure_slurry<Real>(c, cells);
+            return accuracy::measure_slurry<Real>(c, cells, slurry_time, [cells](const Configuration& same) {
+                return cells == slurry_reference ? NAN : finest_slurry(same);
+            });
+        case Problem::slurry_at_rest:
+            return accuracy::measure_slurry<Real>(c, cells, slurry_rest_time,
+                                                  [](const auto&) { return slurry_rests_at - verification::gate; });
+        case Problem::dam_break:
+            return accuracy::measure_dam_break<Real>(c, cells);
         case Problem::current:
             return accuracy::measure_current<Real>(c, cells);
         case Problem::vortex:

@@ -10,6 +10,7 @@ import plain_names
 
 B0 = "gimp FLIP USL"
 DEFAULT = "quadratic APIC USL @0.688"  # the program's, at its own step
+ON_CELLS = "on cells"
 GOALS = (0.01, 0.001)
 
 
@@ -40,17 +41,26 @@ def order(levels):
 
 
 def reach(levels, goal, key):
-    """(key at which the error first is `goal`, whether that is only an upper bound, whether it is exceeded again); None: never."""
+    """(key at which the error is `goal` and stays below, whether that is only an upper bound, False); if it does not stay, where it first was and True; None: never."""
+    first = None
     for k, level in enumerate(levels):
         if fails(level) or level["error"] > goal:
             continue
         again = any(fails(x) or x["error"] > goal for x in levels[k + 1:])
+        if again and first:
+            continue
         if k == 0 or fails(levels[k - 1]):
-            return level[key], True, again
-        before = levels[k - 1]
-        share = math.log(before["error"] / goal) / math.log(before["error"] / level["error"])
-        return before[key] * (level[key] / before[key]) ** share, False, again
-    return None
+            found = level[key], True, again
+        elif levels[k - 1]["error"] <= goal:
+            continue
+        else:
+            before = levels[k - 1]
+            share = math.log(before["error"] / goal) / math.log(before["error"] / level["error"])
+            found = before[key] * (level[key] / before[key]) ** share, False, again
+        if not again:
+            return found
+        first = found
+    return first
 
 
 def front(lines):
@@ -70,12 +80,12 @@ def seconds_to(reached):
     return f"{'<= ' if bound else ''}{value:.2g}{' (then worse)' if again else ''}"
 
 
-def gain(base, reached):
-    """How many times sooner than B0."""
+def gain(base, reached, longest=0):
+    """How many times sooner than B0; where B0 never gets there, than its finest level if that is given, `longest`, which is not there either."""
     if not reached:
         return "-"
     if not base:
-        return "B0 never"
+        return f"> {longest / reached[0]:.2g}" if longest else "B0 never"
     sign = "" if base[1] == reached[1] else ("<= " if base[1] else ">= ")
     return f"{sign}{base[0] / reached[0]:.2g}" if not (base[1] and reached[1]) else "both below"
 
@@ -96,9 +106,10 @@ def row(lines, name, precision, cells):
     columns += ["-"] * 3 if fails(last) and "failed" in last else [
         f"{last['processor_s']:.2g}", f"{last['wall_s']:.2g}", f"{last['particle_steps'] / 1e6:.2g}"]
     for goal in GOALS:
-        reached = reach(levels, goal, "processor_s")
-        columns += [seconds_to(reached), gain(reach(base, goal, "processor_s"), reached),
-                    gain(reach(base, goal, "particle_steps"), reach(levels, goal, "particle_steps"))]
+        columns.append(seconds_to(reach(levels, goal, "processor_s")))
+        for key in ("processor_s", "particle_steps"):
+            longest = max((x[key] for x in base if not fails(x)), default=0) if any(ON_CELLS in x["configuration"] for x in lines) else 0
+            columns.append(gain(reach(base, goal, key), reach(levels, goal, key), longest))
     return "| " + " | ".join(columns) + " |"
 
 
@@ -151,25 +162,47 @@ def second_norms(lines):
     return text + [""]
 
 
+def beside_reference(lines):
+    """When the others are at the least error of B0's finest level in the same run; seconds only of one commit and machine."""
+    cured = [x for x in lines if ON_CELLS in x["configuration"] and x["precision"] == "double"]
+    if not cured:
+        return []
+    base = ladder(lines, B0, "double")
+    same = [x for x in base if x["commit"] == cured[0]["commit"]]
+    last = (same or base)[-1]
+    text = ["", f"To the error of B0 at {last['cells']} cells, {100 * last['error']:.2g} %" + (", in one run on one machine" if same else "") + ":", "",
+            "| configuration | processor s | M particle-steps | B0 / this | in particle-steps |", "|---|---|---|---|---|"]
+    for name in dict.fromkeys(x["configuration"] for x in cured + [x for x in lines if x["configuration"] == DEFAULT]):
+        levels = [x for x in ladder(lines, name, "double") if not same or x["commit"] == last["commit"]]
+        seconds, steps = (reach(levels, last["error"], key) for key in ("processor_s", "particle_steps"))
+        if not steps:
+            text.append(f"| {name} | - | - | - | - |")
+            continue
+        bound = ">= " if steps[1] else ""
+        text.append(f"| {name} | {seconds_to(seconds) if same else '-'} | {seconds_to((steps[0] / 1e6, *steps[1:]))} | "
+                    f"{bound + format(last['processor_s'] / seconds[0], '.2g') if same else '-'} | {bound}{last['particle_steps'] / steps[0]:.2g} |")
+    return text
+
+
 def case_page(case, words, lines):
     text = [f"# {plain_names.title(case)}", "", f"Problem: {words}.", "", f"![{case}]({case}.svg)", ""]
     text += ["In double; what the columns are: [results.md](results.md).", ""] + table(lines, "double")
     best = [x for x in lines if x["precision"] == "double"]
     text += ["", "Pareto front in double:", "", "| configuration | cells | processor s | error |", "|---|---|---|---|"]
     text += [f"| {x['configuration']} | {x['cells']} | {x['processor_s']:.2g} | {x['error']:.1e} |" for x in front(best)]
-    text += precisions(lines) + failures(lines) + second_norms(lines) + ["", f"Repeat: `benchmarks/accuracy/run {case}`."]
+    text += beside_reference(lines) + precisions(lines) + failures(lines) + second_norms(lines) + ["", f"Repeat: `benchmarks/accuracy/run {case}`."]
     return plain_names.in_words("\n".join(text).rstrip() + "\n")
 
 
 def summary_row(case, words, lines):
     """When B0, the default and the fastest of all are at 1 %, and the least error at the largest number of cells, in double."""
     reached = {x["configuration"]: reach(ladder(lines, x["configuration"], "double"), 0.01, "processor_s") for x in lines if x["precision"] == "double"}
-    fastest = min((r[0], name) for name, r in reached.items() if r) if any(reached.values()) else None
+    fastest = min((r[2], r[0], name) for name, r in reached.items() if r) if any(reached.values()) else None
     cells = max(x["cells"] for x in lines if x["precision"] == "double")
     finest = [x for x in lines if (x["precision"], x["cells"]) == ("double", cells) and not fails(x)]
     least = min(finest, key=lambda x: x["error"]) if finest else None
     columns = [f"[{case}]({case}.md)", words, *[seconds_to(reached.get(name)) for name in (B0, DEFAULT)],
-               f"{seconds_to(reached[fastest[1]])} ({fastest[1]})" if fastest else "-", f"{least['error']:.1e} at {cells} ({least['configuration']})" if least else "-"]
+               f"{seconds_to(reached[fastest[-1]])} ({fastest[-1]})" if fastest else "-", f"{least['error']:.1e} at {cells} ({least['configuration']})" if least else "-"]
     return "| " + " | ".join(columns) + " |"
 
 
@@ -179,7 +212,7 @@ def results(lines, words):
         about = f"{x['machine']}, {x['cores']} cores, one of them used; {x['compiler']}, -march={x['march']}; commit {x['commit']}"
         machines.setdefault(about, {})[x["case"]] = None
     text = ["# Run time against error on one core", "",
-            "Processor time and error of every method on problems with exact solutions, and on two whole scenes, in both precisions. In words: "
+            "Processor time and error of every method on problems with exact solutions, and on whole scenes, in both precisions. In words: "
             "[docs/accuracy.md](../../docs/accuracy.md).", "",
             "| case | problem | s to 1 %: B0 | the default | the fastest | least error at the most cells |", "|---|---|---|---|---|---|"]
     for case, about in words.items():
@@ -194,7 +227,10 @@ def results(lines, words):
              "* **The machines were shared.** Times are of the processor, over the step loop only, without the body force of E3. Neighbours disturb these too, so ratios stand "
              "beside those of particle-steps. A run below 0.2 s is the median of up to five.",
              "* p: order over the last two levels. `B0 / this`: how many times sooner than B0 the error is reached; `-`: not on these levels.",
-             "* All take dt = 0.3 h/c, those with @ that share of h/c.",
+             "* All take dt = 0.3 h/c, those with @ that share of h/c; in the dam break h / (c + |v|) stands for h/c.",
+             f"* {ON_CELLS}: what the shipped scenes of fluids take, `volumetric = \"grid\"`, up to ten substeps, `pressure_smoothing = 0.22`, `particle_shifting = 0.2` and the "
+             "program's own step. In flows only.",
+             "* s to 1 %: from where the error stays below, of the levels that were run; `then worse`: it does not stay. `> 5`: B0 is not there on its finest level, whose time is 5 times this.",
              "* With USF the stress that a run leaves is one step older than its places, so its stress norm in E3 is of first order in dt.", ""]
     return plain_names.in_words("\n".join(text).rstrip() + "\n")
 
@@ -202,7 +238,9 @@ def results(lines, words):
 def style(name):
     shape, transfer, update = (name.split() + ["USL"])[:3]  # FMPM(k) has one update
     colors = {"gimp": "black", "gimp-contiguous": "tab:red", "quadratic": "tab:blue", "cubic": "tab:green"}
-    marker = {"FLIP": "o", "APIC": "s", "TPIC": "^"}.get(transfer) or f"${transfer[5:-1]}$"  # FMPM: its order
+    marker = {"FLIP": "o", "APIC": "s", "TPIC": "^", "AFLIP": "D"}.get(transfer) or f"${transfer[5:-1]}$"  # FMPM: its order
+    if ON_CELLS in name:
+        colors[shape] = "tab:purple"
     return {"color": colors[shape], "marker": marker, "markersize": 5 if "FMPM" in name else 3,
             "linestyle": {"USL": "-", "USF": "--", "MUSL": ":"}[update], "linewidth": 2 if name == B0 else 0.8,
             "markerfacecolor": "none" if "@" in name else colors[shape]}

@@ -93,8 +93,8 @@ constexpr StabilityCase cases[] = {
      run_fluids},
     {"S25",
      "largest stable substep dts c / h of a fluid without viscosity whose pressure is the grid's, by the most substeps "
-     "S of a step: a perturbation of 1e-9 c grows less than 1000 times in 2000 steps; goal: the default, 0.8 of the "
-     "method's limit",
+     "S of a step, and the step dt_L c / h at the limit of S = 10: a perturbation of 1e-9 c grows less than 1000 times "
+     "in 2000 steps; goal: the default, 0.8 of the method's limit",
      find_substeps},
     {"S26",
      "fluids with pressure smoothing, particle shifting and pressures on the grid: the bar of S6 with a fluid without "

@@ -1,7 +1,8 @@
 #pragma once
 // SEED-1, R8 and R4 as runs: a slurry behind a gate (inputs/slurry_runout.toml), a column of sand of aspect ratio 2
-// (inputs/granular_column.toml) and a viscous current (inputs/viscous_current.toml), each `cells` cells over the height
-// of the slurry and the current, or the half width of the sand; and where their fronts are.
+// (inputs/granular_column.toml), a viscous current (inputs/viscous_current.toml) and a dam break (that of
+// benchmarks/stability/dam_breaks), each `cells` cells over the height of the fluid, or the half width of the sand; and
+// where their fronts are.
 
 #include <algorithm>
 
@@ -10,9 +11,11 @@
 
 namespace moraine::verification {
 
-inline constexpr double gate = 10, reservoir_height = 5;        ///< SEED-1 [m]
-inline constexpr double column_width = 0.1, column_end = 0.86;  ///< R8 [m, s]
-inline constexpr double block_side = 0.1, current_end = 30;     ///< R4 [m, s]
+inline constexpr double gate = 10, reservoir_height = 5;                ///< SEED-1 [m]
+inline constexpr double column_width = 0.1, column_end = 0.86;          ///< R8 [m, s]
+inline constexpr double block_side = 0.1, current_end = 30;             ///< R4 [m, s]
+inline constexpr double dam_gate = 9, dam_depth = 1;                    ///< dam break [m]
+inline const double dam_break_end = 7.5 / std::sqrt(9.81 / dam_depth);  ///< [s]
 
 /// A box in the corner of a plane of symmetry and a bed, in balance with its weight, and the step of the method.
 inline Scene flow_scene(const Choice& choice, double cell, const Triple& domain, const Triple& box, double k0) {
@@ -66,6 +69,15 @@ inline Scene current_scene(const Choice& choice, int cells) {
     return scene;
 }
 
+/// Without viscosity, on a smooth bed; waves at 40 m/s.
+inline Scene dam_break_scene(const Choice& choice, int cells) {
+    Scene scene = flow_scene(choice, dam_depth / cells, {40, 4, 0}, {dam_gate, dam_depth, 0}, 1);
+    scene.end = dam_break_end;
+    scene.walls[1][0].kind = WallKind::free_slip;
+    scene.materials.push_back(material("newtonian", 1000, {{"young", 47366}, {"poisson", 0.495}, {"viscosity", 0}}));
+    return scene;
+}
+
 /// Place with a share of the particles ahead [m]. Binned state; on one rank.
 template <class Real>
 double front(Simulation<Real, 2>& sim, double ahead = 0.005) {
@@ -88,6 +100,26 @@ inline double huppert_front(double t, double ahead = 0.005) {
     for (int k = 0; k < n; ++k) whole += depth((k + 0.5) / n);
     for (int k = n - 1; k >= 0 && sum < ahead * whole; --k) sum += depth((k + 0.5) / n), s = double(k) / n;
     return s * 1.41124 * std::pow(9.81 * std::pow(block_side, 6) * t / 0.015, 0.2);
+}
+
+/// Depth against Ritter's (1892), h = (2 c0 - x / t)^2 / (9 g): mean of the difference over that of Ritter's, in
+/// columns of a cell from -c0 t to c0 t of the gate. Binned state; on one rank.
+template <class Real>
+double ritter_error(Run<Real>& run) {
+    const double cell = run.sim.scene().cell, c0 = std::sqrt(9.81 * dam_depth), reach = c0 * run.time();
+    std::vector<double> depth(static_cast<std::size_t>(2 * reach / cell));
+    const double share = dam_gate * dam_depth / static_cast<double>(run.particles()) / cell;
+    each_particle(run.sim, [&](std::uint32_t, const std::array<double, 2>& at) {
+        const double column = std::floor((at[0] - dam_gate + reach) / cell);
+        if (column >= 0 && column < static_cast<double>(depth.size())) depth[static_cast<std::size_t>(column)] += share;
+    });
+    double off = 0, all = 0;
+    for (std::size_t k = 0; k < depth.size(); ++k) {
+        const double speed = ((static_cast<double>(k) + 0.5) * cell - reach) / run.time();
+        const double exact = (2 * c0 - speed) * (2 * c0 - speed) / (9 * 9.81);
+        off += std::fabs(depth[k] - exact), all += exact;
+    }
+    return off / all;
 }
 
 }  // namespace moraine::verification
