@@ -1,7 +1,9 @@
 #pragma once
 // For which scenes a device has gather and stress update in one kernel (gpu/kernels/g2p/g2p.hpp). A fact about device
 // kernels, and yet plain C++ below gpu: a program without device code predicts a device's memory (predict/memory.cpp),
-// and only a gather apart from the stress keeps a velocity gradient per particle.
+// and only a gather apart from the stress keeps a velocity gradient per particle. What the grid gives a material
+// besides its motion is in one kernel with the stress for fluids alone, and apart for other laws that flow
+// (material/point.hpp).
 
 #include "core/material/laws.hpp"
 #include "core/scene_spec.hpp"

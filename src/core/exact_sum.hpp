@@ -68,6 +68,7 @@ template <int N>
 inline void add_shared(ExactSum (&to)[N], const Quantum& quantum, const double (&values)[N]) {
     for (int i = 0; i < N; ++i) {
         const ExactSum sum = quantum.of(values[i]);
+        if (sum.low == 0 && sum.high == 0) continue;
         const std::uint64_t old = __atomic_fetch_add(&to[i].low, sum.low, __ATOMIC_RELAXED);
         const std::int64_t high = sum.high + (old + sum.low < old ? 1 : 0);
         if (high != 0) __atomic_fetch_add(&to[i].high, high, __ATOMIC_RELAXED);

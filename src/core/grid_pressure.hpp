@@ -1,5 +1,5 @@
 #pragma once
-// The pressure of nearly incompressible fluids on the cells of the grid, and its substeps.
+// The pressure of nearly incompressible fluids and undrained clays on the cells of the grid, and substeps of fluids.
 //
 // Particles map once per step dt; cell pressures P_c (tension positive) and node velocities go S substeps dts = dt / S
 // in it, with the particles' places frozen (split-explicit steps: Klemp and Wilhelmson 1978; two time criteria: Zhang,

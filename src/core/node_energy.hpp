@@ -3,9 +3,10 @@
 // for (output.energy_budget).
 //
 //   v --blow--> v_b --forces, gravity, and what holds against them--> v'      one round that has forces
-//   contact, walls = m (v^2 - v_b^2) / 2 - I . (v_b + v') / 2,  damping = -I . (v_b + v') / 2      I: impulse in the
-//   hold gain    = m (v'^2 - v^2) / 2      from sums of particles to what they gather fall    = dt m g . v' what
-//   particles that move by v' fall by: sum_p m_p w_ip = m_i, so it is exact
+//   contact, walls = m (v^2 - v_b^2) / 2 - I . (v_b + v') / 2      I: impulse in the hold
+//   damping = -I . (v_b + v') / 2
+//   gain = m (v'^2 - v^2) / 2      from sums of particles to what they gather
+//   fall = dt m g . v'             what particles that move by v' fall by: sum_p m_p w_ip = m_i, so it is exact
 //
 // A blow is what walls and structures do to the velocity that particles bring; it takes energy however short a step is.
 // Against forces they only hold: a node that is pressed to a wall gets dt f / m and is stopped in each step, which
@@ -16,7 +17,7 @@
 // start, less what they have now, plus the gains: what they lose on the way to the nodes and on the way back. Places
 // that change otherwise than by v' (shifts) make the difference between the potential energy and the falls. With the
 // grid's pressure (grid_pressure.hpp) a step has a gain per substep and one fall, by the velocity of its end.
-//
+
 #include "core/exact_sum.hpp"
 #include "core/vec.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Particle shifting: particles of a fluid leave nodes that hold more than fits.
+// Particle shifting: particles of what flows (material/point.hpp) leave nodes that hold more than fits.
 //
 //   e_i = max(0, v_i / (h^d c_i) - 1),  v_i = sum_p w_ip V_p         c_i: over_filling.hpp
 //   x_p <- x_p - n gamma (c dt) h sum_i e_i grad w_ip,  |shift| <= 0.05 h    in every n-th step; velocities as they

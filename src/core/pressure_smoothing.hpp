@@ -1,5 +1,5 @@
 #pragma once
-// Pressure smoothing: a particle of a fluid takes a share of the grid's pressure in each step.
+// Pressure smoothing: a particle of what flows (material/point.hpp) takes a share of the grid's pressure in each step.
 //
 //   Q_i = sum_p w_ip m_p Q_p / m_i,    Q_p = P_p + rho g . x_p,    P_p = tr sigma_p / 3
 //   P_p <- P_p + a (sum_i w_ip Q_i - Q_p),    ln J_p <- ln J_p + a (sum_i w_ip Q_i - Q_p) / K,    a = min(1/2, k c dt /

@@ -29,6 +29,14 @@ __global__ void fold_all(const double* term, int n, Quantum quantum, ExactSum* s
     gpu::fold_sums(mine, sum);
 }
 
+/// Two of three lanes add to one of two sets of 2 sums: the term and half of it.
+__global__ void add_some(const double* term, int n, Quantum quantum, ExactSum (*sets)[2]) {
+    for (int k = int(blockIdx.x * blockDim.x + threadIdx.x); k < n; k += int(gridDim.x * blockDim.x)) {
+        const double values[2] = {term[k], 0.5 * term[k]};
+        if (k % 3 != 0) gpu::add_together(sets[k % 7 == 0], quantum, values);
+    }
+}
+
 /// Item i is a block of cells with the work of `threads` threads.
 __global__ void work_of_items(const double* work, int items, Quantum quantum, gpu::Account<3>* accounts) {
     __shared__ double scratch[threads / 32];
@@ -120,6 +128,26 @@ TEST_CASE("atomic sums of wild terms are those of the host, to the bit, in any g
         const std::vector<ExactSum> found = sums.host();
         CHECK(same(found[0], all));
         for (int i = 0; i < 3; ++i) CHECK(same(found[std::size_t(i) + 1], part[i]));
+    }
+}
+
+TEST_CASE("lanes that are there together add to their sets of sums, to the bit, in any grid") {
+    const int n = 50000;
+    const Quantum quantum = Quantum::for_largest(1e9);
+    const std::vector<double> terms = wild_terms(n, 5);
+    gpu::Array<double> term;
+    term.assign(terms);
+    ExactSum expected[4];
+    for (int k = 0; k < n; ++k)
+        for (int i = 0; k % 3 != 0 && i < 2; ++i)
+            expected[2 * (k % 7 == 0) + i].add(
+                quantum.of(i == 0 ? terms[std::size_t(k)] : 0.5 * terms[std::size_t(k)]));
+    for (int grid : {1, 7, 200}) {
+        gpu::Array<ExactSum> sums;
+        sums.assign(std::vector<ExactSum>(4));
+        add_some<<<grid, threads>>>(term.data(), n, quantum, reinterpret_cast<ExactSum(*)[2]>(sums.data()));
+        const std::vector<ExactSum> found = sums.host();
+        for (int i = 0; i < 4; ++i) CHECK(same(found[std::size_t(i)], expected[i]));
     }
 }
 

@@ -63,6 +63,18 @@ TEST_CASE("one fluid with AFLIP, whose stress is a launch of its own, and two fl
         }
 }
 
+TEST_CASE("undrained clay, whose stress is a launch of its own, gives the host's answer") {
+    for (const char* volumetric : {"grid", "particle"}) {
+        CAPTURE(volumetric);
+        const Scene slope =
+            input("retrogressive_slope",
+                  {"numerics.precision=double", "numerics.sleep=off", "domain.cell=1",
+                   std::string("material.sensitive-clay.volumetric=") + volumetric,
+                   "material.sensitive-clay.pressure_smoothing=0.22", "material.sensitive-clay.particle_shifting=0.1"});
+        compare(slope, 40, 1e-8);
+    }
+}
+
 TEST_CASE("the substeps are taken, and matter") {
     Scene scene = with_grid_pressure(slurry(), 10);
     const Outcome many = run<double, 2>(scene, 20, true);

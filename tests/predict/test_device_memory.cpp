@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "comm/fused_gather.hpp"
 #include "core/material/laws.hpp"
 #include "core/shape.hpp"
 #include "predict/prediction.hpp"
@@ -86,6 +87,26 @@ Prediction prediction_of(const Scene& s, const Measured& m) {
 }
 
 }  // namespace
+
+TEST_CASE("what the grid gives clay is gathered apart from the stress, and what it gives a fluid is not") {
+    Scene scene =
+        scene_of({.name = "clay", .edge = 8, .height = 8, .single = 0, .double_precision = 0}, Precision::double_);
+    MaterialSpec& clay = scene.materials.front();
+    const auto fused = [&](const char* law, Volumetric volumetric, double smoothing, double shifting) {
+        clay.law = law;
+        clay.volumetric = volumetric;
+        clay.pressure_smoothing = smoothing;
+        clay.particle_shifting = shifting;
+        return fuses(scene);
+    };
+    for (const char* law : {"tresca", "von-mises"}) {
+        CHECK(fused(law, Volumetric::particle, 0, 0));
+        CHECK_FALSE(fused(law, Volumetric::grid, 0, 0));
+        CHECK_FALSE(fused(law, Volumetric::particle, 0.2, 0));
+        CHECK_FALSE(fused(law, Volumetric::particle, 0, 0.1));
+    }
+    CHECK(fused("bingham", Volumetric::grid, 0.2, 0.1));
+}
 
 TEST_CASE("device memory is predicted within a fiftieth of what was measured, of small scenes within a tenth") {
     for (const Measured& m : measured) {

@@ -69,9 +69,10 @@ template <int N>
 __device__ __forceinline__ void add_together(ExactSum (&to)[N], const Quantum& quantum, const double (&values)[N]) {
     const unsigned lanes = __match_any_sync(__activemask(), reinterpret_cast<std::uintptr_t>(&to));
     const bool leads = lane_id() == __ffs(static_cast<int>(lanes)) - 1;
+#pragma unroll
     for (int i = 0; i < N; ++i) {
         const ExactSum sum = warp_sum(quantum.of(values[i]), lanes);
-        if (leads) add_exact(to + i, sum);
+        if (leads && (sum.low != 0 || sum.high != 0)) add_exact(to + i, sum);
     }
 }
 
