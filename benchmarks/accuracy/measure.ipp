@@ -80,7 +80,7 @@ inline double fixed_step(const Configuration& c, const Scene& scene) {
 /// Whether a step is fixed, or goes by the program's rule, cfl h / (c + |v|), as fast flows want it.
 enum class Steps { fixed, by_rule };
 
-/// A flow by a configuration, on cells as the shipped scenes of fluids. Steps are at most `longest`.
+/// A flow by a configuration, on cells as the shipped slurries. Steps are at most `longest`.
 template <class Real>
 class Flow {
   public:

@@ -77,13 +77,14 @@ def _refuse_budget(study: Study, plan: Plan, wanted: float) -> None:
     """A first level that would go far over the budget by what `moraine check` says is not begun; one that was, is gone on with."""
     if plan.budget_s is None:
         return
-    at = [k for k, word in enumerate(plan.options) if word == "--device"]
-    device = [plan.options[k + more] for k in at for more in (0, 1)]
+    words = " ".join(plan.options).replace("--device=", "--device ").split()
+    device = [word for pair in zip(words, words[1:]) if pair[0] == "--device" for word in pair]
+    threads = plan.threads if "cuda" not in device else 1
     level, seconds = fit(study.keys, wanted), 0.0
     for variant in study.variants:
         if name_of(variant, level.cell) not in study.known["runs"]:
             said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1, device)
-            seconds += (said.seconds or 0.0) / plan.threads
+            seconds += (said.seconds or 0.0) / threads
     left = max(plan.budget_s - study.spent_s, 0.0)
     if seconds > FAR * left:
         first = "the first level" if len(study.variants) == 1 else f"the first level of {len(study.variants)}"
