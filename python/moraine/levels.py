@@ -5,7 +5,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from .errors import Error
 
-CLOSED = ("no-slip", "free-slip", "friction")  # kinds of walls that stay where they are
+CLOSED = ("no-slip", "free-slip", "friction", "undrained", "voellmy")  # kinds of walls that stay where they are
 WHOLE = 1e-9    # of a number of cells, as moraine check has it
 NEAR = 1.13     # a cell that fits may be so many times larger or smaller than the wanted one
 FEW_CELLS = 4   # over the least side of a body

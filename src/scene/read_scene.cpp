@@ -75,6 +75,7 @@ class Reader {
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
+        lay_beds();
         check_scene(scene_, places_);
         if (admit) admit(scene_);
         check_particles(scene_, places_);
@@ -213,7 +214,7 @@ class Reader {
         for (const char* part : {"contact", "motion"})
             if (const toml::table* nested = section_table(table, part))
                 read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
-        complete_law(scene_, structure, path, places_);
+        complete_law(scene_, structure, path + ".contact", places_);
         scene_.structures.push_back(std::move(structure));
     }
 
@@ -223,7 +224,7 @@ class Reader {
         read_table(table, "terrain", "terrain", terrain_rows(), terrain);
         if (const toml::table* contact = section_table(*table, "contact"))
             read_table(contact, "structure.contact", "terrain.contact", structure_rows(), terrain);
-        complete_law(scene_, terrain, "terrain", places_);
+        complete_law(scene_, terrain, "terrain.contact", places_);
         load_ground(scene_, terrain, places_);
         open_faces(scene_, places_);
         scene_.structures.push_back(std::move(terrain));
@@ -236,12 +237,32 @@ class Reader {
             refuse(places_.of(path), fmt::format("{} is not there", path), "the scene has 2 dimensions",
                    "Use x-min, x-max, y-min or y-max?");
         scene_.walls[static_cast<std::size_t>(faced.face / 2)][static_cast<std::size_t>(faced.face % 2)] = faced.wall;
+        if (faced.bed.law == InterfaceLaw::smooth) return;
+        complete_law(scene_, faced.bed, path, places_);
+        faced.bed.name = "wall-" + path.substr(path.find('.') + 1);
+        places_.add("structure." + faced.bed.name, places_.of(path));
+        beds_.push_back(std::move(faced));
+    }
+
+    /// Planes at the faces of walls that have a law of structures, once the domain is known.
+    void lay_beds() {
+        for (FacedWall& faced : beds_) {
+            const auto a = static_cast<std::size_t>(faced.face / 2);
+            const bool upper = faced.face % 2 == 1;
+            faced.bed.shape = StructureShape::plane;
+            faced.bed.point = scene_.min;
+            faced.bed.point[a] = upper ? scene_.max[a] : scene_.min[a];
+            faced.bed.normal = {0, 0, 0};
+            faced.bed.normal[a] = upper ? -1 : 1;
+            scene_.structures.push_back(std::move(faced.bed));
+        }
     }
 
     std::string file_;
     toml::table root_;
     Places places_;
     Scene scene_;
+    std::vector<FacedWall> beds_;  ///< that have a law of structures
 };
 
 }  // namespace

@@ -141,7 +141,7 @@ void complete_law(const Scene& scene, StructureSpec& spec, const std::string& pa
     if (spec.law != InterfaceLaw::voellmy || spec.density > 0) return;
     for (const MaterialSpec& material : scene.materials) {
         if (spec.density > 0 && material.density != spec.density)
-            refuse(places.of(path + ".contact"), path + ".contact.density is missing",
+            refuse(places.of(path), path + ".density is missing",
                    fmt::format("the materials have {} and {} kg/m3", spec.density, material.density),
                    "Add density = ...?");
         spec.density = material.density;

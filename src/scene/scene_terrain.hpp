@@ -40,7 +40,7 @@ void check_hazard(const Scene& scene, const Places& places);
 /// Over terrain a face that the scene does not name is open: what flows out of the model is counted and gone.
 void open_faces(Scene& scene, const Places& places);
 
-/// What the keys of a contact leave to the rest of the scene. `path`: of the structure. Throws InputError.
+/// What the keys of a contact leave to the rest of the scene. `path`: of the contact's keys. Throws InputError.
 void complete_law(const Scene& scene, StructureSpec& spec, const std::string& path, const Places& places);
 
 }  // namespace moraine
