@@ -93,6 +93,11 @@ def slurry(s):
     s.curve("M40,140 Q200,160 440,180", "thin dash").measure(40, 68, 140, 68, "10 m", 8, -4).measure(196, 80, 196, 180, "H0 = 5 m", 6, 4).text(270, 90, "yields at 0.0068 rho g H0")
 
 
+def slump(s):
+    s.ground(85, 180, 400, 180).box(160, 40, 140, 140, "none").curve("M105,180 C125,150 140,120 165,112 L295,112 C320,120 335,150 355,180 Z", "edge fluid").line((230, 28), (230, 190), kind="thin dash")
+    s.measure(70, 40, 70, 180, "H = D", -52, 4).measure(320, 40, 320, 112, "s", 6, 4).dashed((300, 40), (330, 40)).text(350, 90, "yields under").text(350, 108, "its own weight")
+
+
 def viscous_current(s):
     s.ground(30, 180, 460, 180).box(40, 110, 70, 70, "fluid").curve("M40,140 C200,142 330,150 380,180", "thin dash").text(130, 100, "0.1 m x 0.1 m of syrup")
     s.arrow(360, 160, 430, 160, "x ~ t^(1/5)", -20, -8)
@@ -141,7 +146,7 @@ SKETCHES = {
     "vibrating-bar": vibrating_bar, "manufactured-displacement": manufactured_displacement, "column-under-its-own-weight": column, "vortex": vortex,
     "projectile": projectile, "turning-square": turning_square, "block-on-a-plane": block_on_a_plane, "layers-on-a-bed": layers_on_a_bed,
     "ground-from-heights": ground_from_heights, "pipe-penetration": pipe, "films-on-an-incline": films, "columns-of-sand": columns_of_sand,
-    "strip-footing": strip_footing, "t-bar": tbar, "slurry-runout": slurry, "viscous-current": viscous_current, "dam-break-onto-a-wet-bed": wet_bed,
+    "strip-footing": strip_footing, "t-bar": tbar, "slurry-runout": slurry, "slump-of-a-cylinder": slump, "viscous-current": viscous_current, "dam-break-onto-a-wet-bed": wet_bed,
     "sloshing-tank": tank, "taylor-green-vortex": taylor_green, "random-scenes": random_scenes, "error-bars": error_bars, "ranks-that-follow": ranks_that_follow,
 }
 
