@@ -18,6 +18,12 @@ inline std::string path_of(const BodySpec& body) {
 /// numerics.substeps = "auto", until all of the scene is read.
 inline constexpr int substeps_by_scene = 0;
 
+/// What keeps a scene from something: where it is written, what it is, why, and a remedy.
+struct Hindrance {
+    std::string key, what;
+    const char *why, *help;
+};
+
 /// Whether a scene can have substeps (core/grid_pressure.hpp).
 bool bears_substeps(const Scene& scene);
 
