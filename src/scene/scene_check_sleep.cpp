@@ -29,14 +29,13 @@ std::optional<Hindrance> sleep_hindered_by(const Scene& scene) {
 
 }  // namespace
 
-bool can_sleep(const Scene& scene) {
-    return !sleep_hindered_by(scene);
-}
-
 void check_sleep(const Scene& scene, const Places& places) {
-    if (!scene.sleep.on) return;
+    if (!scene.sleep.on && !scene.output.sleep_forecast) return;
     if (const std::optional<Hindrance> found = sleep_hindered_by(scene))
-        refuse(places.of(found->key), fmt::format("numerics.sleep = \"on\" {}", found->what), found->why, found->help);
+        refuse(places.of(scene.sleep.on ? "numerics.sleep" : "output.block_loads"),
+               fmt::format("{} {}", scene.sleep.on ? "numerics.sleep = \"on\"" : "output.block_loads = \"sleep\"",
+                           found->what),
+               found->why, found->help);
 }
 
 }  // namespace moraine
