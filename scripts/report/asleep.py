@@ -16,14 +16,15 @@ def sums_of(loads):
 
     A check stands for half of the steps to the one before, and half of those to the next.
     """
-    place, steps = {}, numpy.diff([check.step for check in loads.checks])
+    steps = numpy.diff([check.step for check in loads.checks])
+    corners, sums = numpy.empty(0, complex), numpy.empty((2, 0))  # x + iy: sorted as one number
     for check, of in zip(loads.checks, (numpy.append(0, steps) + numpy.append(steps, 0)) / 2):
-        particle_steps = of * check.rows["particles"]
-        for x, y, made, sleeps in zip(*loads.position(check)[:2], particle_steps, check.asleep):
-            sums = place.setdefault((float(x), float(y)), [0.0, 0.0])
-            sums[0] += float(made)
-            sums[1] += float(made) if sleeps else 0.0
-    return place
+        made = of * check.rows["particles"]
+        x, y = loads.position(check)[:2]
+        sums = numpy.concatenate((sums, (made, made * check.asleep)), axis=1)
+        corners, at = numpy.unique(numpy.concatenate((corners, x + 1j * y)), return_inverse=True)
+        sums = numpy.stack([numpy.bincount(at, weights=row) for row in sums])
+    return dict(zip(zip(corners.real.tolist(), corners.imag.tolist()), sums.T.tolist()))
 
 
 class Map:

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "io/disk_file.hpp"
 #include "predict/capacity.hpp"
@@ -299,7 +300,15 @@ void Driver<Real, Dim>::sample_maps() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::record_balance() {
     if (loads_) sim_.phases().time(Phase::output, [&] { loads_->write(); });
-    balance_->row(balance_row(sim_, comm_, reported_, reported_seconds_).values());
+    const BalanceRow row = balance_row(sim_, comm_, reported_, reported_seconds_);
+    balance_->row(row.values());
+    if (row.reason != "memory" || std::exchange(said_memory_, true) || !comm_.is_root() || options_.quiet) return;
+    progress_->clear();
+    fmt::print(stderr,
+               "Warning: at step {} (t = {:.6g} s) no other owners of blocks fit the memory of all ranks, and the load "
+               "stays as it is (reason \"memory\" in balance.csv). Go on from a checkpoint on more hosts, or with "
+               "larger cells?\n",
+               sim_.clock().step, sim_.clock().time);
 }
 
 template <class Real, int Dim>

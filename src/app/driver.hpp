@@ -73,6 +73,7 @@ class Driver {
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv
     std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
+    bool said_memory_ = false;          ///< that no owners fit the memory of all ranks
     std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1, last_sample_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv
     std::array<double, Phases::count> reported_seconds_{};

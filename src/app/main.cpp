@@ -64,6 +64,9 @@ void check_device_scene(const Scene& scene) {
     if (scene.sleep.on)
         throw InputError(
             fmt::format("{}: numerics.sleep = \"on\" (devices do not have it). Use --device cpu?", scene.path));
+    if (scene.output.sleep_forecast)
+        throw InputError(
+            fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.path));
     if (scene.output.energy_budget)
         throw InputError(
             fmt::format("{}: output.energy_budget = \"on\" (devices do not have it). Use --device cpu?", scene.path));

@@ -109,7 +109,8 @@ std::vector<Option> ChainPartitioner::options(std::span<const BlockLoad> blocks,
     return options_of(blocks, links, weights, exact_cut(weights, ranks_), {});
 }
 
-std::vector<Option> ChainPartitioner::options_within(std::span<const BlockLoad> blocks, std::int64_t most) const {
+std::optional<std::vector<Option>> ChainPartitioner::options_within(std::span<const BlockLoad> blocks,
+                                                                    std::int64_t most) const {
     const Links links = order_(blocks);
     const std::vector<std::int64_t> weights = weights_of(blocks, links);
     const std::vector<std::int64_t> held = sums_of(blocks, links, &BlockLoad::particles);

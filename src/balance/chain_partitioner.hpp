@@ -40,7 +40,8 @@ class ChainPartitioner final : public Partitioner {
     std::vector<Option> options(std::span<const BlockLoad> blocks, std::int64_t round) const override;
 
     /// The same under the limit; none only where the chain has no such cut.
-    std::vector<Option> options_within(std::span<const BlockLoad> blocks, std::int64_t most) const override;
+    std::optional<std::vector<Option>> options_within(std::span<const BlockLoad> blocks,
+                                                      std::int64_t most) const override;
 
   private:
     std::vector<Option> options_of(std::span<const BlockLoad> blocks, const Links& links,

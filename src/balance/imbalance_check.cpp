@@ -16,9 +16,12 @@ std::vector<Option> options_that_fit(std::span<const BlockLoad> blocks, const Im
     const std::size_t offered = all.size();
     std::vector<Option> options = that_fit(std::move(all), blocks, ranks, in.most);
     if (options.size() == offered) return options;
-    for (Option& option : partitioner.options_within(blocks, in.most)) {
-        const auto same = [&](const Option& o) { return o.kind == option.kind; };
-        if (std::none_of(options.begin(), options.end(), same)) options.push_back(std::move(option));
+    if (auto within = partitioner.options_within(blocks, in.most)) {
+        for (Option& option : *within) {
+            const auto same = [&](const Option& o) { return o.kind == option.kind; };
+            if (std::none_of(options.begin(), options.end(), same)) options.push_back(std::move(option));
+        }
+        return options;  // a chain without such a cut has none by particles either
     }
     if (!options.empty()) return options;
     std::vector<BlockLoad> by_particles(blocks.begin(), blocks.end());

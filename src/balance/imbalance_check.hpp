@@ -34,8 +34,8 @@ struct ImbalanceCheckResult {
 };
 
 /// blocks: of all ranks, in key order. Where a rank cannot hold its part by weight, a chain is cut as evenly by weight
-/// as its ranks can hold; where it has no such cut, and with partitioners that know none, parts are by particles; where
-/// a rank cannot hold that either, all stays. Collective where the partitioner is.
+/// as its ranks can hold, and where it has no such cut all stays. Partitioners that look for none make parts by
+/// particles; where a rank cannot hold those either, all stays. Collective where the partitioner is.
 ImbalanceCheckResult check_imbalance(std::span<const BlockLoad> blocks, const ImbalanceCheckInput& input, int ranks,
                                      const Partitioner& partitioner, const RepartitionTrigger& trigger);
 

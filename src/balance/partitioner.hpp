@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,9 +61,11 @@ class Partitioner {
         return {{PlanKind::natural, owners(blocks, round)}};
     }
 
-    /// The same with no more than `most` particles on any rank; none where the partitioner knows none. Not collective.
-    virtual std::vector<Option> options_within(std::span<const BlockLoad> /*blocks*/, std::int64_t /*most*/) const {
-        return {};
+    /// The same with no more than `most` particles on any rank; empty where there is no such cut, nothing of a
+    /// partitioner that does not look for one. Not collective.
+    virtual std::optional<std::vector<Option>> options_within(std::span<const BlockLoad> /*blocks*/,
+                                                              std::int64_t /*most*/) const {
+        return std::nullopt;
     }
 
     /// The rank that owns this place, also outside the domain; -1: take that of the first occupied

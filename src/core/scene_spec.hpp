@@ -161,6 +161,7 @@ struct OutputSpec {
     double checkpoint_interval = 0;       ///< [s]; 0: none
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays
+    bool sleep_forecast = false;          ///< with who would sleep, of a run in which all are awake
     bool energy_budget = false;           ///< who took energy, in history.csv (core/node_energy.hpp)
 };
 

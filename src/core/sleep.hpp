@@ -37,6 +37,11 @@ inline double sleep_interval(const Scene& scene) {
     return g > 0 ? std::sqrt(scene.cell / g) : 0;
 }
 
+/// Whether a record of block loads says who would sleep (records/sleep_forecast.hpp).
+inline bool forecasts_sleep(const Scene& scene) {
+    return scene.output.sleep_forecast && !scene.sleep.on;
+}
+
 /// Steps between sleep checks, at least: of fewer a displacement says nothing.
 inline constexpr std::int64_t least_sleep_steps = 16;
 

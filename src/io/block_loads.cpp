@@ -87,6 +87,11 @@ void BlockLoadWriter::take_over(const LoadHeader& header, std::int64_t resume_st
     BlockLoadReader there(path_);
     if (!same_domain(there.header(), header))
         throw InputError(fmt::format("cannot continue {} (it is of another domain). Another --output?", path_));
+    if (there.header().sleepers != header.sleepers)
+        throw InputError(
+            fmt::format("cannot continue {} (it says otherwise who sleeps: numerics.sleep or output.block_loads is not "
+                        "that of its run). Another --output?",
+                        path_));
     LoadFrame frame;
     try {
         while (there.next(frame) && frame.step <= resume_step) end_ = there.position(), last_step_ = frame.step;

@@ -79,7 +79,8 @@ struct LoadFrame {
 class BlockLoadWriter {
   public:
     /// With `resume_step` the frames up to that step stay, if the file is whole; else it starts anew. Throws
-    /// MachineError if the disk fails, InputError if the file to resume is of another domain. Collective.
+    /// MachineError if the disk fails, InputError if the file to resume is of another domain
+    /// or says otherwise who sleeps. Collective.
     BlockLoadWriter(const Comm& comm, std::string path, const LoadHeader& header,
                     std::optional<std::int64_t> resume_step = {});
 

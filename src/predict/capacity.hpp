@@ -31,7 +31,8 @@ double host_memory();
 Prediction estimate(const Scene& scene);
 
 /// Particles that a rank of the host has memory for, if its host's ranks share that evenly and blocks are as full as at
-/// the start; as many as it can number where the memory is not known. Not collective.
+/// the start (inflows: as if all had come); as many as it can number where the memory is not known or nothing ever
+/// comes. Not collective.
 std::int64_t particles_in_memory(const Scene& scene, const Machine& machine);
 
 /// Throws InputError, with what would do, if the scene is too large. Not collective.

@@ -9,6 +9,7 @@
 #include "core/block.hpp"
 #include "core/method.hpp"
 #include "core/shape.hpp"
+#include "core/sleep.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 
@@ -86,9 +87,10 @@ double held_output(const Scene& scene, const Prediction& p, int ranks) {
 double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const int d = scene.dimensions;
     const double lists = 10;
-    const double frame = 4 + 8 * d + (d == 2 ? 24 : 0);  // list and places of an output; 2-D ones get a third axis
-    const double sleep = scene.sleep.on ? 16 : 0;        // two words
-    const double particle = size_of(scene).reals * real_bytes(scene) + 8 + 2 + sleep + lists + frame;
+    const double frame = 4 + 8 * d + (d == 2 ? 24 : 0);       // list and places of an output; 2-D ones get a third axis
+    const double sleep = scene.sleep.on ? 16 : 0;             // two words
+    const double forecast = forecasts_sleep(scene) ? 48 : 0;  // id and two words, of two sleep checks
+    const double particle = size_of(scene).reals * real_bytes(scene) + 8 + 2 + sleep + forecast + lists + frame;
     const double mine = static_cast<double>(p.blocks) / ranks;
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
     return static_cast<double>(p.particles) / ranks * particle +

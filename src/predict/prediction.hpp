@@ -39,7 +39,7 @@ Prediction predict(const Scene& scene);
 /// Of one of `ranks` ranks, above an empty run [B]. With R bytes per real and d dimensions:
 ///   particle: position, velocity d R each; stress (4 or 6) R; volume, mass, ln J R each; id 8; body 2;
 ///             lists 10; one column while it is written 8 d, a whole output if that is asynchronous; each scalar of the
-///             laws R; APIC and TPIC d^2 R; b (4 or 6) R; stretch of GIMP d R
+///             laws R; APIC and TPIC d^2 R; b (4 or 6) R; stretch of GIMP d R; sleep 16, its forecast 48
 ///   block:    tile (4 + w - 1)^d 8 R; w: width of the stencil. Nodes 4^d 8 R, also of one more layer
 ///             of blocks, and tables, of two more, as if the body were a cube
 double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);

@@ -1,6 +1,6 @@
 #pragma once
 // block_loads.bin in terms of the simulation: where the run stands at each balance interval, for `moraine replay`
-// and `moraine report`. Exists only where the scene says output.block_loads = "on".
+// and `moraine report`. Exists only where the scene has output.block_loads.
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace moraine {
 
 inline SleepersRecord sleepers_recorded(const Scene& scene) {
     if (scene.sleep.on) return SleepersRecord::asleep;
-    return can_sleep(scene) ? SleepersRecord::would : SleepersRecord::none;
+    return forecasts_sleep(scene) ? SleepersRecord::would : SleepersRecord::none;
 }
 
 /// What a replay must know of the run besides its loads. Not collective.

@@ -1,9 +1,30 @@
 #include "records/sleep_forecast.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <limits>
+#include <span>
+
+#include "comm/point_to_point.hpp"
 
 namespace moraine {
+namespace {
+
+template <class T>
+void append(std::vector<std::byte>& bytes, const T& row) {
+    const auto part = std::as_bytes(std::span(&row, 1));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+}
+
+template <class T>
+void append_rows(std::vector<T>& rows, const std::vector<std::byte>& bytes) {
+    const std::size_t before = rows.size();
+    rows.resize(before + bytes.size() / sizeof(T));
+    if (!bytes.empty()) std::memcpy(rows.data() + before, bytes.data(), bytes.size());
+}
+
+}  // namespace
 
 /// As Simulation::check_sleep().
 template <class Real, int Dim>
@@ -24,19 +45,29 @@ std::vector<typename SleepForecast<Real, Dim>::Rest> SleepForecast<Real, Dim>::r
     return rests;
 }
 
-/// Of particles that came from other ranks since the last check. Collective.
+/// Of particles that came from other ranks since the last check: who had one before and who has it now meet at rank id
+/// mod P. Collective.
 template <class Real, int Dim>
 void SleepForecast<Real, Dim>::learn(const std::vector<Rest>& now) {
-    std::vector<std::uint64_t> missing;
+    const auto ranks = static_cast<std::size_t>(comm_.size());
+    std::vector<std::vector<std::byte>> gone(ranks), missing(ranks), answers(ranks);
+    for (const Rest& rest : rests_)
+        if (!std::binary_search(now.begin(), now.end(), rest)) append(gone[rest.id % ranks], rest);
     for (const Rest& rest : now)
-        if (!std::binary_search(rests_.begin(), rests_.end(), rest)) missing.push_back(rest.id);
-    std::vector<Rest> known;
-    for (const std::uint64_t id : comm_.all_gather(missing)) {
-        const auto at = std::lower_bound(rests_.begin(), rests_.end(), Rest{id, 0, 0});
-        if (at != rests_.end() && at->id == id) known.push_back(*at);
+        if (!std::binary_search(rests_.begin(), rests_.end(), rest)) append(missing[rest.id % ranks], rest.id);
+    std::vector<Rest> met;
+    for (const auto& bytes : exchange_all(comm_, gone)) append_rows(met, bytes);
+    std::sort(met.begin(), met.end());
+    const std::vector<std::vector<std::byte>> asked = exchange_all(comm_, missing);
+    for (std::size_t rank = 0; rank < ranks; ++rank) {
+        std::vector<std::uint64_t> ids;
+        append_rows(ids, asked[rank]);
+        for (const std::uint64_t id : ids) {
+            const auto at = std::lower_bound(met.begin(), met.end(), Rest{id, 0, 0});
+            if (at != met.end() && at->id == id) append(answers[rank], *at);
+        }
     }
-    for (const Rest& rest : comm_.all_gather(known))
-        if (std::binary_search(missing.begin(), missing.end(), rest.id)) rests_.push_back(rest);
+    for (const auto& bytes : exchange_all(comm_, answers)) append_rows(rests_, bytes);
     std::sort(rests_.begin(), rests_.end());
 }
 
@@ -47,7 +78,7 @@ typename SleepForecast<Real, Dim>::Activities SleepForecast<Real, Dim>::activiti
     Activities mine;
     sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
         for (int b = piece.begin; b < piece.end; ++b) {
-            Activity block{piece.tables.own[static_cast<std::size_t>(b)], 0, 0};
+            Activity block{piece.tables.own[static_cast<std::size_t>(b)], 0, 0, false};
             for (const std::uint32_t s : piece.slots(b)) {
                 block.speed = std::max(block.speed, activity_by_speed<Real, Dim>(rule_, piece.p, s));
                 if (!due) continue;
@@ -88,11 +119,14 @@ const std::vector<Key>& SleepForecast<Real, Dim>::look(const Simulation<Real, Di
         now = rests_of(sim);
         if (!first) learn(now);
     }
-    const Activities all = activities(sim, due);
+    Activities all = activities(sim, due);
+    for (Activity& block : all) {
+        block.stays = block.speed <= 1 && std::binary_search(asleep_.begin(), asleep_.end(), block.key);
+        if (block.stays) block.u = 0;
+    }
     std::vector<Key> asleep;
     for (const Activity& block : all) {
-        const bool slept = std::binary_search(asleep_.begin(), asleep_.end(), block.key);
-        const bool stays = slept && block.speed <= 1;
+        const bool stays = block.stays;
         if (due ? activity_around(all, block.key) < (stays ? rule_.wake : 1) : stays) asleep.push_back(block.key);
     }
     asleep_ = std::move(asleep);

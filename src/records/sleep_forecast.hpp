@@ -2,8 +2,8 @@
 // Which blocks of a run in which all are awake would sleep by the rule of core/sleep.hpp, for `moraine replay --sleep`.
 //
 // The rule wants places and stresses of the last sleep check. Scenes that sleep carry them with the particles; here
-// they are kept by id beside the run, so that its state, hash and checkpoints are those without a record. What a rank
-// does not know of particles that came to it, it asks of the others; so the answer is the same on any ranks.
+// they are kept by id beside the run, so that its state, hash and checkpoints are those without a record. Of particles
+// that changed ranks they follow by messages; so the answer is the same on any ranks.
 //
 // It is a forecast: checks are at the first balance interval at which one is due, sleepers wake at balance intervals
 // and not in the step, and those that would sleep go on to move a little. A restart knows nobody at first.
@@ -36,6 +36,7 @@ class SleepForecast {
         Key key;
         double u;      ///< of core/sleep.hpp
         double speed;  ///< the part of u that is of speeds alone
+        bool stays;    ///< asleep, and its speeds do not wake it: its u is 0
     };
     using Activities = std::vector<Activity>;
 

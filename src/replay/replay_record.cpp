@@ -93,8 +93,8 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
 void ReplayRecord::check_sleepers() const {
     if (!options_.sleep || sleepers_ != SleepersRecord::none) return;
     throw InputError(
-        fmt::format("--sleep of {} (its record does not say who would sleep: a device made it, or a scene for which "
-                    "numerics.sleep is refused). Leave it out?",
+        fmt::format("--sleep of {} (its record does not say who would sleep). Run it again with "
+                    "--set output.block_loads=sleep?",
                     options_.directory));
 }
 

@@ -101,12 +101,6 @@ void check_fluid_terms(const Scene& scene, const Places& places) {
     }
 }
 
-/// What keeps a scene from substeps.
-struct Hindrance {
-    std::string key, what;
-    const char *why, *help;
-};
-
 std::optional<Hindrance> substeps_hindered_by(const Scene& scene) {
     for (const MaterialSpec& m : scene.materials)
         if (m.volumetric != Volumetric::grid)

@@ -18,6 +18,12 @@ inline std::string path_of(const BodySpec& body) {
 /// numerics.substeps = "auto", until all of the scene is read.
 inline constexpr int substeps_by_scene = 0;
 
+/// What keeps a scene from something: where it is written, what it is, why, and a remedy.
+struct Hindrance {
+    std::string key, what;
+    const char *why, *help;
+};
+
 /// Whether a scene can have substeps (core/grid_pressure.hpp).
 bool bears_substeps(const Scene& scene);
 
@@ -28,13 +34,10 @@ void check_scene(const Scene& scene, const Places& places);
 /// could be right. The materials and bodies must be whole.
 void check_time(const Scene& scene, const Places& places);
 
-/// Whether numerics.sleep = "on" would be taken. Of a scene that is whole.
-bool can_sleep(const Scene& scene);
-
 /// Which methods output.energy_budget knows.
 void check_energy_budget(const Scene& scene, const Places& places);
 
-/// What sleeping blocks cannot do with. Of a scene that is whole.
+/// What sleeping blocks, and a record of who would sleep, cannot do with. Of a scene that is whole.
 void check_sleep(const Scene& scene, const Places& places);
 
 /// Bodies: whole, inside the domain, not too many.

@@ -280,9 +280,11 @@ const std::vector<KeyRow<Scene>> rows{
       .name = "block_loads",
       .type = choice,
       .standard = "\"off\"",
-      .choices = {"off", "on"},
-      .meaning = "Particles and owner of every block at each balance interval (16 bytes a block), for moraine replay."},
-     [](S& s, const V& v) { s.output.block_loads = v.text == "on"; }},
+      .choices = {"off", "on", "sleep"},
+      .meaning = "Particles, owner and, with numerics.sleep, sleep of every block at each balance interval (16 bytes a "
+                 "block), for moraine replay and report. Sleep: without numerics.sleep also who would sleep (48 bytes "
+                 "a particle of memory)."},
+     [](S& s, const V& v) { s.output.block_loads = v.text != "off", s.output.sleep_forecast = v.text == "sleep"; }},
     {{.table = "output",
       .name = "energy_budget",
       .type = choice,

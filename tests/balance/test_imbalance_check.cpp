@@ -88,6 +88,28 @@ TEST_CASE("where the memory of ranks has no say, not a block goes elsewhere than
     CHECK(check(blocks, most - 1, Trigger::every).owners != plenty.owners);
 }
 
+TEST_CASE("a chain that has no cut that fits is not cut again by particles") {
+    const std::vector<BlockLoad> blocks = blocks_of(tens, tens);
+    struct Chain final : Partitioner {
+        mutable int cuts = 0;
+        const char* name() const override { return "chain"; }
+        std::vector<std::int32_t> owners(std::span<const BlockLoad> all, std::int64_t) const override {
+            ++cuts;
+            return std::vector<std::int32_t>(all.size(), 0);
+        }
+        std::optional<std::vector<Option>> options_within(std::span<const BlockLoad>, std::int64_t) const override {
+            return std::vector<Option>{};
+        }
+    } partitioner;
+    BalanceSpec spec;
+    spec.trigger = Trigger::every;
+    ImbalanceCheckInput input;
+    input.most = 60;
+    const RepartitionTrigger trigger(spec, partitioner);
+    CHECK(check_imbalance(blocks, input, 2, partitioner, trigger).found.reason == "memory");
+    CHECK(partitioner.cuts == 1);
+}
+
 TEST_CASE("a partitioner that knows nothing of memory is asked for parts by particles") {
     const std::vector<BlockLoad> blocks = blocks_of(tens, {70, 1, 1, 1, 1, 1, 1, 1});
     struct ByWeight final : Partitioner {

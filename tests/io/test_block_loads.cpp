@@ -127,13 +127,16 @@ TEST_CASE("a resumed record keeps what was before the checkpoint, also of a torn
     CHECK(read_steps(path) == std::pair(Steps{0, 50, 90}, std::string()));
 }
 
-TEST_CASE("a record of another domain is not continued") {
+TEST_CASE("a record of another domain, or that says otherwise who sleeps, is not continued") {
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
     const std::string path = folder / "block_loads.bin";
     write_frames(comm, path, {0});
     LoadHeader other = header();
     other.blocks[0] = 9;
+    CHECK_THROWS_AS(BlockLoadWriter(comm, path, other, 0), InputError);
+    other = header();
+    other.sleepers = static_cast<std::int32_t>(SleepersRecord::would);
     CHECK_THROWS_AS(BlockLoadWriter(comm, path, other, 0), InputError);
     comm.barrier();
 }

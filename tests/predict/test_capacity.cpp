@@ -117,3 +117,14 @@ TEST_CASE("a rank has memory for the particles that would just not be refused") 
     CHECK(one > 0.6 * 1.25e8 * 24 / 25.8);
     CHECK(holds({8, 4, 0}) == 2147483647);
 }
+
+TEST_CASE("a rank of a scene that begins empty has memory for what its inflows bring, without bound if nothing comes") {
+    Scene scene = read_scene(inputs_folder() + "/reference_terrain.toml");
+    std::erase_if(scene.bodies, [](const BodySpec& body) { return body.shape != BodyShape::inflow; });
+    REQUIRE(scene.bodies.size() == 1);
+    const std::int64_t holds = particles_in_memory(scene, {1, 1, 8e9});
+    CHECK(holds > 1'000'000);
+    CHECK(holds < 80'000'000);
+    scene.bodies.clear();
+    CHECK(particles_in_memory(scene, {1, 1, 8e9}) == 2147483647);
+}

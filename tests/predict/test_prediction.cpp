@@ -59,6 +59,18 @@ TEST_CASE("memory follows particles, precision and ranks") {
     CHECK(bytes_per_rank(single, p, 1) < 0.65 * one);  // ids, lists and the written positions stay
 }
 
+TEST_CASE("memory follows who would sleep where that is recorded, not block loads alone") {
+    const auto bytes = [](const std::string& loads, const std::string& sleep) {
+        const Scene scene = read_scene(inputs_folder() + "/undercut_bed.toml",
+                                       {"output.block_loads=" + loads, "numerics.sleep=" + sleep});
+        const Prediction p = predict(scene);
+        return bytes_per_rank(scene, p, 1) / static_cast<double>(p.particles);
+    };
+    CHECK(bytes("on", "off") == bytes("off", "off"));
+    CHECK(bytes("sleep", "off") - bytes("off", "off") == doctest::Approx(48));
+    CHECK(bytes("sleep", "on") == bytes("off", "on"));
+}
+
 TEST_CASE("boxes on a lattice are predicted in closed form as particle by particle, and in no time") {
     const std::string path = inputs_folder() + "/slurry_runout_3d.toml";
     for (const char* precision : {"single", "double"})

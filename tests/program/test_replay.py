@@ -161,7 +161,7 @@ class Replay(moraine.ProgramTest):
 
 
 BED = INPUTS / "undercut_bed.toml"
-COARSE = dict(domain__cell=0.008, time__end=0.2, balance__interval=20, output__block_loads="on")
+COARSE = dict(domain__cell=0.008, time__end=0.2, balance__interval=20, output__block_loads="sleep")
 
 
 def sleepers(run):
@@ -228,11 +228,16 @@ class ReplayOfSleep(moraine.ProgramTest):
             self.assertAlmostEqual(recorded, told, delta=1e-9)
 
     def test_a_record_that_does_not_say_who_would_sleep_is_refused(self):
-        noisy = self.record("noisy", "off", numerics__transfer="flip", time__end=0.01)
-        said = self.assert_one_problem(call("replay", noisy, "--sleep"))
+        plain = self.record("plain", "off", output__block_loads="on", time__end=0.01)
+        said = self.assert_one_problem(call("replay", plain, "--sleep"))
         self.assertIn("--sleep of", said)
-        self.assertIn("Leave it out?", said)
-        self.assertEqual(call("replay", noisy, "--ranks", "1").code, 0)
+        self.assertIn("output.block_loads=sleep", said)
+        self.assertEqual(call("replay", plain, "--ranks", "1").code, 0)
+
+    def test_who_would_sleep_is_recorded_only_of_a_scene_that_can_sleep(self):
+        keys = sets(output__block_loads="sleep", numerics__transfer="flip")
+        said = self.assert_one_problem(call("check", BED, *keys))
+        self.assertIn('output.block_loads = "sleep" with this numerics.transfer', said)
 
 
 if __name__ == "__main__":
