@@ -119,7 +119,7 @@ TEST_CASE("a rank has memory for the particles that would just not be refused") 
 }
 
 TEST_CASE("a rank of a scene that begins empty has memory for what its inflows bring, without bound if nothing comes") {
-    Scene scene = read_scene(inputs_folder() + "/reference_terrain.toml");
+    Scene scene = read_scene(inputs_folder() + "/reference_terrain.toml", {"time.end=60"});
     std::erase_if(scene.bodies, [](const BodySpec& body) { return body.shape != BodyShape::inflow; });
     REQUIRE(scene.bodies.size() == 1);
     const std::int64_t holds = particles_in_memory(scene, {1, 1, 8e9});
