@@ -98,6 +98,11 @@ def slump(s):
     s.measure(70, 40, 70, 180, "H = D", -52, 4).measure(320, 40, 320, 112, "s", 6, 4).dashed((300, 40), (330, 40)).text(350, 90, "yields under").text(350, 108, "its own weight")
 
 
+def cantilever(s):
+    s.ground(70, 10, 70, 100).box(70, 40, 300, 24, "none").curve("M70,40 C180,40 265,90 295,170 L273,178 C245,105 175,64 70,64 Z", "edge solid").arrow(420, 60, 420, 120, "g", 8, 4)
+    s.measure(70, 26, 370, 26, "L = 10 D", -28, -6).measure(335, 52, 335, 174, "sinking of the tip", 6, 40).dashed((284, 174), (345, 174)).dashed((70, 52), (370, 52)).text(12, 56, "clamp")
+
+
 def viscous_current(s):
     s.ground(30, 180, 460, 180).box(40, 110, 70, 70, "fluid").curve("M40,140 C200,142 330,150 380,180", "thin dash").text(130, 100, "0.1 m x 0.1 m of syrup")
     s.arrow(360, 160, 430, 160, "x ~ t^(1/5)", -20, -8)
@@ -146,7 +151,7 @@ SKETCHES = {
     "vibrating-bar": vibrating_bar, "manufactured-displacement": manufactured_displacement, "column-under-its-own-weight": column, "vortex": vortex,
     "projectile": projectile, "turning-square": turning_square, "block-on-a-plane": block_on_a_plane, "layers-on-a-bed": layers_on_a_bed,
     "ground-from-heights": ground_from_heights, "pipe-penetration": pipe, "films-on-an-incline": films, "columns-of-sand": columns_of_sand,
-    "strip-footing": strip_footing, "t-bar": tbar, "slurry-runout": slurry, "slump-of-a-cylinder": slump, "viscous-current": viscous_current, "dam-break-onto-a-wet-bed": wet_bed,
+    "strip-footing": strip_footing, "t-bar": tbar, "slurry-runout": slurry, "slump-of-a-cylinder": slump, "large-deflection-of-a-cantilever": cantilever, "viscous-current": viscous_current, "dam-break-onto-a-wet-bed": wet_bed,
     "sloshing-tank": tank, "taylor-green-vortex": taylor_green, "random-scenes": random_scenes, "error-bars": error_bars, "ranks-that-follow": ranks_that_follow,
 }
 
