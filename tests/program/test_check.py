@@ -190,7 +190,7 @@ class Check(moraine.ProgramTest):
         for key, words in (("material.clay.friction_angle", "it is for law drucker-prager). Remove it, or set material.clay.law?"),
                            ("material.clay.yield_stress", "it is for law herschel-bulkley, bingham). Remove it, or set material.clay.law?"),
                            ("body.block.radius", "it is for shape sphere). Remove it, or set body.block.shape?"),
-                           ("wall.x-min.friction", "it is for kind friction). Remove it, or set wall.x-min.kind?")):
+                           ("wall.x-min.friction", "it is for kind friction, voellmy). Remove it, or set wall.x-min.kind?")):
             with self.subTest(key):
                 line = self.assert_one_problem(call("check", INPUTS / "first_scene.toml", "--set", f"{key}=1"))
                 self.assertIn(f"{key} is not used ({words}", line)

@@ -235,7 +235,7 @@ class ReplayOfSleep(moraine.ProgramTest):
         self.assertEqual(call("replay", plain, "--ranks", "1").code, 0)
 
     def test_who_would_sleep_is_recorded_only_of_a_scene_that_can_sleep(self):
-        keys = sets(output__block_loads="sleep", numerics__transfer="flip")
+        keys = sets(output__block_loads="sleep", numerics__sleep="off", numerics__transfer="flip")
         said = self.assert_one_problem(call("check", BED, *keys))
         self.assertIn('output.block_loads = "sleep" with this numerics.transfer', said)
 
