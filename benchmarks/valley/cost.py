@@ -8,7 +8,8 @@ OPTIONS go to `moraine run`, `--device cuda` for instance. With 23 cells over th
 
   valley      the shipped one, its release at 8 m/s so that samples come as often as in a flow: bare; with all maps; with
               gauges besides; with sections besides
-  slab        as much soil under tilted gravity: on a plane structure; on level heights; on heights that roll by 0.2 m
+  slab        as much soil under tilted gravity: on a plane structure; on a wall of the same law; on level heights; on
+              heights that roll by 0.2 m
 
 The cases take turns, and each figure is the median of the repeats: `step_ms` the steps alone, `output_ms` what is done
 between them (samples of maps, and the output at the end), `all_ms` the wall time beyond that of a run of no steps, per
@@ -74,9 +75,11 @@ def write_scenes(folder):
     gauges, sections = 'gauges = "valley_gauges.csv"\n', 'sections = "valley_sections.csv"\n'
     heights(folder / "level.asc", 0)
     heights(folder / "rolling.asc", 0.2)
+    wall = SLAB.replace("min = [0.0, 0.0, -2.0]", "min = [0.0, 0.0, 0.0]").replace("32.0, 14.0]", "32.0, 12.0]")
+    bed = OPEN.replace('face = "z-min"\nkind = "open"', 'face = "z-min"\nkind = "voellmy"\nfriction = 0.2\nxi = 500.0')
     groups = {"valley": {"bare": bare, "maps": bare + MAPS, "gauges": bare + MAPS + gauges,
                          "sections": bare + MAPS + gauges + sections},
-              "slab": {"plane": SLAB + PLANE + OPEN, "level": SLAB + '[terrain]\ndem = "level.asc"\n' + BED,
+              "slab": {"plane": SLAB + PLANE + OPEN, "wall": wall + bed, "level": SLAB + '[terrain]\ndem = "level.asc"\n' + BED,
                        "rolling": SLAB + '[terrain]\ndem = "rolling.asc"\n' + BED}}
     for group, cases in groups.items():
         for case, text in cases.items():

@@ -104,8 +104,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     CellTask<Real> cell_task(const Substep& substep) const;
     void sum_part(const Chosen& chosen, int blocks, cudaStream_t stream);
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
-                   const ContactField<Dim>* contact);
-    ContactField<Dim> place(const StructureSet<Dim>& structures);
+                   const NodeContact<Dim>* contact);
+    NodeContact<Dim> node_contact(const StructureSet<Dim>& structures);
     FluidArgs<Real> fluid_args() const;
     FluidGatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
     void gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args, const Launch& launch);
@@ -164,6 +164,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<Account<Dim>> accounts_;
     DeviceStructures<Dim> structures_;
     DeviceGaps<Dim> gaps_;
+    DeviceNearBlocks<Dim> near_blocks_;
     ContactField<Dim> contact_{};  ///< of this step's gaps
     bool finding_ = false;         ///< gaps, in this round
     bool limiting_ = false;        ///< depths, once a step: the sums may be made twice

@@ -80,6 +80,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     if (method_.grid_bulk()) pressure_.resize(tile_capacity_ + ghost_capacity_, node_blocks);
     report_is_of_epoch_ = false;
     gaps_.forget();
+    near_blocks_.forget();
     if (exchange_) exchange_->open(epoch_, scene_.structures.size(), stream_);
 }
 

@@ -33,13 +33,11 @@ void DeviceEngine<Real, Dim>::sum_part(const Chosen& chosen, int blocks, cudaStr
 /// contact: of this step's structures; null where there are none.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
-                                        const LightMarks<Real>& marks, const ContactField<Dim>* contact) {
-    const GapTiles gaps = contact ? gaps_.view() : GapTiles{};
-    if (!method_.fluid())
-        return gpu::solve_nodes(view(), method_.stencil, round, quantum, marks, stream_, contact, gaps);
+                                        const LightMarks<Real>& marks, const NodeContact<Dim>* contact) {
+    if (!method_.fluid()) return gpu::solve_nodes(view(), method_.stencil, round, quantum, marks, stream_, contact);
     const NodeFluid<Real, Dim> fluid{mean_ == NodeMean::volume, method_.capacity,
                                      static_cast<Real>(std::pow(scene_.cell, -Dim))};
-    solve_fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact, gaps);
+    solve_fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);
 }
 
 template <class Real, int Dim>

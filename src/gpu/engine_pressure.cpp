@@ -17,7 +17,7 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures) work.contact = place(*step.structures);
+    if (step.structures) work.contact = node_contact(*step.structures);
     hold_nodes(work, stream_);
     summed_ = false;
 }
@@ -58,12 +58,11 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     round.first_substep = substep.is_first();
     round.step = static_cast<Real>(step.dt);
     const PressureView<Real, Dim> pressure = pressure_.view();
-    const auto solve = [&](const ContactField<Dim>* contact) {
-        solve_substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact,
-                            contact ? gaps_.view() : GapTiles{});
+    const auto solve = [&](const NodeContact<Dim>* contact) {
+        solve_substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
     if (step.structures) {
-        const ContactField<Dim> contact = place(*step.structures);
+        const NodeContact<Dim> contact = node_contact(*step.structures);
         solve(&contact);
         structures_.fetch(stream_);
     } else {

@@ -162,10 +162,11 @@ LightMarks<Real> DeviceEngine<Real, Dim>::light_marks_of(const Round& round) con
 
 /// The structures as nodes see them, with the ground of this epoch.
 template <class Real, int Dim>
-ContactField<Dim> DeviceEngine<Real, Dim>::place(const StructureSet<Dim>& structures) {
-    ContactField<Dim> contact = structures_.place(structures, stream_);
-    contact.ground = contact_.ground;
-    return contact;
+NodeContact<Dim> DeviceEngine<Real, Dim>::node_contact(const StructureSet<Dim>& structures) {
+    ContactField<Dim> field = structures_.place(structures, stream_);
+    field.ground = contact_.ground;
+    return {field, gaps_.view(),
+            near_blocks_.find(tables_.view(), field, method_.stencil.origin, structures.any_moves(), stream_)};
 }
 
 template <class Real, int Dim>
@@ -175,7 +176,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
-        const ContactField<Dim> contact = place(*step.structures);
+        const NodeContact<Dim> contact = node_contact(*step.structures);
         run_nodes(args, step.quantum, marks, &contact);
         structures_.fetch(stream_);
     } else {

@@ -132,8 +132,12 @@ class NodePair {
         device.clear_accounts();
         device.view.table.own = own;
         gpu::DeviceStructures<Dim> there;
-        ContactField<Dim> contact{};
-        if (structures) contact = there.place(*structures, nullptr);
+        gpu::DeviceNearBlocks<Dim> near;
+        gpu::NodeContact<Dim> contact{};
+        if (structures) {
+            contact = {there.place(*structures, nullptr), device_gaps.view(), {}};
+            contact.near = near.find(device.view.table, contact.field, sample.method.stencil.origin, false, nullptr);
+        }
         gpu::LightMarks<Real> light{};
         if (marking) {
             marks.resize(static_cast<std::size_t>(sample.patch.table().node_blocks * gpu::light_marks<Dim>));
@@ -141,7 +145,7 @@ class NodePair {
             light = {marks.data(), light_mass, counts_of_marked.data()};
         }
         gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, light, nullptr,
-                         structures ? &contact : nullptr, structures ? device_gaps.view() : GapTiles{});
+                         structures ? &contact : nullptr);
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
         felt_on_device = there.take();

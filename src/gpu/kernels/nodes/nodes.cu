@@ -5,15 +5,11 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                  const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
-                 const ContactField<Dim>* contact, const GapTiles& gaps) {
-    const NodeWork<Real, Dim> work{
-        view, round, stencil.origin, quantum, marks, contact ? *contact : ContactField<Dim>{}, gaps};
-    if (contact)
-        marks.of ? run_nodes<Real, Dim, true, true, false>(work, stencil.width, stream)
-                 : run_nodes<Real, Dim, true, false, false>(work, stencil.width, stream);
-    else
-        marks.of ? run_nodes<Real, Dim, false, true, false>(work, stencil.width, stream)
-                 : run_nodes<Real, Dim, false, false, false>(work, stencil.width, stream);
+                 const NodeContact<Dim>* contact) {
+    const NodeWork<Real, Dim> work{view,    round, stencil.origin,
+                                   quantum, marks, contact ? *contact : NodeContact<Dim>{}};
+    marks.of ? run_nodes<Real, Dim, true, false>(work, stencil.width, contact != nullptr, stream)
+             : run_nodes<Real, Dim, false, false>(work, stencil.width, contact != nullptr, stream);
 }
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
@@ -54,12 +50,12 @@ std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
 template class DeviceStructures<2>;
 template class DeviceStructures<3>;
 template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,
-                          const LightMarks<float>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
+                          const LightMarks<float>&, cudaStream_t, const NodeContact<2>*);
 template void solve_nodes(const View<float, 3>&, const Stencil&, const NodeRound<float, 3>&, const Quantum&,
-                          const LightMarks<float>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
+                          const LightMarks<float>&, cudaStream_t, const NodeContact<3>*);
 template void solve_nodes(const View<double, 2>&, const Stencil&, const NodeRound<double, 2>&, const Quantum&,
-                          const LightMarks<double>&, cudaStream_t, const ContactField<2>*, const GapTiles&);
+                          const LightMarks<double>&, cudaStream_t, const NodeContact<2>*);
 template void solve_nodes(const View<double, 3>&, const Stencil&, const NodeRound<double, 3>&, const Quantum&,
-                          const LightMarks<double>&, cudaStream_t, const ContactField<3>*, const GapTiles&);
+                          const LightMarks<double>&, cudaStream_t, const NodeContact<3>*);
 
 }  // namespace moraine::gpu

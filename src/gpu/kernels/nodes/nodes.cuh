@@ -1,8 +1,11 @@
 #pragma once
-// The kernel of gpu/kernels/nodes/nodes.hpp: a thread per node, 4 (3-D) or 16 (2-D) node blocks per thread block.
+// The kernel of gpu/kernels/nodes/nodes.hpp: a thread per node, 4 (3-D) or 16 (2-D) node blocks per thread block. Node
+// blocks near structures have an instance and a launch of their own (near_blocks.hpp).
 //
 // Bound by memory. A warp looks up the tiles around its nodes once; a thread then knows by bits which of them are there
 // and cover its node.
+
+#include <algorithm>
 
 #include "gpu/kernels/account.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
@@ -19,8 +22,7 @@ struct NodeWork {
     int origin;
     Quantum quantum;
     LightMarks<Real> marks;
-    ContactField<Dim> contact;
-    GapTiles gaps;
+    NodeContact<Dim> contact;
 };
 
 /// With what fluids want; nodes of other scenes do not get it.
@@ -37,18 +39,37 @@ __device__ __forceinline__ GroundNode<Dim>* ground_of_block(const ContactField<D
     return contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells : nullptr;
 }
 
-/// Whether a structure is near the node block c. Others look at none.
-template <class Real, int Dim>
-__device__ __forceinline__ bool structure_near(const NodeWork<Real, Dim>& w, int c) {
-    const GroundNode<Dim>* ground = ground_of_block(w.contact, c);
-    if (ground && ground->surface.distance < far_from_ground) return true;
-    int lowest[Dim];
-    for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-    for (int k = 0; k < w.contact.count; ++k) {
-        const Structure<Dim>& s = w.contact.structure[k];
-        if (s.shape != StructureShape::ground && is_near<false>(w.contact, s, lowest)) return true;
+/// Node blocks of a launch that goes by the list of near ones: so many thread blocks take them in turn.
+inline constexpr unsigned near_grid = 1024;
+
+/// Calls f(c) with the node block of this thread, in whole warps; table.node_blocks: there is none. Contact: those near
+/// a structure, by their list. Else: all others.
+template <bool Contact, int Dim, class F>
+__device__ __forceinline__ void each_node_block(const BlockTable<Dim>& table, const NearBlocks& near, const F& f) {
+    constexpr int blocks = node_threads / Block<Dim>::cells;
+    const int mine = static_cast<int>(threadIdx.x) / Block<Dim>::cells;
+    if constexpr (Contact) {
+        const int count = static_cast<int>(*near.count);
+        for (int first = static_cast<int>(blockIdx.x) * blocks; first < count;
+             first += static_cast<int>(gridDim.x) * blocks)
+            f(first + mine < count ? near.list[first + mine] : table.node_blocks);
+    } else {
+        const int c = static_cast<int>(blockIdx.x) * blocks + mine;
+        const bool skipped = near.mark && c < table.node_blocks && near.mark[c] != 0;
+        f(skipped ? table.node_blocks : c);
     }
-    return false;
+}
+
+/// Launches `plain` over the node blocks that no structure is near, and `touching` over the others, if there may be
+/// any.
+template <int Dim, class Work>
+void launch_nodes(void (*plain)(Work), void (*touching)(Work), const Work& work, bool contact, cudaStream_t stream) {
+    constexpr int blocks = node_threads / Block<Dim>::cells;
+    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
+    if (grid == 0) return;
+    plain<<<grid, node_threads, 0, stream>>>(work);
+    if (contact) touching<<<std::min(grid, near_grid), node_threads, 0, stream>>>(work);
+    check(cudaGetLastError(), "Solving nodes");
 }
 
 /// The tiles around a node block: each warp looks them up, a lane each, for the one or two node blocks of its nodes.
@@ -147,7 +168,7 @@ __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, 
         int lowest[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-        return excess_of_node<Width>(w.contact, w.fluid.capacity, c, n, lowest, node, filling);
+        return excess_of_node<Width>(w.contact.field, w.fluid.capacity, c, n, lowest, node, filling);
     }
     return node_excess(filling, w.fluid.capacity.of(node));
 }
@@ -171,17 +192,17 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
     NodeMotion<Real, Dim> motion;
     Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
     if constexpr (Contact) {
-        const bool near = structure_near(w, c);
-        GroundNode<Dim>* ground = ground_of_block(w.contact, c);
+        const ContactField<Dim>& field = w.contact.field;
+        GroundNode<Dim>* ground = ground_of_block(field, c);
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr, [&](auto& v) {
             const auto gap_of = [&](int k) {
-                return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
+                return gap_at_node(w.contact.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
             const auto tell = [&](int k, const auto& values) {
-                if (counting) add_together(w.contact.sums[k].sum, w.quantum, values);
+                if (counting) add_together(field.sums[k].sum, w.quantum, values);
             };
-            return near && touch_structures(w.contact, node, sums[0], w.round.contact_time(), gap_of, tell, v, given,
-                                            ground ? ground + n : nullptr);
+            return touch_structures(field, node, sums[0], w.round.contact_time(), gap_of, tell, v, given,
+                                    ground ? ground + n : nullptr);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);
@@ -231,34 +252,38 @@ __device__ __forceinline__ void mark_light(const LightMarks<Real>& marks, int c,
 template <class Real, int Dim, int Width, bool Contact, bool Marks, bool Fluid>
 __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
     nodes_kernel(const __grid_constant__ NodeWorkOf<Real, Dim, Fluid> w) {
-    constexpr int cells = Block<Dim>::cells;
-    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
-    const int n = static_cast<int>(threadIdx.x) % cells;
-    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-    const bool marks = Marks && (!Fluid || w.marks.of);
-    if (marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
-    if (__all_sync(all_lanes, around.own == 0)) return;
-    Quad<Real> sums, force;
-    const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
-    ExactSum impulse[Dim];
-    if constexpr (Marks)
-        if (marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
-    if (around.own != 0) solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, impulse);
-    fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+    each_node_block<Contact>(w.view.table, w.contact.near, [&](int c) {
+        const int n = static_cast<int>(threadIdx.x) % Block<Dim>::cells;
+        const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+        const bool marks = Marks && (!Fluid || w.marks.of);
+        if (marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
+        if (__all_sync(all_lanes, around.own == 0)) return;
+        Quad<Real> sums, force;
+        const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
+        ExactSum impulse[Dim];
+        if constexpr (Marks)
+            if (marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+        if (around.own != 0)
+            solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, impulse);
+        fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+    });
 }
 
-template <class Real, int Dim, bool Contact, bool Marks, bool Fluid>
-void run_nodes(const NodeWorkOf<Real, Dim, Fluid>& work, int width, cudaStream_t stream) {
-    constexpr int blocks = node_threads / Block<Dim>::cells;
-    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
-    if (grid == 0) return;
+template <class Real, int Dim, int Width, bool Marks, bool Fluid>
+void run_nodes_of(const NodeWorkOf<Real, Dim, Fluid>& work, bool contact, cudaStream_t stream) {
+    launch_nodes<Dim>(nodes_kernel<Real, Dim, Width, false, Marks, Fluid>,
+                      nodes_kernel<Real, Dim, Width, true, Marks, Fluid>, work, contact, stream);
+}
+
+/// contact: the scene has structures.
+template <class Real, int Dim, bool Marks, bool Fluid>
+void run_nodes(const NodeWorkOf<Real, Dim, Fluid>& work, int width, bool contact, cudaStream_t stream) {
     if (width == 2)
-        nodes_kernel<Real, Dim, 2, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
+        run_nodes_of<Real, Dim, 2, Marks, Fluid>(work, contact, stream);
     else if (width == 3)
-        nodes_kernel<Real, Dim, 3, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
+        run_nodes_of<Real, Dim, 3, Marks, Fluid>(work, contact, stream);
     else
-        nodes_kernel<Real, Dim, 4, Contact, Marks, Fluid><<<grid, node_threads, 0, stream>>>(work);
-    check(cudaGetLastError(), "Solving nodes");
+        run_nodes_of<Real, Dim, 4, Marks, Fluid>(work, contact, stream);
 }
 
 }  // namespace moraine::gpu

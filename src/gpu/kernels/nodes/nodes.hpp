@@ -4,7 +4,8 @@
 // A node is +0 plus its tiles in the order of the offset delta, as on the host. Every node block of the epoch has
 // storage (node_of is the identity), so nothing has to be numbered; a node block that no occupied own block touches is
 // skipped. Impulses of walls and damping are added exactly to the accounts, each node by the owner of the first
-// occupied block whose tile covers it. Scenes with structures have an instance of the kernel of their own.
+// occupied block whose tile covers it. Where structures are, the node blocks near them (near_blocks.hpp) have an
+// instance of the kernel and a launch of their own.
 
 #include <cuda_runtime.h>
 
@@ -14,6 +15,7 @@
 #include "core/particle_shifting.hpp"
 #include "core/shape.hpp"
 #include "core/structure_set.hpp"
+#include "gpu/kernels/nodes/near_blocks.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
 
@@ -44,9 +46,6 @@ class DeviceStructures {
     bool empty_ = false;  ///< the sums are to begin anew
 };
 
-/// Distance of nodes of blocks that the ground is not near, and more than that of any other [m].
-inline constexpr double far_from_ground = 1e300;
-
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
 inline constexpr int light_counts = 4;
 
@@ -70,16 +69,16 @@ struct NodeFluid {
     Real inverse_volume;  ///< 1 / h^d [1/m3]
 };
 
-/// `contact`: null where the scene has no structures; else with the gaps to them.
+/// `contact`: null where the scene has no structures.
 template <class Real, int Dim>
 void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                  const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
-                 const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
+                 const NodeContact<Dim>* contact = nullptr);
 
 /// The same, and what fluids want.
 template <class Real, int Dim>
 void solve_fluid_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
                        const Quantum& quantum, const LightMarks<Real>& marks, const NodeFluid<Real, Dim>& fluid,
-                       cudaStream_t stream, const ContactField<Dim>* contact = nullptr, const GapTiles& gaps = {});
+                       cudaStream_t stream, const NodeContact<Dim>* contact = nullptr);
 
 }  // namespace moraine::gpu

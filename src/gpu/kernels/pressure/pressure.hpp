@@ -61,7 +61,7 @@ struct HoldWork {
     Real inverse_volume;  ///< 1 / h^d [1/m3]
     NodeCapacity<Real, Dim> capacity;
     LightMarks<Real> marks;
-    ContactField<Dim> contact;  ///< count 0: there is no structure
+    NodeContact<Dim> contact;  ///< near.mark null: there is no structure
 };
 template <class Real, int Dim>
 void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream);
@@ -89,6 +89,6 @@ void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& p
 template <class Real, int Dim>
 void solve_substep_nodes(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Stencil& stencil,
                          const NodeRound<Real, Dim>& round, const Quantum& quantum, cudaStream_t stream,
-                         const ContactField<Dim>* contact, const GapTiles& gaps);
+                         const NodeContact<Dim>* contact);
 
 }  // namespace moraine::gpu

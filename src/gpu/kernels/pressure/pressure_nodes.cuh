@@ -7,7 +7,7 @@
 namespace moraine::gpu {
 
 /// What substeps want of a node (core/nodes.hpp: SolveNodes::hold).
-template <class Real, int Dim>
+template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                           const Quad<Real>& force) {
     const std::size_t at = std::size_t(c) * Block<Dim>::cells + std::size_t(n);
@@ -24,25 +24,28 @@ __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, i
     }
     first[quad - 1] = sums[0];
     held.filling = force[quad - 1] * w.inverse_volume;
-    second[quad - 1] = excess_of_node<3>(w.contact, w.capacity, c, n, lowest, node, held.filling);
+    if constexpr (Contact)
+        second[quad - 1] = excess_of_node<3>(w.contact.field, w.capacity, c, n, lowest, node, held.filling);
+    else
+        second[quad - 1] = node_excess(held.filling, w.capacity.of(node));
     Quad<Real>* out = values_of_node(w.view, c, n);
     store_row(out, first);
     store_row(out + 1, second);
     w.pressure.held[at] = held;
 }
 
-template <class Real, int Dim>
+template <class Real, int Dim, bool Contact>
 __global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __grid_constant__ HoldWork<Real, Dim> w) {
-    constexpr int cells = Block<Dim>::cells;
-    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
-    const int n = static_cast<int>(threadIdx.x) % cells;
-    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-    if (w.marks.of && c == 0 && n < light_counts) w.marks.count[n] = 0;
-    if (__all_sync(all_lanes, around.own == 0)) return;
-    Quad<Real> sums, force;
-    sum_tiles<Dim, 3>(w.view.grid.tiles, around, n, sums, force);
-    if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
-    if (around.own != 0) hold_node(w, c, n, sums, force);
+    each_node_block<Contact>(w.view.table, w.contact.near, [&](int c) {
+        const int n = static_cast<int>(threadIdx.x) % Block<Dim>::cells;
+        const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+        if (w.marks.of && c == 0 && n < light_counts) w.marks.count[n] = 0;
+        if (__all_sync(all_lanes, around.own == 0)) return;
+        Quad<Real> sums, force;
+        sum_tiles<Dim, 3>(w.view.grid.tiles, around, n, sums, force);
+        if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+        if (around.own != 0) hold_node<Contact>(w, c, n, sums, force);
+    });
 }
 
 template <class Real, int Dim>
@@ -78,16 +81,16 @@ __device__ __forceinline__ void solve_substep_node(const SubstepWork<Real, Dim>&
 
 template <class Real, int Dim, bool Contact>
 __global__ void __launch_bounds__(node_threads, 1) substep_kernel(const __grid_constant__ SubstepWork<Real, Dim> w) {
-    constexpr int cells = Block<Dim>::cells;
-    const int c = static_cast<int>(blockIdx.x) * (node_threads / cells) + static_cast<int>(threadIdx.x) / cells;
-    const int n = static_cast<int>(threadIdx.x) % cells;
-    const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-    if (__all_sync(all_lanes, around.own == 0)) return;
-    Quad<Real> none, pushed;
-    const bool counted = sum_tiles<Dim, 3, TileQuads::force>(w.view.grid.tiles, around, n, none, pushed);
-    ExactSum impulse[Dim];
-    if (around.own != 0) solve_substep_node<Contact>(w, c, n, pushed, counted, impulse);
-    fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+    each_node_block<Contact>(w.view.table, w.contact.near, [&](int c) {
+        const int n = static_cast<int>(threadIdx.x) % Block<Dim>::cells;
+        const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
+        if (__all_sync(all_lanes, around.own == 0)) return;
+        Quad<Real> none, pushed;
+        const bool counted = sum_tiles<Dim, 3, TileQuads::force>(w.view.grid.tiles, around, n, none, pushed);
+        ExactSum impulse[Dim];
+        if (around.own != 0) solve_substep_node<Contact>(w, c, n, pushed, counted, impulse);
+        fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+    });
 }
 
 }  // namespace moraine::gpu
