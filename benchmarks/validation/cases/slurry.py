@@ -10,7 +10,7 @@
   to them.
 
 Grid: pressures on cells, `volumetric = "grid"` with `numerics.substeps = 1` or `10`, and both cures ([ADR 9](../../docs/adr/0009-grid-pressure.md)): what the shipped scene has,
-with 10. x of 99.5 % of the volume at rest, H0/25, 50, 100, 200, 10 substeps: APIC 58.91, 60.61, 60.65, 60.46 m; AFLIP 64.01, 61.99, 60.93, 60.57; FLIP 62.84, 61.89, 60.85, 60.61 (617c25b).
+with 10. x of 99.5 % of the volume at rest, H0/25, 50, 100, 200, 10 substeps: APIC 58.91, 60.61, 60.65, 60.46 m; AFLIP 64.01, 61.99, 60.93, 60.57; FLIP 62.84, 61.89, 60.85, 60.61 (f94f2cf).
 
 * The runout converges: at H0/200 three transfers, each with one and ten substeps, end within 0.7 % of each other, in an eighth of the steps with ten.
 * From H0/50 to 100 and to 200 it changes by 0.1 and -0.4 % (APIC), -2.1 and -0.7 % (AFLIP), -2.0 and -0.5 % (FLIP), ten substeps; from H0/25 to 50 by up to 3.8 %.
