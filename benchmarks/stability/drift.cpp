@@ -34,8 +34,7 @@ struct Method : Choice {
     double flip = 1;  ///< share of FLIP
 };
 
-constexpr Method quadratic_aflip{{"quadratic AFLIP USL", Shape::quadratic, Transfer::aflip, StressUpdate::usl},
-                                 standard_flip(Transfer::aflip)};
+constexpr Method quadratic_aflip{{quadratic_aflip_usl}, standard_flip(Transfer::aflip)};
 constexpr Method quadratic_aflip_all{
     {"quadratic AFLIP USL, all of FLIP", Shape::quadratic, Transfer::aflip, StressUpdate::usl}, 1};
 
@@ -48,6 +47,9 @@ constexpr std::initializer_list<Method> methods = {
     {quadratic_tpic_usl},
     quadratic_aflip,
     quadratic_aflip_all,
+    {{quadratic_aflip_usf}, standard_flip(Transfer::aflip)},
+    {{cubic_aflip_usl}, standard_flip(Transfer::aflip)},
+    {quadratic_apic_usf},
     {quadratic_fmpm2},
     {quadratic_fmpm3},
     {quadratic_fmpm4},

@@ -53,9 +53,14 @@ inline constexpr Choice quadratic_apic_usl{"quadratic APIC USL", Shape::quadrati
 inline constexpr Choice quadratic_apic_usf{"quadratic APIC USF", Shape::quadratic, Transfer::apic, StressUpdate::usf};
 inline constexpr Choice quadratic_apic_musl{"quadratic APIC MUSL", Shape::quadratic, Transfer::apic,
                                             StressUpdate::musl};
+inline constexpr Choice quadratic_aflip_usl{"quadratic AFLIP USL", Shape::quadratic, Transfer::aflip,
+                                            StressUpdate::usl};
+inline constexpr Choice quadratic_aflip_usf{"quadratic AFLIP USF", Shape::quadratic, Transfer::aflip,
+                                            StressUpdate::usf};
 inline constexpr Choice quadratic_tpic_usl{"quadratic TPIC USL", Shape::quadratic, Transfer::tpic, StressUpdate::usl};
 inline constexpr Choice cubic_flip_usl{"cubic FLIP USL", Shape::cubic, Transfer::flip, StressUpdate::usl};
 inline constexpr Choice cubic_apic_usl{"cubic APIC USL", Shape::cubic, Transfer::apic, StressUpdate::usl};
+inline constexpr Choice cubic_aflip_usl{"cubic AFLIP USL", Shape::cubic, Transfer::aflip, StressUpdate::usl};
 inline constexpr Choice gimp_flip_usl{"gimp FLIP USL", Shape::gimp, Transfer::flip, StressUpdate::usl};
 inline constexpr Choice gimp_tpic_usl{"gimp TPIC USL", Shape::gimp, Transfer::tpic, StressUpdate::usl};
 inline constexpr Choice contiguous_flip_usl{"gimp-contiguous FLIP USL", Shape::gimp_contiguous, Transfer::flip,

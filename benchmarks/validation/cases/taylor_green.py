@@ -3,7 +3,7 @@
 One vortex in a box of 1 m with smooth walls, u = U sin(pi x) cos(pi y), v = -U cos(pi x) sin(pi y), U = 1 m/s, Re = U L / nu = 200, U / c = 0.05, 2 x 2
 particles per cell, no pressure at the start. Exact and incompressible: the kinetic energy falls as exp(-4 nu pi^2 t), to 0.306 at 6 L / U.
 
-Shifted: `pressure_smoothing = 0.22`, `particle_shifting = 0.2` ([ADR 8](../../docs/adr/0008-filling.md)). It stalls at 64 cells and gets worse at 128; half the step is better there, so it is a matter of steps and not of cells. Why is not known.
+Shifted: `pressure_smoothing = 0.22`, `particle_shifting = 0.2` ([ADR 8](../../docs/adr/0008-filling.md)). It stalls at 64 cells and gets worse at 128; half the step is better there. With pressures on cells (grid 10: `volumetric = "grid"`, ten substeps) it does not stall to 64 cells, so there it is the sums over particles; 128 was not run with them.
 """
 import math
 
