@@ -1,0 +1,108 @@
+#pragma once
+// What the fused step keeps: each block's particles in a region of its own, and one block's in shared memory.
+//
+// A region holds, in rows as everywhere, the list of the block: `stay` particles sorted by cell, then a gap in which
+// those that left in the last step still stand, sorted by exit, then `incoming` at `tail`, in the order (source block,
+// slot). A step reads all, and writes the block's own part anew in place; so the order is the list's own, and depends
+// on blocks alone.
+
+#include <cmath>
+
+namespace moraine {
+using ::fma;  // quads have one of their own: in the program no file has both gathers and P2G
+}
+
+#include "gpu/kernels/g2p/g2p_fused.cuh"
+#include "gpu/kernels/p2g/p2g.cuh"
+
+namespace moraine::gpu::lab {
+
+/// Where a block's particles stand in its region.
+struct Region {
+    std::uint32_t stay;      ///< [0, stay): the list
+    std::uint32_t tail;      ///< [stay, tail): who left by the last step
+    std::uint32_t incoming;  ///< [tail, tail + incoming)
+    std::uint32_t leaving;   ///< tail - stay
+
+    MORAINE_HD std::uint32_t count() const { return stay + incoming; }
+    /// Place in the region of list entry e.
+    MORAINE_HD std::uint32_t place(std::uint32_t e) const { return e < stay ? e : tail + (e - stay); }
+};
+
+/// Keys of the sort: cells, then exits (codes of the neighbours' offsets, and `gone`).
+inline constexpr int exits = Block<3>::offsets + 1;
+inline constexpr int first_exit = Block<3>::cells;
+inline constexpr int bins = 96;
+static_assert(first_exit + exits < bins);
+
+template <class Real>
+struct FusedStep {
+    View<Real, 3> v;  ///< columns of regions, tiles; lists are not used
+    GatherArgs<Real, 3> g;
+    std::uint32_t capacity;       ///< of a region
+    Region* region;               ///< own
+    std::uint16_t* exit_at;       ///< own x (exits + 1): places in the region; means nothing where nobody leaves
+    std::uint32_t* home;          ///< column: where the id and what else is seldom needed lies
+    std::uint32_t stamp;          ///< number of the step
+    std::uint32_t* claimed;       ///< own: the last step in which somebody came
+    std::int32_t* target;         ///< blocks that somebody comes to, in any order
+    std::uint32_t* targets;       ///< their number in this step
+    std::uint32_t* next_targets;  ///< and in the next, made zero by this one
+    std::int32_t* overfull;       ///< blocks with more particles than a thread block holds, in any order
+    std::uint32_t* overfulls;      ///< their number in this step
+    std::uint32_t* overfulls_all;  ///< and in all steps before
+    std::int32_t* occupied;  ///< blocks that hold or held particles
+    std::uint32_t* occupieds;
+    std::int32_t* tile_of;  ///< = v.grid.tile_of
+    std::uint32_t* error;   ///< 1: a region was too small
+};
+
+/// Shared memory of a thread block that holds `Capacity` particles. Passes: see fused.cuh.
+template <class Real, int Capacity, int Passes>
+struct Held {
+    using Case = P2gCase<Real, 3, Quadratic, false>;
+    using Tile = GatherTile<Real, 3, 3>;
+    static constexpr int per_row = int(sizeof(Row<Real>)) / 16, units = core_rows<3> * per_row;
+    static constexpr int chunks = Capacity / 32;
+    static_assert(Capacity % 32 == 0);
+    static constexpr int parts = Passes == 1 ? 2 : 1;
+    static constexpr int planes_bytes = parts * Planes<Case>::bytes + fold_bytes<Case, parts>;
+
+    union Rows {
+        uint4 unit[units][Capacity];
+        unsigned char planes[Passes == 1 ? planes_bytes : 1];
+    } rows;
+    union Nodes {
+        Tile tile;
+        unsigned char planes[Passes == 1 ? 1 : planes_bytes];
+    } nodes;
+    std::uint32_t home[Capacity];
+    std::uint16_t key[Capacity];  ///< key, rank among those of the same key in the chunk of 32 above it
+    std::uint16_t order[Capacity];
+    std::uint16_t bin[chunks][bins];  ///< counts, then how many of the key come in the chunks before
+    std::uint32_t start[bins + 1];
+    std::uint32_t part[bins / 32];
+    double sums[8];
+    int block[1];
+    std::uint32_t item;
+
+    /// Which place holds entry i: lanes that read entries 8 apart, which the same particle of neighbouring cells often
+    /// is, meet different banks.
+    static __device__ __forceinline__ unsigned at(unsigned i) { return i ^ (i >> 3 & 7); }
+
+    __device__ __forceinline__ Row<Real> take(unsigned at, int r) const {
+        Row<Real> row;
+#pragma unroll
+        for (int u = 0; u < per_row; ++u) reinterpret_cast<uint4*>(&row)[u] = rows.unit[r * per_row + u][at];
+        return row;
+    }
+    __device__ __forceinline__ void put(unsigned at, int r, const Row<Real>& row) {
+#pragma unroll
+        for (int u = 0; u < per_row; ++u) rows.unit[r * per_row + u][at] = reinterpret_cast<const uint4*>(&row)[u];
+    }
+    __device__ __forceinline__ Real* planes() {
+        return reinterpret_cast<Real*>(Passes == 1 ? rows.planes : nodes.planes);
+    }
+};
+
+}  // namespace moraine::gpu::lab

@@ -1,0 +1,125 @@
+#pragma once
+// The fused step's device memory and launches: nodes, fused, overfull blocks, who came.
+
+#include "device_lab/fused.cuh"
+#include "device_lab/leavers.cuh"
+#include "device_lab/share.cuh"
+
+namespace moraine::gpu::lab {
+
+/// Capacity: particles of a thread block; Large: of one that has a multiprocessor for itself.
+template <int Capacity_, int Passes_, int Resident_, int Large_>
+struct FusedPlan {
+    static constexpr int Capacity = Capacity_, Passes = Passes_, Resident = Resident_, Large = Large_;
+};
+
+template <class Real, class Law, class Plan>
+class FusedShare {
+  public:
+    static constexpr const char* phases[] = {"nodes", "fused", "overfull", "leavers"};
+    static constexpr int phase_count = 4;
+    static constexpr std::uint32_t region = 1024;  // slots
+    static constexpr auto kernel = fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident>;
+    static constexpr auto large_kernel = fused_step<Real, Law, Plan::Large, Plan::Passes, 1>;
+    static constexpr std::size_t bytes = sizeof(Held<Real, Plan::Capacity, Plan::Passes>);
+    static constexpr std::size_t large_bytes = sizeof(Held<Real, Plan::Large, Plan::Passes>);
+
+    /// reversed: the order in which blocks are worked off, which must not matter.
+    FusedShare(const Column<Real>& column, const Motion& motion, const Law& law, bool reversed = false)
+        : motion_(motion),
+          law_(law),
+          own_(column.box.own),
+          memory_(column.box, std::size_t(column.box.own) * region, column.particle.size()) {
+        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(bytes)), "Asking");
+        check(cudaFuncSetAttribute(large_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(large_bytes)),
+              "Asking for all shared memory");
+        const auto own = std::size_t(own_);
+        std::vector<Region> regions(own, Region{0, 0, 0, 0});
+        std::vector<std::int32_t> tile_of(own, -1), occupied(own, -1);
+        std::vector<std::uint32_t> home(own * region), slot(column.particle.size());
+        for (int b = 0; b < own_; ++b) {
+            const std::uint32_t first = column.first[b], n = column.first[b + 1] - first;
+            if (n == 0) continue;
+            if (n > region) throw MachineError("A region is too small.");
+            regions[b] = {n, n, 0, 0};
+            tile_of[b] = b, occupied[std::size_t(occupied_++)] = b;
+            for (std::uint32_t k = 0; k < n; ++k)
+                home[std::size_t(b) * region + k] = first + k, slot[first + k] = std::uint32_t(b) * region + k;
+        }
+        std::vector<Row<Real>> rows(own * region);
+        for (int r = 0; r < core_rows<3>; ++r) {
+            for (std::size_t k = 0; k < slot.size(); ++k) rows[slot[k]] = first_row(column.particle[k], motion, r);
+            memory_.row[r].assign(rows);
+        }
+        if (reversed) std::reverse(occupied.begin(), occupied.begin() + occupied_);
+        region_.assign(regions), home_.assign(home), memory_.tile_of.assign(tile_of), occupied_list_.assign(occupied);
+        exit_at_.resize(own * (exits + 1)), claimed_.resize(own), zero(claimed_);
+        target_.resize(own), overfull_.resize(own);
+        counts_.assign(std::vector<std::uint32_t>{0, 0, 0, std::uint32_t(occupied_), 0, 0});
+        check(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, 0), "Asking");
+        first_tiles(column, slot);
+    }
+
+    template <class Mark>
+    void step(const Mark& mark) {
+        FusedStep<Real> s = arguments();
+        run_lab_nodes(s.v, motion_, nullptr);
+        mark(0);
+        const Real inverse_density = Real(1 / motion_.density);
+        kernel<<<unsigned(occupied_ + occupied_ / 64), 192, bytes>>>(s, {occupied_list_.data(), counts_.data() + 3},
+                                                                     law_, inverse_density, Real(1));
+        check(cudaGetLastError(), "Launching the fused step");
+        mark(1);
+        large_kernel<<<unsigned(processors_), 192, large_bytes>>>(s, {overfull_.data(), counts_.data() + 2}, law_,
+                                                                  inverse_density, Real(1));
+        check(cudaGetLastError(), "Launching the fused step of overfull blocks");
+        mark(2);
+        add_leavers<<<unsigned(8 * processors_), leaver_threads>>>(s);
+        check(cudaGetLastError(), "Launching who came");
+        mark(3);
+    }
+
+    const Memory<Real>& memory() const { return memory_; }
+    std::vector<Region> regions() const { return region_.host(); }
+    std::vector<std::uint32_t> homes() const { return home_.host(); }
+    std::uint32_t overfulls() const { return counts_.host()[5]; }
+    bool failed() const { return counts_.host()[4] != 0; }
+
+  private:
+    FusedStep<Real> arguments() {
+        ++stamp_;
+        FusedStep<Real> s{};
+        s.v = memory_.view(motion_), s.g = gather_args<Real>(motion_);
+        s.capacity = region, s.region = region_.data(), s.exit_at = exit_at_.data(), s.home = home_.data();
+        s.stamp = stamp_, s.claimed = claimed_.data(), s.target = target_.data();
+        s.targets = counts_.data() + stamp_ % 2, s.next_targets = counts_.data() + (stamp_ + 1) % 2;
+        s.overfull = overfull_.data(), s.overfulls = counts_.data() + 2, s.overfulls_all = counts_.data() + 5;
+        s.occupied = occupied_list_.data(), s.occupieds = counts_.data() + 3;
+        s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4;
+        return s;
+    }
+
+    /// Of the particles as they begin, by the program's P2G.
+    void first_tiles(const Column<Real>& column, const std::vector<std::uint32_t>& slots) {
+        Array<std::uint32_t> first, cell_first, slot;
+        first.assign(column.first), cell_first.assign(column.cell_first), slot.assign(slots);
+        View<Real, 3> v = memory_.view(motion_);
+        v.list = {first.data(), cell_first.data(), slot.data()};
+        P2gLaunch<LabCase<Real>>::ready()(v, {occupied_list_.data(), counts_.data() + 3}, p2g_grid<3>(occupied_),
+                                          Real(1), nullptr);
+        check(cudaDeviceSynchronize(), "First tiles");
+    }
+
+    Motion motion_;
+    Law law_;
+    int own_, occupied_ = 0, processors_ = 0;
+    std::uint32_t stamp_ = 0;
+    Memory<Real> memory_;
+    Array<Region> region_;
+    Array<std::uint16_t> exit_at_;
+    Array<std::uint32_t> home_, claimed_;
+    Array<std::uint32_t> counts_;  ///< targets of two steps, overfull, occupied, error, overfull in all steps
+    Array<std::int32_t> target_, overfull_, occupied_list_;
+};
+
+}  // namespace moraine::gpu::lab

@@ -1,0 +1,218 @@
+// device_lab: the fused step (fused.cuh) beside the program's kernels, on one device.
+//
+//   device_lab [--edge N] [--steps N] [--warm-up N] [--jitter CELLS] [--check-edge N] [--check-steps N]
+//              [--precision single|double|both] [--only check|present|fused]
+//
+// JSON lines: checks on a small column, then times. Ends with 1 if a check failed.
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "device_lab/checks.cuh"
+
+namespace moraine::gpu::lab {
+
+using moraine::lab::ColumnPlan;
+
+struct Options {
+    ColumnPlan plan;
+    int steps = 62, warm_up = 10, check_edge = 40, check_steps = 40;
+    std::string precision = "both", only;
+};
+
+bool failed = false;
+
+void tell(const char* precision, const char* what, bool right, const std::string& more) {
+    std::printf("{\"precision\": \"%s\", \"check\": \"%s\", \"right\": %s%s%s}\n", precision, what,
+                right ? "true" : "false", more.empty() ? "" : ", ", more.c_str());
+    std::fflush(stdout);
+    failed = failed || !right;
+}
+std::string number(const char* key, double x) {
+    char text[100];
+    std::snprintf(text, sizeof(text), "\"%s\": %.3g", key, x);
+    return text;
+}
+std::string text_of(const TileDifference& d) {
+    return number("mass", d.mass) + ", " + number("momentum", d.momentum) + ", " + number("force", d.force) + ", " +
+           number("largest_force_N", d.scale[2]);
+}
+std::string text_of(const Differences& d) {
+    return number("place_cells", d.place) + ", " + number("velocity", d.velocity) + ", " + number("stress", d.stress);
+}
+
+/// Time between marks, summed over steps.
+class Watch {
+  public:
+    explicit Watch(std::size_t marks) : event_(marks + 1) {
+        for (auto& e : event_) check(cudaEventCreate(&e), "Timing");
+    }
+    ~Watch() {
+        for (auto& e : event_) cudaEventDestroy(e);
+    }
+    void mark(std::size_t k) const { check(cudaEventRecord(event_[k]), "Timing"); }
+    double between(std::size_t from, std::size_t to) const {
+        check(cudaEventSynchronize(event_[to]), "Timing");
+        float ms = 0;
+        check(cudaEventElapsedTime(&ms, event_[from], event_[to]), "Timing");
+        return ms;
+    }
+
+  private:
+    std::vector<cudaEvent_t> event_;
+};
+
+template <class Share>
+void measure(const char* name, const char* precision, std::size_t particles, Share& share, const Options& o) {
+    const auto none = [](int) {};
+    for (int i = 0; i < o.warm_up; ++i) share.step(none);
+    const Watch whole(1);
+    whole.mark(0);
+    for (int i = 0; i < o.steps; ++i) share.step(none);
+    whole.mark(1);
+    const double ms = whole.between(0, 1) / o.steps;
+    constexpr std::size_t phases = Share::phase_count;
+    const Watch watch(phases * std::size_t(o.steps));
+    watch.mark(0);
+    for (int i = 0; i < o.steps; ++i)
+        share.step([&](int k) { watch.mark(std::size_t(i) * phases + std::size_t(k) + 1); });
+    std::string parts;
+    for (std::size_t k = 0; k < phases; ++k) {
+        std::vector<double> each;
+        double sum = 0;
+        for (int i = 0; i < o.steps; ++i) {
+            const std::size_t at = std::size_t(i) * phases + k;
+            each.push_back(1e3 * watch.between(at, at + 1));
+            sum += each.back();
+        }
+        std::sort(each.begin(), each.end());
+        char text[200];
+        std::snprintf(text, sizeof(text), "%s\"%s\": {\"mean\": %.1f, \"median\": %.1f, \"most\": %.1f}",
+                      k ? ", " : "", Share::phases[k], sum / o.steps, each[each.size() / 2], each.back());
+        parts += text;
+    }
+    std::printf("{\"precision\": \"%s\", \"step\": \"%s\", \"particles\": %zu, \"ms\": %.4f, \"G_per_s\": %.3f, "
+                "\"us\": {%s}}\n",
+                precision, name, particles, ms, double(particles) / ms * 1e-6, parts.c_str());
+    std::fflush(stdout);
+}
+
+template <class Real>
+Plain<VonMises<Real>> law_of(const Motion& m) {
+    const double values[] = {m.young, m.poisson, m.su, 0, 0, 0, 1, 1, 10};
+    return Plain<VonMises<Real>>(VonMises<Real>(values));
+}
+
+template <class Real, class Plan, class TestPlan>
+void check_steps(const char* precision, const Options& o) {
+    using Law = Plain<VonMises<Real>>;
+    const double rounding = sizeof(Real) == 8 ? 1e-14 : 1e-5;
+    ColumnPlan plan = o.plan;
+    plan.edge = o.check_edge;
+    const Motion motion;
+    const Column<Real> column(plan, motion);
+    const Law law = law_of<Real>(motion);
+    const auto none = [](int) {};
+    Present<Real, Law> present(column, motion, law);
+    FusedShare<Real, Law, Plan> fused(column, motion, law), reversed(column, motion, law, true);
+    FusedShare<Real, Law, TestPlan> crowded(column, motion, law);
+    for (int i = 1; i <= o.check_steps; ++i) {
+        present.step(none), fused.step(none), reversed.step(none), crowded.step(none);
+        if (i != 1 && i != 2 && i != o.check_steps) continue;
+        present.p2g();
+        check(cudaDeviceSynchronize(), "Checking");
+        const double allowed = rounding * (i < 3 ? 1 : 1000);
+        const TileDifference tiles = compare_tiles(fused.memory(), present.memory());
+        tell(precision, "tiles as the program's", tiles.largest() < allowed,
+             number("step", i) + ", " + text_of(tiles));
+        std::vector<std::uint8_t> found(column.particle.size(), 0);
+        const auto particles = particles_of(fused, found);
+        tell(precision, "each particle once", std::count(found.begin(), found.end(), 1) == long(found.size()),
+             number("step", i));
+        const Differences d = compare(particles, particles_of(present));
+        tell(precision, "particles as the program's", std::max({d.place, d.velocity, d.stress}) < allowed * 10,
+             number("step", i) + ", " + text_of(d));
+        const TileDifference host = compare_with_host(fused, 7);
+        tell(precision, "tiles as sums of the host", host.largest() < rounding, number("step", i) + ", " + text_of(host));
+    }
+    tell(precision, "same bits in another order of blocks", same_bits(fused, reversed), "");
+    tell(precision, "same bits with overfull blocks", same_bits(fused, crowded) && crowded.overfulls() > 0,
+         number("overfull", crowded.overfulls()));
+    tell(precision, "regions large enough", !fused.failed() && !crowded.failed(),
+         number("overfull", fused.overfulls()));
+}
+
+template <class Real, class Plan>
+void measure_fused(const char* name, const char* precision, const Column<Real>& column, const Options& o) {
+    const Motion motion;
+    using Law = Plain<VonMises<Real>>;
+    FusedShare<Real, Law, Plan> fused(column, motion, law_of<Real>(motion));
+    measure(name, precision, column.particle.size(), fused, o);
+    cudaFuncAttributes a{};
+    check(cudaFuncGetAttributes(&a, fused.kernel), "Asking");
+    int resident = 0;
+    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, fused.kernel, 192, fused.bytes), "Asking");
+    tell(precision, "large column whole", !fused.failed(),
+         number("overfull", fused.overfulls()) + ", " + number("registers", a.numRegs) + ", " +
+             number("spilled_B", double(a.localSizeBytes)) + ", " + number("shared_B", double(fused.bytes)) + ", " +
+             number("resident", resident));
+}
+
+template <class Real>
+void measure_present(const char* precision, const Column<Real>& column, const Options& o) {
+    const Motion motion;
+    using Law = Plain<VonMises<Real>>;
+    Present<Real, Law> present(column, motion, law_of<Real>(motion));
+    measure("present", precision, column.particle.size(), present, o);
+}
+
+void run(const Options& o) {
+    cudaDeviceProp p{};
+    check(cudaGetDeviceProperties(&p, 0), "Asking for the device");
+    std::printf("{\"device\": \"%s\", \"edge\": %d, \"steps\": %d, \"warm_up\": %d, \"jitter\": %g}\n", p.name,
+                o.plan.edge, o.steps, o.warm_up, o.plan.jitter);
+    const auto wants = [&](const char* what) { return o.only.empty() || o.only == what; };
+    if (o.precision != "double") {
+        if (wants("check")) check_steps<float, FusedPlan<768, 1, 3, 2816>, FusedPlan<480, 1, 3, 2816>>("single", o);
+        const Column<float> column(o.plan, Motion{});
+        if (wants("present")) measure_present<float>("single", column, o);
+        if (wants("fused")) measure_fused<float, FusedPlan<768, 1, 3, 2816>>("fused-768x3", "single", column, o);
+    }
+    if (o.precision != "single") {
+        if (wants("check")) check_steps<double, FusedPlan<640, 2, 2, 1472>, FusedPlan<480, 2, 2, 1472>>("double", o);
+        const Column<double> column(o.plan, Motion{});
+        if (wants("present")) measure_present<double>("double", column, o);
+        if (wants("fused")) measure_fused<double, FusedPlan<640, 2, 2, 1472>>("fused-640x2", "double", column, o);
+    }
+}
+
+Options options_of(int argc, char** argv) {
+    Options o;
+    for (int i = 1; i + 1 < argc; i += 2) {
+        const std::string key = argv[i], value = argv[i + 1];
+        if (key == "--edge") o.plan.edge = std::stoi(value);
+        else if (key == "--steps") o.steps = std::stoi(value);
+        else if (key == "--warm-up") o.warm_up = std::stoi(value);
+        else if (key == "--jitter") o.plan.jitter = std::stod(value);
+        else if (key == "--check-edge") o.check_edge = std::stoi(value);
+        else if (key == "--check-steps") o.check_steps = std::stoi(value);
+        else if (key == "--precision") o.precision = value;
+        else if (key == "--only") o.only = value;
+        else throw MachineError("No option " + key + ".");
+    }
+    return o;
+}
+
+}  // namespace moraine::gpu::lab
+
+int main(int argc, char** argv) {
+    try {
+        moraine::gpu::lab::run(moraine::gpu::lab::options_of(argc, argv));
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "device_lab: %s\n", e.what());
+        return 2;
+    }
+    return moraine::gpu::lab::failed ? 1 : 0;
+}
