@@ -122,7 +122,7 @@ TileDifference compare_with_host(const FusedShare<Real, Law, Plan>& share, int e
             double w[3][3], g[3][3];
             int cell[3];
             for (int a = 0; a < 3; ++a) {
-                cell[a] = cell_of<Real>(p.coordinate(a));
+                cell[a] = moraine::cell_of<Real>(p.coordinate(a));
                 Quadratic::weights(double(fraction_of<Real>(p.coordinate(a))), 0.0, w[a], g[a]);
             }
             for (int n = 0; n < 27; ++n) {

@@ -249,7 +249,25 @@ __device__ __forceinline__ void pass_by(const FusedStep<Real>& s, const Chosen& 
         *s.error = 1;
 }
 
-template <class Real, class Law, int Capacity, int Passes, int Resident>
+inline constexpr const char* clock_names[] = {"nodes", "gather", "sort", "write", "p2g"};
+
+/// Adds up what the first thread of a thread block takes from tick to tick.
+template <bool Counts>
+struct PhaseClock {
+    unsigned long long* sums;
+    long long last = 0;
+
+    __device__ __forceinline__ void tick(int phase) {
+        if constexpr (Counts) {
+            if (thread_now() != 0) return;
+            const long long now = clock64();
+            if (phase >= 0) atomicAdd(sums + phase, static_cast<unsigned long long>(now - last));
+            last = now;
+        }
+    }
+};
+
+template <class Real, class Law, int Capacity, int Passes, int Resident, bool Clocks>
 __global__ void __launch_bounds__(192, Resident)
     fused_step(const __grid_constant__ FusedStep<Real> s, const Chosen chosen, const __grid_constant__ Law law,
                const Real inverse_density, const Real cell_size) {
@@ -257,6 +275,7 @@ __global__ void __launch_bounds__(192, Resident)
     extern __shared__ __align__(32) unsigned char memory[];
     auto& held = *reinterpret_cast<typename F::H*>(memory);
     Seen<Real> tally;
+    PhaseClock<Clocks> clock{s.clocks};
     for (std::uint32_t item = blockIdx.x; item < count_now(chosen);) {
         const int b = chosen.block[item];
         const Region from = s.region[b];
@@ -267,22 +286,28 @@ __global__ void __launch_bounds__(192, Resident)
             continue;
         }
         if (thread_now() == 0) held.block[0] = b, held.item = item + gridDim.x;
+        clock.tick(-1);
         F::start(s, from, b, held);
         for (unsigned k = thread_now(); k < (n + 31) / 32 * bins / 2; k += F::threads)
             reinterpret_cast<std::uint32_t*>(held.bin)[k] = 0;
         F::load_nodes(s.v, b, held.nodes.tile);
+        clock.tick(0);
         double power = 0;
         F::gather(s, law, inverse_density, b, n, held, tally, power);
 #pragma unroll
         for (int d = 16; d > 0; d /= 2) power += __shfl_down_sync(all_lanes, power, d);
         if (thread_now() % 32 == 0) held.sums[thread_now() / 32] = power;
+        clock.tick(1);
         F::sort(n, held);
+        clock.tick(2);
         if (thread_now() == 0) {
             for (unsigned w = 1; w < F::threads / 32; ++w) power += held.sums[w];
             add_exact(&account_of(s.v).work, s.g.quantum.of(power));
         }
         F::write(s, b, n, held);
+        clock.tick(3);
         F::scatter(s.v, cell_size, held);
+        clock.tick(4);
         item = held.item;
         __syncthreads();
     }

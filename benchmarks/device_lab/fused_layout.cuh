@@ -55,6 +55,7 @@ struct FusedStep {
     std::uint32_t* occupieds;
     std::int32_t* tile_of;  ///< = v.grid.tile_of
     std::uint32_t* error;   ///< 1: a region was too small
+    unsigned long long* clocks;  ///< by phase, of instances that count them: what their first threads took [cycles]
 };
 
 /// Shared memory of a thread block that holds `Capacity` particles. Passes: see fused.cuh.

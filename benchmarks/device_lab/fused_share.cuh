@@ -8,10 +8,18 @@
 namespace moraine::gpu::lab {
 
 /// Capacity: particles of a thread block; Large: of one that has a multiprocessor for itself.
-template <int Capacity_, int Passes_, int Resident_, int Large_>
+template <int Capacity_, int Passes_, int Resident_, int Large_, bool Clocks_ = false>
 struct FusedPlan {
     static constexpr int Capacity = Capacity_, Passes = Passes_, Resident = Resident_, Large = Large_;
+    static constexpr bool Clocks = Clocks_;
 };
+
+/// to[slot[k]] = from[k].
+template <class T>
+__global__ void spread_kernel(std::size_t n, const std::uint32_t* slot, const T* from, T* to) {
+    const std::size_t k = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
+    if (k < n) to[slot[k]] = from[k];
+}
 
 template <class Real, class Law, class Plan>
 class FusedShare {
@@ -19,8 +27,8 @@ class FusedShare {
     static constexpr const char* phases[] = {"nodes", "fused", "overfull", "leavers"};
     static constexpr int phase_count = 4;
     static constexpr std::uint32_t region = 1024;  // slots
-    static constexpr auto kernel = fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident>;
-    static constexpr auto large_kernel = fused_step<Real, Law, Plan::Large, Plan::Passes, 1>;
+    static constexpr auto kernel = fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident, Plan::Clocks>;
+    static constexpr auto large_kernel = fused_step<Real, Law, Plan::Large, Plan::Passes, 1, false>;
     static constexpr std::size_t bytes = sizeof(Held<Real, Plan::Capacity, Plan::Passes>);
     static constexpr std::size_t large_bytes = sizeof(Held<Real, Plan::Large, Plan::Passes>);
 
@@ -36,26 +44,22 @@ class FusedShare {
         const auto own = std::size_t(own_);
         std::vector<Region> regions(own, Region{0, 0, 0, 0});
         std::vector<std::int32_t> tile_of(own, -1), occupied(own, -1);
-        std::vector<std::uint32_t> home(own * region), slot(column.particle.size());
+        std::vector<std::uint32_t> slot(column.particle.size());
         for (int b = 0; b < own_; ++b) {
             const std::uint32_t first = column.first[b], n = column.first[b + 1] - first;
             if (n == 0) continue;
             if (n > region) throw MachineError("A region is too small.");
             regions[b] = {n, n, 0, 0};
             tile_of[b] = b, occupied[std::size_t(occupied_++)] = b;
-            for (std::uint32_t k = 0; k < n; ++k)
-                home[std::size_t(b) * region + k] = first + k, slot[first + k] = std::uint32_t(b) * region + k;
+            for (std::uint32_t k = 0; k < n; ++k) slot[first + k] = std::uint32_t(b) * region + k;
         }
-        std::vector<Row<Real>> rows(own * region);
-        for (int r = 0; r < core_rows<3>; ++r) {
-            for (std::size_t k = 0; k < slot.size(); ++k) rows[slot[k]] = first_row(column.particle[k], motion, r);
-            memory_.row[r].assign(rows);
-        }
+        place_rows(column, motion, slot);
         if (reversed) std::reverse(occupied.begin(), occupied.begin() + occupied_);
-        region_.assign(regions), home_.assign(home), memory_.tile_of.assign(tile_of), occupied_list_.assign(occupied);
+        region_.assign(regions), memory_.tile_of.assign(tile_of), occupied_list_.assign(occupied);
         exit_at_.resize(own * (exits + 1)), claimed_.resize(own), zero(claimed_);
         target_.resize(own), overfull_.resize(own);
         counts_.assign(std::vector<std::uint32_t>{0, 0, 0, std::uint32_t(occupied_), 0, 0});
+        clocks_.resize(std::size(clock_names)), zero(clocks_);
         check(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, 0), "Asking");
         first_tiles(column, slot);
     }
@@ -83,6 +87,7 @@ class FusedShare {
     std::vector<Region> regions() const { return region_.host(); }
     std::vector<std::uint32_t> homes() const { return home_.host(); }
     std::uint32_t overfulls() const { return counts_.host()[5]; }
+    std::vector<unsigned long long> clocks() const { return clocks_.host(); }
     bool failed() const { return counts_.host()[4] != 0; }
 
   private:
@@ -95,8 +100,26 @@ class FusedShare {
         s.targets = counts_.data() + stamp_ % 2, s.next_targets = counts_.data() + (stamp_ + 1) % 2;
         s.overfull = overfull_.data(), s.overfulls = counts_.data() + 2, s.overfulls_all = counts_.data() + 5;
         s.occupied = occupied_list_.data(), s.occupieds = counts_.data() + 3;
-        s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4;
+        s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4, s.clocks = clocks_.data();
         return s;
+    }
+
+    void place_rows(const Column<Real>& column, const Motion& motion, const std::vector<std::uint32_t>& slots) {
+        const std::size_t n = slots.size();
+        const auto grid = unsigned((n + 255) / 256);
+        Array<std::uint32_t> slot, numbers;
+        Array<Row<Real>> from;
+        slot.assign(slots);
+        std::vector<Row<Real>> rows(n);
+        for (int r = 0; r < core_rows<3>; ++r) {
+            for (std::size_t k = 0; k < n; ++k) rows[k] = first_row(column.particle[k], motion, r);
+            from.assign(rows);
+            spread_kernel<<<grid, 256>>>(n, slot.data(), from.data(), memory_.row[r].data());
+        }
+        numbers.resize(n), home_.resize(std::size_t(own_) * region);
+        count_up(std::uint32_t(n), numbers.data(), nullptr);
+        spread_kernel<<<grid, 256>>>(n, slot.data(), numbers.data(), home_.data());
+        check(cudaDeviceSynchronize(), "Placing particles");
     }
 
     /// Of the particles as they begin, by the program's P2G.
@@ -117,6 +140,7 @@ class FusedShare {
     Memory<Real> memory_;
     Array<Region> region_;
     Array<std::uint16_t> exit_at_;
+    Array<unsigned long long> clocks_;
     Array<std::uint32_t> home_, claimed_;
     Array<std::uint32_t> counts_;  ///< targets of two steps, overfull, occupied, error, overfull in all steps
     Array<std::int32_t> target_, overfull_, occupied_list_;

@@ -28,7 +28,7 @@ struct NodeSums {
         p.row[p.place] = row[p.place];
         unsigned k[3];
 #pragma unroll
-        for (int a = 0; a < 3; ++a) k[a] = unsigned(node[a] - cell_of<Real>(p.coordinate(a)));
+        for (int a = 0; a < 3; ++a) k[a] = unsigned(node[a] - moraine::cell_of<Real>(p.coordinate(a)));
         if (k[0] > 2 || k[1] > 2 || k[2] > 2) return;
         touched = true;
         Real w[3], d[3];
