@@ -134,8 +134,7 @@ TileDifference compare_with_host(const FusedShare<Real, Law, Plan>& share, int e
                 at[0] += m;
                 for (int c = 0; c < 3; ++c) {
                     at[1 + c] += m * p.velocity(c);
-                    for (int a = 0; a < 3; ++a)
-                        at[4 + c] -= p.volume() * p.stress(Sym<Real, 3>::index(c, a)) * grad[a];
+                    for (int a = 0; a < 3; ++a) at[4 + c] -= p.volume() * p.stress(Sym<Real, 3>::index(c, a)) * grad[a];
                 }
             }
         }

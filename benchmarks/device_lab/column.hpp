@@ -70,8 +70,7 @@ struct BoxTables {
                 neighbour.push_back(at(number, side, p[0] + Block<3>::offset(code, 0), p[1] + Block<3>::offset(code, 1),
                                        p[2] + Block<3>::offset(code, 2)));
             for (int k = 0; k < Block<3>::corners; ++k)
-                node_block.push_back(
-                    at(node_number, side + 1, p[0] + (k & 1), p[1] + (k >> 1 & 1), p[2] + (k >> 2)));
+                node_block.push_back(at(node_number, side + 1, p[0] + (k & 1), p[1] + (k >> 1 & 1), p[2] + (k >> 2)));
         }
         for (const auto& p : node_position)
             for (int k = 0; k < Block<3>::corners; ++k)

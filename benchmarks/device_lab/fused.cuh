@@ -7,8 +7,8 @@
 //   4 P2G      one thread per (cell, slice), as in the program, with rows from shared memory in the new order;
 //              tile of those who stay. Passes: 1, or momentum, then force
 //
-// Who leaves is added to tiles by leavers.cuh. A block with more particles than fit goes on a list, which an instance
-// with all of a multiprocessor's shared memory works off.
+// Who leaves is added to tiles by add_incoming.cuh. A block with more particles than fit goes on a list, which an
+// instance with all of a multiprocessor's shared memory works off.
 
 #include "device_lab/fused_layout.cuh"
 
@@ -106,8 +106,8 @@ struct Fused {
         p.row[p.shear] = held.take(at, p.shear);
         Row<Real> none[stretch_rows<3>];
         const Mat<Real, 3> dL = tensor_of<3>(s.g.dt * v.context.inverse_cell, sums.gradient);
-        const std::uint32_t faults = step.faults | update_stress(law, inverse_density, dL, s.g.dt, v.p, held.home[i], p,
-                                                                 none, tally, power);
+        const std::uint32_t faults =
+            step.faults | update_stress(law, inverse_density, dL, s.g.dt, v.p, held.home[i], p, none, tally, power);
 #pragma unroll
         for (int r = 1; r < core_rows<3>; ++r) held.put(at, r, p.row[r]);
         const int code = move_code(step.move);

@@ -39,22 +39,22 @@ template <class Real>
 struct FusedStep {
     View<Real, 3> v;  ///< columns of regions, tiles; lists are not used
     GatherArgs<Real, 3> g;
-    std::uint32_t capacity;       ///< of a region
-    Region* region;               ///< own
-    std::uint16_t* exit_at;       ///< own x (exits + 1): places in the region; means nothing where nobody leaves
-    std::uint32_t* home;          ///< column: where the id and what else is seldom needed lies
-    std::uint32_t stamp;          ///< number of the step
-    std::uint32_t* claimed;       ///< own: the last step in which somebody came
-    std::int32_t* target;         ///< blocks that somebody comes to, in any order
-    std::uint32_t* targets;       ///< their number in this step
-    std::uint32_t* next_targets;  ///< and in the next, made zero by this one
-    std::int32_t* overfull;       ///< blocks with more particles than a thread block holds, in any order
+    std::uint32_t capacity;        ///< of a region
+    Region* region;                ///< own
+    std::uint16_t* exit_at;        ///< own x (exits + 1): places in the region; means nothing where nobody leaves
+    std::uint32_t* home;           ///< column: where the id and what else is seldom needed lies
+    std::uint32_t stamp;           ///< number of the step
+    std::uint32_t* claimed;        ///< own: the last step in which somebody came
+    std::int32_t* target;          ///< blocks that somebody comes to, in any order
+    std::uint32_t* targets;        ///< their number in this step
+    std::uint32_t* next_targets;   ///< and in the next, made zero by this one
+    std::int32_t* overfull;        ///< blocks with more particles than a thread block holds, in any order
     std::uint32_t* overfulls;      ///< their number in this step
     std::uint32_t* overfulls_all;  ///< and in all steps before
-    std::int32_t* occupied;  ///< blocks that hold or held particles
+    std::int32_t* occupied;        ///< blocks that hold or held particles
     std::uint32_t* occupieds;
-    std::int32_t* tile_of;  ///< = v.grid.tile_of
-    std::uint32_t* error;   ///< 1: a region was too small
+    std::int32_t* tile_of;       ///< = v.grid.tile_of
+    std::uint32_t* error;        ///< 1: a region was too small
     unsigned long long* clocks;  ///< by phase, of instances that count them: what their first threads took [cycles]
 };
 

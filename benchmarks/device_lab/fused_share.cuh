@@ -1,8 +1,8 @@
 #pragma once
 // The fused step's device memory and launches: nodes, fused, overfull blocks, who came.
 
+#include "device_lab/add_incoming.cuh"
 #include "device_lab/fused.cuh"
-#include "device_lab/leavers.cuh"
 #include "device_lab/share.cuh"
 
 namespace moraine::gpu::lab {
@@ -24,7 +24,7 @@ __global__ void spread_kernel(std::size_t n, const std::uint32_t* slot, const T*
 template <class Real, class Law, class Plan>
 class FusedShare {
   public:
-    static constexpr const char* phases[] = {"nodes", "fused", "overfull", "leavers"};
+    static constexpr const char* phases[] = {"nodes", "fused", "overfull", "incoming"};
     static constexpr int phase_count = 4;
     static constexpr std::uint32_t region = 1024;  // slots
     static constexpr auto kernel = fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident, Plan::Clocks>;
@@ -78,7 +78,7 @@ class FusedShare {
                                                                   inverse_density, Real(1));
         check(cudaGetLastError(), "Launching the fused step of overfull blocks");
         mark(2);
-        add_leavers<<<unsigned(8 * processors_), leaver_threads>>>(s);
+        add_incoming<<<unsigned(8 * processors_), incoming_threads>>>(s);
         check(cudaGetLastError(), "Launching who came");
         mark(3);
     }

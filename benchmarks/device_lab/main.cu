@@ -89,13 +89,14 @@ void measure(const char* name, const char* precision, std::size_t particles, Sha
         }
         std::sort(each.begin(), each.end());
         char text[200];
-        std::snprintf(text, sizeof(text), "%s\"%s\": {\"mean\": %.1f, \"median\": %.1f, \"most\": %.1f}",
-                      k ? ", " : "", Share::phases[k], sum / o.steps, each[each.size() / 2], each.back());
+        std::snprintf(text, sizeof(text), "%s\"%s\": {\"mean\": %.1f, \"median\": %.1f, \"most\": %.1f}", k ? ", " : "",
+                      Share::phases[k], sum / o.steps, each[each.size() / 2], each.back());
         parts += text;
     }
-    std::printf("{\"precision\": \"%s\", \"step\": \"%s\", \"particles\": %zu, \"ms\": %.4f, \"G_per_s\": %.3f, "
-                "\"us\": {%s}}\n",
-                precision, name, particles, ms, double(particles) / ms * 1e-6, parts.c_str());
+    std::printf(
+        "{\"precision\": \"%s\", \"step\": \"%s\", \"particles\": %zu, \"ms\": %.4f, \"G_per_s\": %.3f, "
+        "\"us\": {%s}}\n",
+        precision, name, particles, ms, double(particles) / ms * 1e-6, parts.c_str());
     std::fflush(stdout);
 }
 
@@ -125,8 +126,7 @@ void check_steps(const char* precision, const Options& o) {
         check(cudaDeviceSynchronize(), "Checking");
         const double allowed = rounding * (i < 3 ? 1 : 1000);
         const TileDifference tiles = compare_tiles(fused.memory(), present.memory());
-        tell(precision, "tiles as the program's", tiles.largest() < allowed,
-             number("step", i) + ", " + text_of(tiles));
+        tell(precision, "tiles as the program's", tiles.largest() < allowed, number("step", i) + ", " + text_of(tiles));
         std::vector<std::uint8_t> found(column.particle.size(), 0);
         const auto particles = particles_of(fused, found);
         tell(precision, "each particle once", std::count(found.begin(), found.end(), 1) == long(found.size()),
@@ -135,7 +135,8 @@ void check_steps(const char* precision, const Options& o) {
         tell(precision, "particles as the program's", std::max({d.place, d.velocity, d.stress}) < allowed * 10,
              number("step", i) + ", " + text_of(d));
         const TileDifference host = compare_with_host(fused, 7);
-        tell(precision, "tiles as sums of the host", host.largest() < rounding, number("step", i) + ", " + text_of(host));
+        tell(precision, "tiles as sums of the host", host.largest() < rounding,
+             number("step", i) + ", " + text_of(host));
     }
     tell(precision, "same bits in another order of blocks", same_bits(fused, reversed), "");
     tell(precision, "same bits with overfull blocks", same_bits(fused, crowded) && crowded.overfulls() > 0,
@@ -207,15 +208,24 @@ Options options_of(int argc, char** argv) {
     Options o;
     for (int i = 1; i + 1 < argc; i += 2) {
         const std::string key = argv[i], value = argv[i + 1];
-        if (key == "--edge") o.plan.edge = std::stoi(value);
-        else if (key == "--steps") o.steps = std::stoi(value);
-        else if (key == "--warm-up") o.warm_up = std::stoi(value);
-        else if (key == "--jitter") o.plan.jitter = std::stod(value);
-        else if (key == "--check-edge") o.check_edge = std::stoi(value);
-        else if (key == "--check-steps") o.check_steps = std::stoi(value);
-        else if (key == "--precision") o.precision = value;
-        else if (key == "--only") o.only = value;
-        else throw MachineError("No option " + key + ".");
+        if (key == "--edge")
+            o.plan.edge = std::stoi(value);
+        else if (key == "--steps")
+            o.steps = std::stoi(value);
+        else if (key == "--warm-up")
+            o.warm_up = std::stoi(value);
+        else if (key == "--jitter")
+            o.plan.jitter = std::stod(value);
+        else if (key == "--check-edge")
+            o.check_edge = std::stoi(value);
+        else if (key == "--check-steps")
+            o.check_steps = std::stoi(value);
+        else if (key == "--precision")
+            o.precision = value;
+        else if (key == "--only")
+            o.only = value;
+        else
+            throw MachineError("No option " + key + ".");
     }
     return o;
 }

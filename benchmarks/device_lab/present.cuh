@@ -61,8 +61,7 @@ class Present {
         mark(0);
         run_lab_nodes(v, motion_, nullptr);
         mark(1);
-        gather_(Launch{occupied_, nullptr}, v, chosen(), gather_args<Real>(motion_), law_,
-                Real(1 / motion_.density));
+        gather_(Launch{occupied_, nullptr}, v, chosen(), gather_args<Real>(motion_), law_, Real(1 / motion_.density));
         mark(2);
         collect_outgoing(binning(), Part::all, occupied_, nullptr);
         mark(3);

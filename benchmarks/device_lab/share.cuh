@@ -44,9 +44,16 @@ class Memory {
 
     View<Real, 3> view(const Motion&) const {
         View<Real, 3> v{};
-        v.table = {own_,       0,
-                   position_.data(), neighbour_.data(), node_block_.data(), border_.data(),
-                   node_blocks_, node_position_.data(), source_.data(), border_.data()};
+        v.table = {own_,
+                   0,
+                   position_.data(),
+                   neighbour_.data(),
+                   node_block_.data(),
+                   border_.data(),
+                   node_blocks_,
+                   node_position_.data(),
+                   source_.data(),
+                   border_.data()};
         v.grid = {tile_of.data(), tiles.data(), node_of_.data(), nodes_.data()};
         for (int r = 0; r < core_rows<3>; ++r) v.p.core[r] = row[r].data();
         v.p.id = id.data();

@@ -6,8 +6,8 @@
 
 namespace moraine::gpu::lab {
 
-inline constexpr int leaver_threads = 224;  // at least the nodes of a tile
-inline constexpr unsigned leaver_batch = 56;
+inline constexpr int incoming_threads = 224;  // at least the nodes of a tile
+inline constexpr unsigned incoming_batch = 56;
 
 /// Weight of the node k above the lowest of the stencil, and its slope [1/cell].
 template <class Real>
@@ -88,10 +88,10 @@ struct Incoming {
 };
 
 template <class Real>
-__global__ void __launch_bounds__(leaver_threads) add_leavers(const __grid_constant__ FusedStep<Real> s) {
+__global__ void __launch_bounds__(incoming_threads) add_incoming(const __grid_constant__ FusedStep<Real> s) {
     constexpr int side = tile_side(3);
     __shared__ Incoming in;
-    __shared__ Row<Real> row[leaver_batch][core_rows<3>];
+    __shared__ Row<Real> row[incoming_batch][core_rows<3>];
     const int t = int(threadIdx.x);
     const int node[3] = {t % side, t / side % side, t / (side * side)};
     if (blockIdx.x == 0 && t == 0) *s.next_targets = 0, *s.overfulls_all += *s.overfulls, *s.overfulls = 0;
@@ -108,10 +108,10 @@ __global__ void __launch_bounds__(leaver_threads) add_leavers(const __grid_const
             continue;
         }
         NodeSums<Real> sums;
-        for (std::uint32_t first = 0; first < all; first += leaver_batch) {
-            const unsigned here = min(all - first, leaver_batch);
+        for (std::uint32_t first = 0; first < all; first += incoming_batch) {
+            const unsigned here = min(all - first, incoming_batch);
             if (first > 0) __syncthreads();
-            for (unsigned x = unsigned(t); x < here * core_rows<3>; x += leaver_threads) {
+            for (unsigned x = unsigned(t); x < here * core_rows<3>; x += incoming_threads) {
                 const unsigned k = x / core_rows<3>, r = x % core_rows<3>;
                 const std::size_t from = in.place(first + k);
                 row[k][r] = load_row(s.v.p.core[r] + from);
