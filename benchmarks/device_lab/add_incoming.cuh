@@ -87,6 +87,16 @@ struct Incoming {
     }
 };
 
+/// The last thread block to end makes ready for the next step.
+template <class Real>
+__device__ __forceinline__ void conclude(const FusedStep<Real>& s) {
+    if (atomicAdd(s.ticket, 1u) + 1 < gridDim.x) return;
+    *s.ticket = *s.targets = 0;
+    *s.overfulls_all += *s.overfulls;
+    *s.overfulls = 0;
+    ++*s.number;
+}
+
 template <class Real>
 __global__ void __launch_bounds__(incoming_threads) add_incoming(const __grid_constant__ FusedStep<Real> s) {
     constexpr int side = tile_side(3);
@@ -94,7 +104,8 @@ __global__ void __launch_bounds__(incoming_threads) add_incoming(const __grid_co
     __shared__ Row<Real> row[incoming_batch][core_rows<3>];
     const int t = int(threadIdx.x);
     const int node[3] = {t % side, t / side % side, t / (side * side)};
-    if (blockIdx.x == 0 && t == 0) *s.next_targets = 0, *s.overfulls_all += *s.overfulls, *s.overfulls = 0;
+    let_next_launch_begin();
+    wait_for_launch_before();
     const std::uint32_t targets = *s.targets;
     for (std::uint32_t item = blockIdx.x; item < targets; item += gridDim.x) {
         const int b = s.target[item];
@@ -129,6 +140,7 @@ __global__ void __launch_bounds__(incoming_threads) add_incoming(const __grid_co
             if (s.tile_of[b] < 0) s.tile_of[b] = b, s.occupied[atomicAdd(s.occupieds, 1u)] = b;
         }
     }
+    if (t == 0) conclude(s);
 }
 
 }  // namespace moraine::gpu::lab

@@ -181,7 +181,8 @@ struct Fused {
         s.exit_at[std::size_t(b) * (exits + 1) + t] = std::uint16_t(from);
         if (t >= unsigned(Block<3>::offsets) || held.start[first_exit + t + 1] == from) return;
         const int to = s.v.table.neighbour[std::size_t(b) * Block<3>::offsets + t];
-        if (to >= 0 && atomicExch(s.claimed + to, s.stamp) != s.stamp) s.target[atomicAdd(s.targets, 1u)] = to;
+        const std::uint32_t number = *s.number;
+        if (to >= 0 && atomicExch(s.claimed + to, number) != number) s.target[atomicAdd(s.targets, 1u)] = to;
     }
 
     template <bool Momentum, bool Force>
@@ -274,6 +275,8 @@ __global__ void __launch_bounds__(192, Resident)
     using F = Fused<Real, Law, Capacity, Passes>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& held = *reinterpret_cast<typename F::H*>(memory);
+    let_next_launch_begin();
+    wait_for_launch_before();
     Seen<Real> tally;
     PhaseClock<Clocks> clock{s.clocks};
     for (std::uint32_t item = blockIdx.x; item < count_now(chosen);) {

@@ -43,11 +43,11 @@ struct FusedStep {
     Region* region;                ///< own
     std::uint16_t* exit_at;        ///< own x (exits + 1): places in the region; means nothing where nobody leaves
     std::uint32_t* home;           ///< column: where the id and what else is seldom needed lies
-    std::uint32_t stamp;           ///< number of the step
+    std::uint32_t* number;         ///< of the step, from 1
     std::uint32_t* claimed;        ///< own: the last step in which somebody came
     std::int32_t* target;          ///< blocks that somebody comes to, in any order
     std::uint32_t* targets;        ///< their number in this step
-    std::uint32_t* next_targets;   ///< and in the next, made zero by this one
+    std::uint32_t* ticket;         ///< thread blocks that have ended; zero between launches
     std::int32_t* overfull;        ///< blocks with more particles than a thread block holds, in any order
     std::uint32_t* overfulls;      ///< their number in this step
     std::uint32_t* overfulls_all;  ///< and in all steps before
@@ -57,6 +57,14 @@ struct FusedStep {
     std::uint32_t* error;        ///< 1: a region was too small
     unsigned long long* clocks;  ///< by phase, of instances that count them: what their first threads took [cycles]
 };
+
+/// A launch may begin while the one before it ends (programmatic dependent launch): until then it waits here.
+__device__ __forceinline__ void wait_for_launch_before() {
+    asm volatile("griddepcontrol.wait;" ::: "memory");
+}
+__device__ __forceinline__ void let_next_launch_begin() {
+    asm volatile("griddepcontrol.launch_dependents;" ::: "memory");
+}
 
 /// Shared memory of a thread block that holds `Capacity` particles. Passes: see fused.cuh.
 template <class Real, int Capacity, int Passes>

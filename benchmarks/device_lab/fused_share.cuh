@@ -14,6 +14,22 @@ struct FusedPlan {
     static constexpr bool Clocks = Clocks_;
 };
 
+/// The program's nodes_kernel, which can begin early.
+template <class Real>
+__global__ void __launch_bounds__(node_threads) nodes_after(const __grid_constant__ NodeWork<Real, 3> w) {
+    constexpr int cells = Block<3>::cells;
+    let_next_launch_begin();
+    wait_for_launch_before();
+    const int c = int(blockIdx.x) * (node_threads / cells) + int(threadIdx.x) / cells, n = int(threadIdx.x) % cells;
+    const TilesAround<3> around(w.view.table, w.view.grid.tile_of, c);
+    if (__all_sync(all_lanes, around.own == 0)) return;
+    Quad<Real> sums, force;
+    const bool counted = sum_tiles<3, 3>(w.view.grid.tiles, around, n, sums, force);
+    ExactSum impulse[3];
+    if (around.own != 0) solve_node<3, false, false, false, Real, 3>(w, c, n, sums, force, counted, impulse);
+    fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
+}
+
 /// to[slot[k]] = from[k].
 template <class T>
 __global__ void spread_kernel(std::size_t n, const std::uint32_t* slot, const T* from, T* to) {
@@ -58,7 +74,7 @@ class FusedShare {
         region_.assign(regions), memory_.tile_of.assign(tile_of), occupied_list_.assign(occupied);
         exit_at_.resize(own * (exits + 1)), claimed_.resize(own), zero(claimed_);
         target_.resize(own), overfull_.resize(own);
-        counts_.assign(std::vector<std::uint32_t>{0, 0, 0, std::uint32_t(occupied_), 0, 0});
+        counts_.assign(std::vector<std::uint32_t>{0, 0, 0, std::uint32_t(occupied_), 0, 0, 1});
         clocks_.resize(std::size(clock_names)), zero(clocks_);
         check(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, 0), "Asking");
         first_tiles(column, slot);
@@ -66,22 +82,22 @@ class FusedShare {
 
     template <class Mark>
     void step(const Mark& mark) {
-        FusedStep<Real> s = arguments();
-        run_lab_nodes(s.v, motion_, nullptr);
+        const FusedStep<Real> s = arguments();
+        const NodeWork<Real, 3> nodes = node_work(s.v, motion_);
+        const Real inverse_density = Real(1 / motion_.density), cell = Real(1);
+        const Chosen occupied{occupied_list_.data(), counts_.data() + 3}, overfull{overfull_.data(), s.overfulls};
+        launch(nodes_after<Real>, (nodes.view.table.node_blocks + 3) / 4, node_threads, 0, nodes);
         mark(0);
-        const Real inverse_density = Real(1 / motion_.density);
-        kernel<<<unsigned(occupied_ + occupied_ / 64), 192, bytes>>>(s, {occupied_list_.data(), counts_.data() + 3},
-                                                                     law_, inverse_density, Real(1));
-        check(cudaGetLastError(), "Launching the fused step");
+        launch(kernel, occupied_ + occupied_ / 64, 192, bytes, s, occupied, law_, inverse_density, cell);
         mark(1);
-        large_kernel<<<unsigned(processors_), 192, large_bytes>>>(s, {overfull_.data(), counts_.data() + 2}, law_,
-                                                                  inverse_density, Real(1));
-        check(cudaGetLastError(), "Launching the fused step of overfull blocks");
+        launch(large_kernel, processors_, 192, large_bytes, s, overfull, law_, inverse_density, cell);
         mark(2);
-        add_incoming<<<unsigned(8 * processors_), incoming_threads>>>(s);
-        check(cudaGetLastError(), "Launching who came");
+        launch(add_incoming<Real>, 8 * processors_, incoming_threads, 0, s);
         mark(3);
     }
+    /// Whether each launch may begin while the one before it ends.
+    void link(bool linked) { linked_ = linked; }
+    cudaStream_t stream() const { return stream_; }
 
     const Memory<Real>& memory() const { return memory_; }
     std::vector<Region> regions() const { return region_.host(); }
@@ -91,13 +107,25 @@ class FusedShare {
     bool failed() const { return counts_.host()[4] != 0; }
 
   private:
-    FusedStep<Real> arguments() {
-        ++stamp_;
+    template <class... Parameters, class... Arguments>
+    void launch(void (*function)(Parameters...), int grid, int threads, std::size_t shared,
+                const Arguments&... arguments) const {
+        cudaLaunchAttribute early{};
+        early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+        early.val.programmaticStreamSerializationAllowed = 1;
+        cudaLaunchConfig_t config{};
+        config.gridDim = dim3(unsigned(grid)), config.blockDim = dim3(unsigned(threads));
+        config.dynamicSmemBytes = shared, config.stream = stream_;
+        config.attrs = &early, config.numAttrs = linked_ ? 1 : 0;
+        check(cudaLaunchKernelEx(&config, function, arguments...), "Launching");
+    }
+
+    FusedStep<Real> arguments() const {
         FusedStep<Real> s{};
         s.v = memory_.view(motion_), s.g = gather_args<Real>(motion_);
         s.capacity = region, s.region = region_.data(), s.exit_at = exit_at_.data(), s.home = home_.data();
-        s.stamp = stamp_, s.claimed = claimed_.data(), s.target = target_.data();
-        s.targets = counts_.data() + stamp_ % 2, s.next_targets = counts_.data() + (stamp_ + 1) % 2;
+        s.number = counts_.data() + 6, s.claimed = claimed_.data(), s.target = target_.data();
+        s.targets = counts_.data(), s.ticket = counts_.data() + 1;
         s.overfull = overfull_.data(), s.overfulls = counts_.data() + 2, s.overfulls_all = counts_.data() + 5;
         s.occupied = occupied_list_.data(), s.occupieds = counts_.data() + 3;
         s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4, s.clocks = clocks_.data();
@@ -136,13 +164,14 @@ class FusedShare {
     Motion motion_;
     Law law_;
     int own_, occupied_ = 0, processors_ = 0;
-    std::uint32_t stamp_ = 0;
+    bool linked_ = false;
+    LabStream stream_;
     Memory<Real> memory_;
     Array<Region> region_;
     Array<std::uint16_t> exit_at_;
     Array<unsigned long long> clocks_;
     Array<std::uint32_t> home_, claimed_;
-    Array<std::uint32_t> counts_;  ///< targets of two steps, overfull, occupied, error, overfull in all steps
+    Array<std::uint32_t> counts_;  ///< targets, ticket, overfull, occupied, error, overfull in all steps, step
     Array<std::int32_t> target_, overfull_, occupied_list_;
 };
 

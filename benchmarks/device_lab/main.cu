@@ -11,16 +11,9 @@
 #include <string>
 
 #include "device_lab/checks.cuh"
+#include "device_lab/measure.cuh"
 
 namespace moraine::gpu::lab {
-
-using moraine::lab::ColumnPlan;
-
-struct Options {
-    ColumnPlan plan;
-    int steps = 62, warm_up = 10, check_edge = 40, check_steps = 40;
-    std::string precision = "both", only;
-};
 
 bool failed = false;
 
@@ -30,74 +23,12 @@ void tell(const char* precision, const char* what, bool right, const std::string
     std::fflush(stdout);
     failed = failed || !right;
 }
-std::string number(const char* key, double x) {
-    char text[100];
-    std::snprintf(text, sizeof(text), "\"%s\": %.3g", key, x);
-    return text;
-}
 std::string text_of(const TileDifference& d) {
     return number("mass", d.mass) + ", " + number("momentum", d.momentum) + ", " + number("force", d.force) + ", " +
            number("largest_force_N", d.scale[2]);
 }
 std::string text_of(const Differences& d) {
     return number("place_cells", d.place) + ", " + number("velocity", d.velocity) + ", " + number("stress", d.stress);
-}
-
-/// Time between marks, summed over steps.
-class Watch {
-  public:
-    explicit Watch(std::size_t marks) : event_(marks + 1) {
-        for (auto& e : event_) check(cudaEventCreate(&e), "Timing");
-    }
-    ~Watch() {
-        for (auto& e : event_) cudaEventDestroy(e);
-    }
-    void mark(std::size_t k) const { check(cudaEventRecord(event_[k]), "Timing"); }
-    double between(std::size_t from, std::size_t to) const {
-        check(cudaEventSynchronize(event_[to]), "Timing");
-        float ms = 0;
-        check(cudaEventElapsedTime(&ms, event_[from], event_[to]), "Timing");
-        return ms;
-    }
-
-  private:
-    std::vector<cudaEvent_t> event_;
-};
-
-template <class Share>
-void measure(const char* name, const char* precision, std::size_t particles, Share& share, const Options& o) {
-    const auto none = [](int) {};
-    for (int i = 0; i < o.warm_up; ++i) share.step(none);
-    const Watch whole(1);
-    whole.mark(0);
-    for (int i = 0; i < o.steps; ++i) share.step(none);
-    whole.mark(1);
-    const double ms = whole.between(0, 1) / o.steps;
-    constexpr std::size_t phases = Share::phase_count;
-    const Watch watch(phases * std::size_t(o.steps));
-    watch.mark(0);
-    for (int i = 0; i < o.steps; ++i)
-        share.step([&](int k) { watch.mark(std::size_t(i) * phases + std::size_t(k) + 1); });
-    std::string parts;
-    for (std::size_t k = 0; k < phases; ++k) {
-        std::vector<double> each;
-        double sum = 0;
-        for (int i = 0; i < o.steps; ++i) {
-            const std::size_t at = std::size_t(i) * phases + k;
-            each.push_back(1e3 * watch.between(at, at + 1));
-            sum += each.back();
-        }
-        std::sort(each.begin(), each.end());
-        char text[200];
-        std::snprintf(text, sizeof(text), "%s\"%s\": {\"mean\": %.1f, \"median\": %.1f, \"most\": %.1f}", k ? ", " : "",
-                      Share::phases[k], sum / o.steps, each[each.size() / 2], each.back());
-        parts += text;
-    }
-    std::printf(
-        "{\"precision\": \"%s\", \"step\": \"%s\", \"particles\": %zu, \"ms\": %.4f, \"G_per_s\": %.3f, "
-        "\"us\": {%s}}\n",
-        precision, name, particles, ms, double(particles) / ms * 1e-6, parts.c_str());
-    std::fflush(stdout);
 }
 
 template <class Real>
@@ -115,12 +46,11 @@ void check_steps(const char* precision, const Options& o) {
     const Motion motion;
     const Column<Real> column(plan, motion);
     const Law law = law_of<Real>(motion);
-    const auto none = [](int) {};
     Present<Real, Law> present(column, motion, law);
     FusedShare<Real, Law, Plan> fused(column, motion, law), reversed(column, motion, law, true);
     FusedShare<Real, Law, TestPlan> crowded(column, motion, law);
     for (int i = 1; i <= o.check_steps; ++i) {
-        present.step(none), fused.step(none), reversed.step(none), crowded.step(none);
+        present.step(unmarked), fused.step(unmarked), reversed.step(unmarked), crowded.step(unmarked);
         if (i != 1 && i != 2 && i != o.check_steps) continue;
         present.p2g();
         check(cudaDeviceSynchronize(), "Checking");
@@ -150,7 +80,15 @@ void measure_fused(const char* name, const char* precision, const Column<Real>& 
     const Motion motion;
     using Law = Plain<VonMises<Real>>;
     FusedShare<Real, Law, Plan> fused(column, motion, law_of<Real>(motion));
-    measure(name, precision, column.particle.size(), fused, o);
+    const std::string called = name;
+    measure(called, precision, column.particle.size(), fused, o);
+    if (!Plan::Clocks) {
+        print_time((called + ", graph").c_str(), precision, column.particle.size(), time_graph(fused, o.steps), "");
+        fused.link(true);
+        print_time((called + ", linked").c_str(), precision, column.particle.size(), time_steps(fused, o.steps), "");
+        print_time((called + ", linked, graph").c_str(), precision, column.particle.size(), time_graph(fused, o.steps),
+                   "");
+    }
     std::string shares;
     if (Plan::Clocks) {
         const auto clocks = fused.clocks();
@@ -175,32 +113,41 @@ void measure_present(const char* precision, const Column<Real>& column, const Op
     using Law = Plain<VonMises<Real>>;
     Present<Real, Law> present(column, motion, law_of<Real>(motion));
     measure("present", precision, column.particle.size(), present, o);
+    present.refresh_never();
+    print_time("present, no refresh", precision, column.particle.size(), time_steps(present, o.steps), "");
+    print_time("present, no refresh, graph", precision, column.particle.size(), time_graph(present, o.steps), "");
+}
+
+void measure_single(const Column<float>& column, const Options& o) {
+    if (o.only.empty() || o.only == "present") measure_present("single", column, o);
+    if (!o.only.empty() && o.only != "fused") return;
+    measure_fused<float, FusedPlan<768, 1, 3, 2816>>("fused-768x3", "single", column, o);
+    measure_fused<float, FusedPlan<576, 1, 4, 2816>>("fused-576x4", "single", column, o);
+    measure_fused<float, FusedPlan<768, 1, 3, 2816, true>>("fused-768x3 by clocks", "single", column, o);
+}
+
+void measure_double(const Column<double>& column, const Options& o) {
+    if (o.only.empty() || o.only == "present") measure_present("double", column, o);
+    if (!o.only.empty() && o.only != "fused") return;
+    measure_fused<double, FusedPlan<640, 2, 2, 1472>>("fused-640x2", "double", column, o);
+    measure_fused<double, FusedPlan<640, 2, 2, 1472, true>>("fused-640x2 by clocks", "double", column, o);
 }
 
 void run(const Options& o) {
     cudaDeviceProp p{};
     check(cudaGetDeviceProperties(&p, 0), "Asking for the device");
-    std::printf("{\"device\": \"%s\", \"edge\": %d, \"steps\": %d, \"warm_up\": %d, \"jitter\": %g}\n", p.name,
-                o.plan.edge, o.steps, o.warm_up, o.plan.jitter);
+    std::printf("{\"device\": \"%s\", \"steps\": %d, \"warm_up\": %d, \"jitter\": %g}\n", p.name, o.steps, o.warm_up,
+                o.plan.jitter);
     const auto wants = [&](const char* what) { return o.only.empty() || o.only == what; };
-    if (o.precision != "double") {
-        if (wants("check")) check_steps<float, FusedPlan<768, 1, 3, 2816>, FusedPlan<480, 1, 3, 2816>>("single", o);
-        const Column<float> column(o.plan, Motion{});
-        if (wants("present")) measure_present<float>("single", column, o);
-        if (wants("fused")) {
-            measure_fused<float, FusedPlan<768, 1, 3, 2816>>("fused-768x3", "single", column, o);
-            measure_fused<float, FusedPlan<576, 1, 4, 2816>>("fused-576x4", "single", column, o);
-            measure_fused<float, FusedPlan<768, 1, 3, 2816, true>>("fused-768x3 by clocks", "single", column, o);
-        }
-    }
-    if (o.precision != "single") {
-        if (wants("check")) check_steps<double, FusedPlan<640, 2, 2, 1472>, FusedPlan<480, 2, 2, 1472>>("double", o);
-        const Column<double> column(o.plan, Motion{});
-        if (wants("present")) measure_present<double>("double", column, o);
-        if (wants("fused")) {
-            measure_fused<double, FusedPlan<640, 2, 2, 1472>>("fused-640x2", "double", column, o);
-            measure_fused<double, FusedPlan<640, 2, 2, 1472, true>>("fused-640x2 by clocks", "double", column, o);
-        }
+    if (o.precision != "double" && wants("check"))
+        check_steps<float, FusedPlan<768, 1, 3, 2816>, FusedPlan<480, 1, 3, 2816>>("single", o);
+    if (o.precision != "single" && wants("check"))
+        check_steps<double, FusedPlan<640, 2, 2, 1472>, FusedPlan<480, 2, 2, 1472>>("double", o);
+    for (const int edge : o.edges) {
+        ColumnPlan plan = o.plan;
+        plan.edge = edge;
+        if (o.precision != "double") measure_single(Column<float>(plan, Motion{}), o);
+        if (o.precision != "single") measure_double(Column<double>(plan, Motion{}), o);
     }
 }
 

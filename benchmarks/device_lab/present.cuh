@@ -51,7 +51,9 @@ class Present {
         v.moves = moves_.data(), v.changed = changed_.data();
         return v;
     }
-    void p2g() const { p2g_(view(), chosen(), p2g_grid<3>(occupied_), Real(1), nullptr); }
+    void p2g() const { p2g_(view(), chosen(), p2g_grid<3>(occupied_), Real(1), stream_); }
+    void refresh_never() { refreshes_ = false; }
+    cudaStream_t stream() const { return stream_; }
 
     /// mark(k) after phase k.
     template <class Mark>
@@ -59,16 +61,16 @@ class Present {
         const View<Real, 3> v = view();
         p2g();
         mark(0);
-        run_lab_nodes(v, motion_, nullptr);
+        run_nodes<Real, 3, false, false, false>(node_work(v, motion_), 3, stream_);
         mark(1);
-        gather_(Launch{occupied_, nullptr}, v, chosen(), gather_args<Real>(motion_), law_, Real(1 / motion_.density));
+        gather_(Launch{occupied_, stream_}, v, chosen(), gather_args<Real>(motion_), law_, Real(1 / motion_.density));
         mark(2);
-        collect_outgoing(binning(), Part::all, occupied_, nullptr);
+        collect_outgoing(binning(), Part::all, occupied_, stream_);
         mark(3);
-        make_lists(binning(), nullptr);
+        make_lists(binning(), stream_);
         first_.swap(next_first_), slot_.swap(next_slot_);
         mark(4);
-        if (++steps_ % refresh_interval == 0) refresh();
+        if (refreshes_ && ++steps_ % refresh_interval == 0) refresh();
         mark(5);
     }
 
@@ -93,16 +95,18 @@ class Present {
 
     template <class T>
     void permute_column(Array<T>& column, Array<T>& spare) {
-        permute(n_, slot_.data(), column.data(), spare.data(), sizeof(T), nullptr);
+        permute(n_, slot_.data(), column.data(), spare.data(), sizeof(T), stream_);
         column.swap(spare);
     }
     void refresh() {
         for (auto& r : memory_.row) permute_column(r, spare_);
         permute_column(memory_.id, spare_id_);
         permute_column(body_, spare_body_);
-        count_up(n_, slot_.data(), nullptr);
+        count_up(n_, slot_.data(), stream_);
     }
 
+    LabStream stream_;
+    bool refreshes_ = true;
     Motion motion_;
     Law law_;
     std::uint32_t n_;

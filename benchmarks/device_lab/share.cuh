@@ -95,12 +95,24 @@ GatherArgs<Real, 3> gather_args(const Motion& motion) {
     return g;
 }
 
+/// The stream of a share's steps.
+class LabStream {
+  public:
+    LabStream() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "Making a stream"); }
+    LabStream(const LabStream&) = delete;
+    LabStream& operator=(const LabStream&) = delete;
+    ~LabStream() { cudaStreamDestroy(stream_); }
+    operator cudaStream_t() const { return stream_; }
+
+  private:
+    cudaStream_t stream_ = nullptr;
+};
+
 template <class Real>
-void run_lab_nodes(const View<Real, 3>& v, const Motion& motion, cudaStream_t stream) {
+NodeWork<Real, 3> node_work(const View<Real, 3>& v, const Motion& motion) {
     NodeRound<Real, 3> round{NodeTask::solve, Real(motion.dt), zero_vec<Real, 3>(), Real(0),
                              Real(motion.density / 8 * (sizeof(Real) == 8 ? 1e-18 : 1e-12))};
-    const NodeWork<Real, 3> work{v, round, Quadratic::origin, Quantum::for_largest(1e12), {}, {}, {}};
-    run_nodes<Real, 3, false, false, false>(work, 3, stream);
+    return {v, round, Quadratic::origin, Quantum::for_largest(1e12), {}, {}, {}};
 }
 
 template <class Real>
