@@ -1,13 +1,16 @@
 #pragma once
-// Who came from other blocks: into the region's tail and into the tile, in the order (source block, slot). A thread
-// block per target, a thread per node of its tile: a node asks each particle in turn whether it is in its stencil.
+// Who came from other blocks: into the region's tail and into the tile, in the order (source block, slot); and what
+// blocks tell, into accounts. A warp per block that somebody came to: a lane per node of a particle's stencil, one
+// particle after the other, into a tile in shared memory, which is then added to the block's.
 
 #include "device_lab/fused_layout.cuh"
 
 namespace moraine::gpu::lab {
 
-inline constexpr int incoming_threads = 224;  // at least the nodes of a tile
-inline constexpr unsigned incoming_batch = 56;
+template <class Real>
+inline constexpr int incoming_warps = sizeof(Real) == 4 ? 4 : 2;
+template <class Real>
+inline constexpr int incoming_resident = sizeof(Real) == 4 ? 7 : 6;
 
 /// Weight of the node k above the lowest of the stencil, and its slope [1/cell].
 template <class Real>
@@ -17,130 +20,158 @@ __device__ __forceinline__ void spline_of(unsigned k, Real f, Real& w, Real& d) 
     d = (a + a) * t;
 }
 
-/// One node's sums.
+/// One warp's work on one block.
 template <class Real>
-struct NodeSums {
-    Real m = 0, q[3] = {0, 0, 0}, f[3] = {0, 0, 0};
-    bool touched = false;
+class Incoming {
+  public:
+    static constexpr int side = tile_side(3), nodes = power<3>(side);
+    static constexpr unsigned batch = 32 / core_rows<3>;
+    struct Scratch {
+        Row<Real> tile[nodes][2];
+        Row<Real> row[batch][core_rows<3>];
+        std::size_t from[32];    ///< where those of a code stand, less those of the codes below
+        std::uint32_t upto[32];  ///< those who come, by neighbour code, added up
+    };
 
-    __device__ __forceinline__ void add(const Row<Real>* row, const int (&node)[3], Real inverse_cell) {
-        CoreRows<Real, 3> p;
-        p.row[p.place] = row[p.place];
-        unsigned k[3];
-#pragma unroll
-        for (int a = 0; a < 3; ++a) k[a] = unsigned(node[a] - moraine::cell_of<Real>(p.coordinate(a)));
-        if (k[0] > 2 || k[1] > 2 || k[2] > 2) return;
-        touched = true;
-        Real w[3], d[3];
-#pragma unroll
-        for (int a = 0; a < 3; ++a) spline_of(k[a], fraction_of<Real>(p.coordinate(a)), w[a], d[a]);
-#pragma unroll
-        for (int r = 1; r < core_rows<3>; ++r) p.row[r] = row[r];
-        const Real mass = w[0] * w[1] * w[2] * p.mass(), scale = -p.volume() * inverse_cell;
-        const Real g[3] = {d[0] * w[1] * w[2] * scale, w[0] * d[1] * w[2] * scale, w[0] * w[1] * d[2] * scale};
-        m += mass;
-#pragma unroll
-        for (int c = 0; c < 3; ++c) {
-            q[c] += mass * p.velocity(c);
-#pragma unroll
-            for (int b = 0; b < 3; ++b) f[c] += p.stress(Sym<Real, 3>::index(c, b)) * g[b];
+    __device__ Incoming(const FusedStep<Real>& step, Scratch& scratch, int block) : s(step), m(scratch), b(block) {}
+
+    __device__ void run() {
+        __syncwarp();
+        find();
+        const std::uint32_t all = m.upto[31], tail = s.region[b].tail;
+        if (tail + all > s.capacity) {
+            *s.error = 1;
+            return;
         }
+        Row<Real>* tile = &m.tile[0][0];
+        for (int k = lane_id(); k < 2 * nodes; k += 32) store_row(tile + k, Row<Real>{});
+        for (std::uint32_t first = 0; first < all; first += batch) {
+            __syncwarp();
+            const unsigned here = min(all - first, batch);
+            fetch(first, here, tail);
+            __syncwarp();
+            for (unsigned k = 0; k < here; ++k) {
+                if (lane_id() < 27) add(m.row[k]);
+                __syncwarp();
+            }
+        }
+        add_tile();
+        if (lane_id() != 0) return;
+        s.region[b].incoming = all;
+        if (s.tile_of[b] < 0) s.tile_of[b] = b, s.occupied[atomicAdd(s.occupieds, 1u)] = b;
     }
-    __device__ __forceinline__ void add_to(Row<Real>* tile) const {
-        Row<Real> first = load_row(tile), second = load_row(tile + 1);
-        first.e[0] += m;
-#pragma unroll
-        for (int c = 0; c < 3; ++c) first.e[1 + c] += q[c], second.e[c] += f[c];
-        store_row(tile, first), store_row(tile + 1, second);
-    }
-};
 
-/// Who comes to a block: by neighbour code, added up, and where they stand.
-struct Incoming {
-    std::uint32_t upto[32];
-    std::size_t from[32];
-
-    /// By the first warp.
-    template <class Real>
-    __device__ __forceinline__ void find(const FusedStep<Real>& s, int b) {
+  private:
+    __device__ void find() {
         const int code = lane_id();
         std::uint32_t n = 0;
         std::size_t at = 0;
         const int source = code < Block<3>::offsets && code != Block<3>::centre
                                ? s.v.table.neighbour[std::size_t(b) * Block<3>::offsets + std::size_t(code)]
                                : -1;
-        if (source >= 0 && s.region[source].leaving > 0) {
+        if (source >= 0) {
             const std::uint16_t* exit =
                 s.exit_at + std::size_t(source) * (exits + 1) + std::size_t(Block<3>::opposite(code));
-            n = exit[1] - exit[0];
-            at = std::size_t(source) * s.capacity + exit[0];
+            const std::uint32_t begin = exit[0], end = exit[1];
+            if (s.region[source].leaving > 0) n = end - begin, at = std::size_t(source) * s.capacity + begin;
         }
-        upto[code] = scan_inclusive(n);
-        from[code] = at - (upto[code] - n);
+        const std::uint32_t upto = scan_inclusive(n);
+        m.upto[code] = upto, m.from[code] = at - (upto - n);
+        __syncwarp();
     }
-    __device__ __forceinline__ std::size_t place(std::uint32_t k) const {
+
+    /// Rows of some who come, to the region's tail and into shared memory: a lane per row.
+    __device__ void fetch(std::uint32_t first, unsigned here, std::uint32_t tail) {
+        const unsigned k = unsigned(lane_id()) / core_rows<3>, r = unsigned(lane_id()) % core_rows<3>;
+        if (k >= here) return;
         int code = 0;
 #pragma unroll
         for (int step = 16; step > 0; step /= 2)
-            if (upto[code + step - 1] <= k) code += step;
-        return from[code] + k;
+            if (m.upto[code + step - 1] <= first + k) code += step;
+        const std::size_t from = m.from[code] + first + k, to = std::size_t(b) * s.capacity + tail + first + k;
+        const Row<Real> row = load_row(s.v.p.core[r] + from);
+        if (r == 0) s.home[to] = s.home[from];
+        store_row(&m.row[k][r], row);
+        store_row(s.v.p.core[r] + to, row);
     }
+
+    /// One particle, at the lane's node of its stencil.
+    __device__ void add(const Row<Real>* row) {
+        CoreRows<Real, 3> p;
+#pragma unroll
+        for (int r = 0; r < core_rows<3>; ++r) p.row[r] = load_row(row + r);
+        const unsigned k[3] = {unsigned(lane_id()) % 3, unsigned(lane_id()) / 3 % 3, unsigned(lane_id()) / 9};
+        Real w[3], d[3];
+        unsigned node = 0;
+#pragma unroll
+        for (int a = 2; a >= 0; --a) {
+            spline_of(k[a], fraction_of<Real>(p.coordinate(a)), w[a], d[a]);
+            node = node * side + unsigned(moraine::cell_of<Real>(p.coordinate(a))) + k[a];
+        }
+        const Real mass = w[0] * w[1] * w[2] * p.mass(), scale = -p.volume() * s.v.context.inverse_cell;
+        const Real g[3] = {d[0] * w[1] * w[2] * scale, w[0] * d[1] * w[2] * scale, w[0] * w[1] * d[2] * scale};
+        Row<Real> first = load_row(&m.tile[node][0]), second = load_row(&m.tile[node][1]);
+        first.e[0] += mass;
+#pragma unroll
+        for (int c = 0; c < 3; ++c) {
+            first.e[1 + c] += mass * p.velocity(c);
+#pragma unroll
+            for (int a = 0; a < 3; ++a) second.e[c] += p.stress(Sym<Real, 3>::index(c, a)) * g[a];
+        }
+        store_row(&m.tile[node][0], first), store_row(&m.tile[node][1], second);
+    }
+
+    __device__ void add_tile() {
+        auto* to = reinterpret_cast<Row<Real>*>(s.v.grid.tiles) + std::size_t(b) * nodes * 2;
+#pragma unroll
+        for (int n = lane_id(); n < nodes; n += 32) {
+            const Row<Real> mine = load_row(&m.tile[n][0]), other = load_row(&m.tile[n][1]);
+            if (!(mine.e[0] > Real(0))) continue;
+            Row<Real> first = load_row(to + 2 * n), second = load_row(to + 2 * n + 1);
+#pragma unroll
+            for (int i = 0; i < quad; ++i) first.e[i] += mine.e[i], second.e[i] += other.e[i];
+            store_row(to + 2 * n, first), store_row(to + 2 * n + 1, second);
+        }
+    }
+
+    const FusedStep<Real>& s;
+    Scratch& m;
+    int b;
 };
 
 /// The last thread block to end makes ready for the next step.
 template <class Real>
 __device__ __forceinline__ void conclude(const FusedStep<Real>& s) {
     if (atomicAdd(s.ticket, 1u) + 1 < gridDim.x) return;
-    *s.ticket = *s.targets = 0;
+    *s.ticket = 0;
     *s.overfulls_all += *s.overfulls;
     *s.overfulls = 0;
     ++*s.number;
 }
 
+/// A warp looks at every so-many-th block.
 template <class Real>
-__global__ void __launch_bounds__(incoming_threads) add_incoming(const __grid_constant__ FusedStep<Real> s) {
-    constexpr int side = tile_side(3);
-    __shared__ Incoming in;
-    __shared__ Row<Real> row[incoming_batch][core_rows<3>];
-    const int t = int(threadIdx.x);
-    const int node[3] = {t % side, t / side % side, t / (side * side)};
+__global__ void __launch_bounds__(32 * incoming_warps<Real>) add_incoming(const __grid_constant__ FusedStep<Real> s) {
+    __shared__ typename Incoming<Real>::Scratch scratch[incoming_warps<Real>];
     let_next_launch_begin();
     wait_for_launch_before();
-    const std::uint32_t targets = *s.targets;
-    for (std::uint32_t item = blockIdx.x; item < targets; item += gridDim.x) {
-        const int b = s.target[item];
-        __syncthreads();
-        if (t < 32) in.find(s, b);
-        __syncthreads();
-        const std::uint32_t all = in.upto[31], tail = s.region[b].tail;
-        const std::size_t to = std::size_t(b) * s.capacity + tail;
-        if (tail + all > s.capacity) {
-            if (t == 0) *s.error = 1;
-            continue;
-        }
-        NodeSums<Real> sums;
-        for (std::uint32_t first = 0; first < all; first += incoming_batch) {
-            const unsigned here = min(all - first, incoming_batch);
-            if (first > 0) __syncthreads();
-            for (unsigned x = unsigned(t); x < here * core_rows<3>; x += incoming_threads) {
-                const unsigned k = x / core_rows<3>, r = x % core_rows<3>;
-                const std::size_t from = in.place(first + k);
-                row[k][r] = load_row(s.v.p.core[r] + from);
-                store_row(s.v.p.core[r] + to + first + k, row[k][r]);
-                if (r == 0) s.home[to + first + k] = s.home[from];
-            }
-            __syncthreads();
-            if (t < power<3>(side))
-                for (unsigned k = 0; k < here; ++k) sums.add(row[k], node, s.v.context.inverse_cell);
-        }
-        if (sums.touched)
-            sums.add_to(reinterpret_cast<Row<Real>*>(s.v.grid.tiles) + (std::size_t(b) * power<3>(side) + t) * 2);
-        if (t == 0) {
-            s.region[b].incoming = all;
-            if (s.tile_of[b] < 0) s.tile_of[b] = b, s.occupied[atomicAdd(s.occupieds, 1u)] = b;
-        }
+    const int warp = int(threadIdx.x) / 32, warps = int(gridDim.x) * incoming_warps<Real>;
+    const std::uint32_t number = *s.number;
+    Account<3>& account = account_of(s.v);
+    for (int base = int(blockIdx.x) * incoming_warps<Real> + warp; base < s.v.table.own; base += 32 * warps) {
+        const int mine = base + lane_id() * warps;
+        const bool in = mine < s.v.table.own;
+        const BlockReport report = in ? s.report[mine] : BlockReport{0, 0, 0};
+        unsigned left = __ballot_sync(all_lanes, in && s.claimed[mine] == number);
+        const ExactSum work[1] = {s.g.quantum.of(report.work)};
+        fold_sums(work, &account.work);
+        const double signal = warp_max(report.signal), moved = warp_max(report.moved);
+        if (lane_id() == 0 && signal > 0) raise(account.signal, signal), raise(account.moved, moved);
+        for (; left != 0; left &= left - 1)
+            Incoming<Real>(s, scratch[warp], base + (__ffs(int(left)) - 1) * warps).run();
     }
-    if (t == 0) conclude(s);
+    __syncthreads();
+    if (threadIdx.x == 0) conclude(s);
 }
 
 }  // namespace moraine::gpu::lab

@@ -41,8 +41,24 @@ struct Fused {
                                        reinterpret_cast<const uint4*>(s.v.p.core[row] + slot) + u);
                 copy_async<4>(&held.home[i], s.home + slot);
             }
+            if (r == 0 && i < unsigned(Block<3>::offsets)) {
+                copy_async<4>(&held.neighbour[i], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + i);
+                copy_async<4>(&held.number[i], s.number);
+            }
             commit_async();
         }
+    }
+
+    /// Rows of a block that will be worked on when this one is done, into the L2 cache.
+    static __device__ __forceinline__ void prefetch(const Step& s, const Chosen& chosen, std::uint32_t item) {
+        if (s.ahead == 0 || item + s.ahead >= count_now(chosen)) return;
+        const int b = chosen.block[item + s.ahead];
+        const std::size_t base = std::size_t(b) * s.capacity;
+        constexpr unsigned per_line = 128 / sizeof(Row<Real>);
+        const std::uint32_t lines = (s.region[b].stay + per_line - 1) / per_line;
+        for (unsigned k = thread_now(); k < lines * core_rows<3>; k += threads)
+            asm volatile(
+                "prefetch.global.L2 [%0];" ::"l"(s.v.p.core[k % core_rows<3>] + base + k / core_rows<3> * per_line));
     }
 
     static __device__ __forceinline__ void wait_for_round(int r) {
@@ -57,20 +73,36 @@ struct Fused {
         }
     }
 
-    /// The nodes of the block, by all threads; ends with a barrier.
-    static __device__ __forceinline__ void load_nodes(const View<Real, 3>& v, int b, typename H::Tile& tile) {
-        constexpr int side = Case::side, size = Case::tile_nodes;
+    /// Asks for the nodes of the block, which come before the rows: one group of copies.
+    static __device__ __forceinline__ void start_nodes(const View<Real, 3>& v, int b, typename H::Tile& tile) {
+        constexpr int side = Case::side, size = int(sizeof(Real));
         auto& nodes = nodes_of(tile);
-        for (int n = int(thread_now()); n < size; n += int(threads)) {
-            const Row<Real>* from = node_in_tile<side>(v, b, n);
-            typename std::decay_t<decltype(nodes)>::Value x;
-            const Row<Real> first = load_row(from), second = load_row(from + 1);
+#pragma unroll 1
+        for (int n = int(thread_now()); n < Case::tile_nodes; n += int(threads)) {
+            int corner = 0, at = 0, rest = n;
 #pragma unroll
-            for (int q = 0; q < 3; ++q) x.v[q] = first.e[q], x.dv[q] = second.e[q];
-            nodes.set(n, x);
+            for (int a = 0; a < 3; ++a, rest /= side) {
+                corner |= (rest % side >> 2) << a;
+                at |= (rest % side & 3) << (2 * a);
+            }
+            const std::int32_t block = v.table.node_block[b * Block<3>::corners + corner];  // node_of is the identity
+            const Real* from = v.grid.nodes + (std::size_t(block) * Block<3>::cells + unsigned(at)) * node_reals;
+            Real *row = nodes.row[n].e, *pair = nodes.pair[n].e;
+            copy_async<2 * size>(row, from);
+            copy_async<size>(row + 2, from + 2);
+            copy_async<size>(row + 3, from + quad);
+            copy_async<size>(pair, from + quad + 1);
+            copy_async<size>(pair + 1, from + quad + 2);
         }
+        commit_async();
+    }
+
+    /// Once they are there: ghosts and steps; ends with a barrier.
+    static __device__ __forceinline__ void finish_nodes(const View<Real, 3>& v, int b, bool border,
+                                                        typename H::Tile& tile) {
+        wait_async<rounds>();
         __syncthreads();
-        if (v.table.border[b]) set_ghosts<3>(v, b, Quadratic::origin, nodes);
+        if (border) set_ghosts<3>(v, b, Quadratic::origin, nodes_of(tile));
         set_steps(tile);
     }
     template <int W>
@@ -94,8 +126,8 @@ struct Fused {
         p.row[p.place] = held.take(at, p.place);
         auto u = place_of<Real, 3>(p);
         const auto sums = F::sums_of(v, s.g, b, u, held.nodes.tile);
-        const PlaceStep<Real> step = advance_place<false>(s.g.ends, v.table.position[b], v.table.border[b] != 0,
-                                                          sums.velocity, s.g.dt, v.context.inverse_cell, u);
+        const PlaceStep<Real> step = advance_place<false>(s.g.ends, v.table.position[b], held.border, sums.velocity,
+                                                          s.g.dt, v.context.inverse_cell, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
         for (int a = 0; a < 3; ++a) p.set_coordinate(a, u[a]);
@@ -180,9 +212,26 @@ struct Fused {
         const std::uint32_t from = held.start[first_exit + t];
         s.exit_at[std::size_t(b) * (exits + 1) + t] = std::uint16_t(from);
         if (t >= unsigned(Block<3>::offsets) || held.start[first_exit + t + 1] == from) return;
-        const int to = s.v.table.neighbour[std::size_t(b) * Block<3>::offsets + t];
-        const std::uint32_t number = *s.number;
-        if (to >= 0 && atomicExch(s.claimed + to, number) != number) s.target[atomicAdd(s.targets, 1u)] = to;
+        const int to = int(held.neighbour[t]);
+        if (to >= 0) s.claimed[to] = held.number[t];  // whoever else writes it writes the same
+    }
+
+    /// What the gather has seen, by warps; then, after a barrier, of the block.
+    static __device__ __forceinline__ void note(const Seen<Real>& seen, double work, H& held) {
+        const Real signal = warp_max(seen.signal), moved = warp_max(seen.moved);
+#pragma unroll
+        for (int d = 16; d > 0; d /= 2) work += __shfl_down_sync(all_lanes, work, d);
+        const unsigned t = thread_now();
+        if (t % 32 == 0) held.work[t / 32] = work, held.signal[t / 32] = signal, held.moved[t / 32] = moved;
+    }
+    static __device__ __forceinline__ void report(const Step& s, int b, const H& held) {
+        if (thread_now() != threads - 1) return;
+        BlockReport r{held.work[0], double(held.signal[0]), double(held.moved[0])};
+        for (unsigned w = 1; w < threads / 32; ++w) {
+            r.work += held.work[w];
+            r.signal = max(r.signal, double(held.signal[w])), r.moved = max(r.moved, double(held.moved[w]));
+        }
+        s.report[b] = r;
     }
 
     template <bool Momentum, bool Force>
@@ -221,14 +270,17 @@ struct Fused {
         __syncthreads();
         add_to_planes<Case, Momentum, Force>(sums, int(t / Case::cells), int(t % Case::cells), held.planes());
         __syncthreads();
-        write_tiles<Case, Momentum ? 0 : 1, parts>(v, held.block, v.table.border[held.block[0]] != 0, held.planes(),
+        write_tiles<Case, Momentum ? 0 : 1, parts>(v, held.block, held.border, held.planes(),
                                                    held.planes() + parts * Planes<Case>::part);
         __syncthreads();
     }
-    static __device__ __forceinline__ void scatter(const View<Real, 3>& v, Real cell_size, H& held) {
+    template <class Summed>
+    static __device__ __forceinline__ void scatter(const View<Real, 3>& v, Real cell_size, H& held,
+                                                   const Summed& summed) {
         SliceSums<Case> sums;
         if constexpr (Passes == 1) {
             sum<true, true>(v, cell_size, held, sums);
+            summed();
             make_tile<true, true>(v, sums, held);
         } else {
             sum<true, false>(v, cell_size, held, sums);
@@ -243,14 +295,14 @@ struct Fused {
 template <class Real>
 __device__ __forceinline__ void pass_by(const FusedStep<Real>& s, const Chosen& chosen, int b, std::uint32_t n) {
     if (n == 0)
-        s.region[b] = {0, 0, 0, 0};
+        s.region[b] = {0, 0, 0, 0}, s.report[b] = {0, 0, 0};
     else if (chosen.block != s.overfull)
         s.overfull[atomicAdd(s.overfulls, 1u)] = b;
     else
         *s.error = 1;
 }
 
-inline constexpr const char* clock_names[] = {"nodes", "gather", "sort", "write", "p2g"};
+inline constexpr const char* clock_names[] = {"ask", "nodes", "gather", "sort", "write", "p2g", "tile"};
 
 /// Adds up what the first thread of a thread block takes from tick to tick.
 template <bool Counts>
@@ -277,44 +329,42 @@ __global__ void __launch_bounds__(192, Resident)
     auto& held = *reinterpret_cast<typename F::H*>(memory);
     let_next_launch_begin();
     wait_for_launch_before();
-    Seen<Real> tally;
     PhaseClock<Clocks> clock{s.clocks};
     for (std::uint32_t item = blockIdx.x; item < count_now(chosen);) {
         const int b = chosen.block[item];
+        clock.tick(-1);
         const Region from = s.region[b];
+        const bool border = s.v.table.border[b] != 0;
         const std::uint32_t n = from.count();
         if (n == 0 || n > unsigned(Capacity)) {
             if (thread_now() == 0) pass_by(s, chosen, b, n);
             item += gridDim.x;
             continue;
         }
-        if (thread_now() == 0) held.block[0] = b, held.item = item + gridDim.x;
-        clock.tick(-1);
+        if (thread_now() == 0) held.block[0] = b, held.item = item + gridDim.x, held.border = border;
+        F::start_nodes(s.v, b, held.nodes.tile);
         F::start(s, from, b, held);
         for (unsigned k = thread_now(); k < (n + 31) / 32 * bins / 2; k += F::threads)
             reinterpret_cast<std::uint32_t*>(held.bin)[k] = 0;
-        F::load_nodes(s.v, b, held.nodes.tile);
+        F::prefetch(s, chosen, item);
         clock.tick(0);
-        double power = 0;
-        F::gather(s, law, inverse_density, b, n, held, tally, power);
-#pragma unroll
-        for (int d = 16; d > 0; d /= 2) power += __shfl_down_sync(all_lanes, power, d);
-        if (thread_now() % 32 == 0) held.sums[thread_now() / 32] = power;
+        F::finish_nodes(s.v, b, border, held.nodes.tile);
         clock.tick(1);
-        F::sort(n, held);
+        Seen<Real> seen;
+        double work = 0;
+        F::gather(s, law, inverse_density, b, n, held, seen, work);
+        F::note(seen, work, held);
         clock.tick(2);
-        if (thread_now() == 0) {
-            for (unsigned w = 1; w < F::threads / 32; ++w) power += held.sums[w];
-            add_exact(&account_of(s.v).work, s.g.quantum.of(power));
-        }
-        F::write(s, b, n, held);
+        F::sort(n, held);
         clock.tick(3);
-        F::scatter(s.v, cell_size, held);
+        F::write(s, b, n, held);
+        F::report(s, b, held);
         clock.tick(4);
+        F::scatter(s.v, cell_size, held, [&] { clock.tick(5); });
+        clock.tick(6);
         item = held.item;
         __syncthreads();
     }
-    tally.fold_into(account_of(s.v));
 }
 
 }  // namespace moraine::gpu::lab

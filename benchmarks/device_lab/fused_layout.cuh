@@ -35,6 +35,11 @@ inline constexpr int first_exit = Block<3>::cells;
 inline constexpr int bins = 96;
 static_assert(first_exit + exits < bins);
 
+/// What a block's particles tell, for the next kernel to fold into an Account: to fold at once is to wait for memory.
+struct BlockReport {
+    double work, signal, moved;
+};
+
 template <class Real>
 struct FusedStep {
     View<Real, 3> v;  ///< columns of regions, tiles; lists are not used
@@ -45,8 +50,7 @@ struct FusedStep {
     std::uint32_t* home;           ///< column: where the id and what else is seldom needed lies
     std::uint32_t* number;         ///< of the step, from 1
     std::uint32_t* claimed;        ///< own: the last step in which somebody came
-    std::int32_t* target;          ///< blocks that somebody comes to, in any order
-    std::uint32_t* targets;        ///< their number in this step
+    BlockReport* report;           ///< own
     std::uint32_t* ticket;         ///< thread blocks that have ended; zero between launches
     std::int32_t* overfull;        ///< blocks with more particles than a thread block holds, in any order
     std::uint32_t* overfulls;      ///< their number in this step
@@ -54,6 +58,7 @@ struct FusedStep {
     std::int32_t* occupied;        ///< blocks that hold or held particles
     std::uint32_t* occupieds;
     std::int32_t* tile_of;       ///< = v.grid.tile_of
+    std::uint32_t ahead;         ///< blocks of the list by which rows are asked into the L2 cache; 0: never
     std::uint32_t* error;        ///< 1: a region was too small
     unsigned long long* clocks;  ///< by phase, of instances that count them: what their first threads took [cycles]
 };
@@ -91,9 +96,12 @@ struct Held {
     std::uint16_t bin[chunks][bins];  ///< counts, then how many of the key come in the chunks before
     std::uint32_t start[bins + 1];
     std::uint32_t part[bins / 32];
-    double sums[8];
+    double work[6];
+    Real signal[6], moved[6];
+    std::uint32_t neighbour[Block<3>::offsets], number[Block<3>::offsets];  ///< each for the thread that asked
     int block[1];
     std::uint32_t item;
+    bool border;
 
     /// Which place holds entry i: lanes that read entries 8 apart, which the same particle of neighbouring cells often
     /// is, meet different banks.

@@ -73,7 +73,7 @@ class FusedShare {
         if (reversed) std::reverse(occupied.begin(), occupied.begin() + occupied_);
         region_.assign(regions), memory_.tile_of.assign(tile_of), occupied_list_.assign(occupied);
         exit_at_.resize(own * (exits + 1)), claimed_.resize(own), zero(claimed_);
-        target_.resize(own), overfull_.resize(own);
+        report_.resize(own), zero(report_), overfull_.resize(own);
         counts_.assign(std::vector<std::uint32_t>{0, 0, 0, std::uint32_t(occupied_), 0, 0, 1});
         clocks_.resize(std::size(clock_names)), zero(clocks_);
         check(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, 0), "Asking");
@@ -92,11 +92,12 @@ class FusedShare {
         mark(1);
         launch(large_kernel, processors_, 192, large_bytes, s, overfull, law_, inverse_density, cell);
         mark(2);
-        launch(add_incoming<Real>, 8 * processors_, incoming_threads, 0, s);
+        launch(add_incoming<Real>, incoming_resident<Real> * processors_, 32 * incoming_warps<Real>, 0, s);
         mark(3);
     }
     /// Whether each launch may begin while the one before it ends.
     void link(bool linked) { linked_ = linked; }
+    void ask_ahead(std::uint32_t blocks) { ahead_ = blocks; }
     cudaStream_t stream() const { return stream_; }
 
     const Memory<Real>& memory() const { return memory_; }
@@ -124,11 +125,12 @@ class FusedShare {
         FusedStep<Real> s{};
         s.v = memory_.view(motion_), s.g = gather_args<Real>(motion_);
         s.capacity = region, s.region = region_.data(), s.exit_at = exit_at_.data(), s.home = home_.data();
-        s.number = counts_.data() + 6, s.claimed = claimed_.data(), s.target = target_.data();
-        s.targets = counts_.data(), s.ticket = counts_.data() + 1;
+        s.number = counts_.data() + 6, s.claimed = claimed_.data(), s.report = report_.data();
+        s.ticket = counts_.data() + 1;
         s.overfull = overfull_.data(), s.overfulls = counts_.data() + 2, s.overfulls_all = counts_.data() + 5;
         s.occupied = occupied_list_.data(), s.occupieds = counts_.data() + 3;
         s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4, s.clocks = clocks_.data();
+        s.ahead = ahead_;
         return s;
     }
 
@@ -165,14 +167,16 @@ class FusedShare {
     Law law_;
     int own_, occupied_ = 0, processors_ = 0;
     bool linked_ = false;
+    std::uint32_t ahead_ = 0;
     LabStream stream_;
     Memory<Real> memory_;
     Array<Region> region_;
     Array<std::uint16_t> exit_at_;
     Array<unsigned long long> clocks_;
     Array<std::uint32_t> home_, claimed_;
-    Array<std::uint32_t> counts_;  ///< targets, ticket, overfull, occupied, error, overfull in all steps, step
-    Array<std::int32_t> target_, overfull_, occupied_list_;
+    Array<std::uint32_t> counts_;  ///< -, ticket, overfull, occupied, error, overfull in all steps, step
+    Array<std::int32_t> overfull_, occupied_list_;
+    Array<BlockReport> report_;
 };
 
 }  // namespace moraine::gpu::lab

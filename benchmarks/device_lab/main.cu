@@ -82,6 +82,11 @@ void measure_fused(const char* name, const char* precision, const Column<Real>& 
     FusedShare<Real, Law, Plan> fused(column, motion, law_of<Real>(motion));
     const std::string called = name;
     measure(called, precision, column.particle.size(), fused, o);
+    if (o.ahead > 0 && !Plan::Clocks) {
+        fused.ask_ahead(std::uint32_t(o.ahead * Plan::Resident));
+        measure(called + ", rows ahead", precision, column.particle.size(), fused, o);
+        fused.ask_ahead(0);
+    }
     if (!Plan::Clocks) {
         print_time((called + ", graph").c_str(), precision, column.particle.size(), time_graph(fused, o.steps), "");
         fused.link(true);
@@ -167,6 +172,8 @@ Options options_of(int argc, char** argv) {
             o.check_edge = std::stoi(value);
         else if (key == "--check-steps")
             o.check_steps = std::stoi(value);
+        else if (key == "--ahead")
+            o.ahead = std::stoi(value);
         else if (key == "--precision")
             o.precision = value;
         else if (key == "--only")
