@@ -1,6 +1,8 @@
 #pragma once
 // The fused step: gather with stress, binning and the next particle to grid of one block, in one thread block.
 //
+// Ahead: see fused_step.
+//
 //   1 gather   one thread per particle; rows are copied to shared memory at once, updated there, and keyed
 //   2 sort     stable, by cell, then by exit of those who leave: counts of chunks of 32, added up
 //   3 write    rows in the new order into the block's region
@@ -14,15 +16,21 @@
 
 namespace moraine::gpu::lab {
 
-template <class Real, class Law, int Capacity, int Passes>
+template <class Real, class Law, int Capacity, int Passes, bool Ahead>
 struct Fused {
     using Case = P2gCase<Real, 3, Quadratic, false>;
-    using H = Held<Real, Capacity, Passes>;
+    using H = Held<Real, Capacity, Passes, Ahead>;
     using F = FusedGather<Real, 3, Quadratic, Law, false, false, false, FluidGrid::none>;
     using Core = CoreRows<Real, 3>;
     using Step = FusedStep<Real>;
     static constexpr unsigned threads = Case::threads;
     static constexpr int rounds = (Capacity + int(threads) - 1) / int(threads);
+
+    /// A warp has a part of the list of its own, 32 entries a round: how many, and the thread's entry of the first.
+    static __device__ __forceinline__ unsigned rounds_of(std::uint32_t n) { return (n + threads - 1) / threads; }
+    static __device__ __forceinline__ unsigned first_of(std::uint32_t n) {
+        return thread_now() / 32 * 32 * rounds_of(n) + thread_now() % 32;
+    }
 
     /// Asks for all rows, round by round.
     static __device__ __forceinline__ void start(const Step& s, const Region& from, int b, H& held) {
@@ -30,8 +38,8 @@ struct Fused {
         const std::uint32_t n = from.count();
 #pragma unroll 1
         for (int r = 0; r < rounds; ++r) {
-            const unsigned i = thread_now() + unsigned(r) * threads;
-            if (i < n) {
+            const unsigned i = first_of(n) + unsigned(r) * 32;
+            if (unsigned(r) < rounds_of(n) && i < n) {
                 const std::size_t slot = base + from.place(i);
 #pragma unroll
                 for (int row = 0; row < core_rows<3>; ++row)
@@ -41,27 +49,16 @@ struct Fused {
                                        reinterpret_cast<const uint4*>(s.v.p.core[row] + slot) + u);
                 copy_async<4>(&held.home[i], s.home + slot);
             }
-            if (r == 0 && i < unsigned(Block<3>::offsets)) {
-                copy_async<4>(&held.neighbour[i], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + i);
-                copy_async<4>(&held.number[i], s.number);
+            if (const unsigned t = thread_now(); r == 0 && t < unsigned(Block<3>::offsets)) {
+                copy_async<4>(&held.neighbour[t], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + t);
+                copy_async<4>(&held.number[t], s.number);
             }
             commit_async();
         }
     }
 
-    /// Rows of a block that will be worked on when this one is done, into the L2 cache.
-    static __device__ __forceinline__ void prefetch(const Step& s, const Chosen& chosen, std::uint32_t item) {
-        if (s.ahead == 0 || item + s.ahead >= count_now(chosen)) return;
-        const int b = chosen.block[item + s.ahead];
-        const std::size_t base = std::size_t(b) * s.capacity;
-        constexpr unsigned per_line = 128 / sizeof(Row<Real>);
-        const std::uint32_t lines = (s.region[b].stay + per_line - 1) / per_line;
-        for (unsigned k = thread_now(); k < lines * core_rows<3>; k += threads)
-            asm volatile(
-                "prefetch.global.L2 [%0];" ::"l"(s.v.p.core[k % core_rows<3>] + base + k / core_rows<3> * per_line));
-    }
-
     static __device__ __forceinline__ void wait_for_round(int r) {
+        if (Ahead) return;
         if (rounds > 4 || r + 1 >= rounds) {
             wait_async<0>();
         } else if (r == 0) {
@@ -74,7 +71,8 @@ struct Fused {
     }
 
     /// Asks for the nodes of the block, which come before the rows: one group of copies.
-    static __device__ __forceinline__ void start_nodes(const View<Real, 3>& v, int b, typename H::Tile& tile) {
+    static __device__ __forceinline__ void start_nodes(const View<Real, 3>& v, const std::int32_t* node_block,
+                                                       typename H::Tile& tile) {
         constexpr int side = Case::side, size = int(sizeof(Real));
         auto& nodes = nodes_of(tile);
 #pragma unroll 1
@@ -85,7 +83,7 @@ struct Fused {
                 corner |= (rest % side >> 2) << a;
                 at |= (rest % side & 3) << (2 * a);
             }
-            const std::int32_t block = v.table.node_block[b * Block<3>::corners + corner];  // node_of is the identity
+            const std::int32_t block = node_block[corner];  // node_of is the identity
             const Real* from = v.grid.nodes + (std::size_t(block) * Block<3>::cells + unsigned(at)) * node_reals;
             Real *row = nodes.row[n].e, *pair = nodes.pair[n].e;
             copy_async<2 * size>(row, from);
@@ -100,7 +98,7 @@ struct Fused {
     /// Once they are there: ghosts and steps; ends with a barrier.
     static __device__ __forceinline__ void finish_nodes(const View<Real, 3>& v, int b, bool border,
                                                         typename H::Tile& tile) {
-        wait_async<rounds>();
+        wait_async<(Ahead ? 0 : rounds)>();
         __syncthreads();
         if (border) set_ghosts<3>(v, b, Quadratic::origin, nodes_of(tile));
         set_steps(tile);
@@ -115,6 +113,11 @@ struct Fused {
             tile.step.set(n, step);
         }
         __syncthreads();
+    }
+
+    static __device__ __forceinline__ void empty_bins(H& held) {
+        auto* words = reinterpret_cast<std::uint32_t*>(held.bin);
+        for (unsigned k = thread_now(); k < H::warps * bins / 2; k += threads) words[k] = 0;
     }
 
     /// One particle, as FusedGather::update; returns its key.
@@ -154,43 +157,51 @@ struct Fused {
 
     static __device__ __forceinline__ void gather(const Step& s, const Law& law, Real inverse_density, int b,
                                                   std::uint32_t n, H& held, Seen<Real>& tally, double& power) {
-        int r = 0;
+        std::uint16_t* bin = held.bin[thread_now() / 32];
 #pragma unroll 1
-        for (unsigned i = thread_now(); i / 32 * 32 < n; i += threads, ++r) {
-            wait_for_round(r);
+        for (unsigned r = 0; r < rounds_of(n); ++r) {
+            const unsigned i = first_of(n) + 32 * r;
+            if (i - i % 32 >= n) break;
+            wait_for_round(int(r));
             int key = bins - 1;
             if (i < n) key = update(s, law, inverse_density, b, i, held, tally, power);
             const unsigned peers = __match_any_sync(all_lanes, key);
-            const unsigned rank = unsigned(__popc(peers & ((1u << (i & 31)) - 1)));
-            if (i < n) held.key[i] = std::uint16_t(unsigned(key) | rank << 8);
-            if (rank == 0) held.bin[i / 32][key] = std::uint16_t(__popc(peers));
+            const auto rank = unsigned(__popc(peers & ((1u << (i & 31)) - 1)));
+            const unsigned before = bin[key];
+            __syncwarp();
+            if (rank == 0) bin[key] = std::uint16_t(before + unsigned(__popc(peers)));
+            if (i < n) held.key[i] = std::uint16_t(unsigned(key) | (before + rank) << 7);
+            __syncwarp();
         }
     }
 
-    /// From keys to the order; begins and ends with a barrier.
+    /// From keys to the order; begins and ends with a barrier. Each warp adds up all counts for itself: that is less
+    /// than the barriers it would take to share the work.
     static __device__ __forceinline__ void sort(std::uint32_t n, H& held) {
+        static_assert(bins == 96 && bins <= 128 && rounds * 32 <= 512);
         __syncthreads();
-        const unsigned t = thread_now();
-        std::uint32_t mine = 0, upto = 0;
-        if (t < bins) {
-            const unsigned chunks = (n + 31) / 32;
-            for (unsigned q = 0; q < chunks; ++q) {
-                const std::uint32_t here = held.bin[q][t];
-                held.bin[q][t] = std::uint16_t(mine);
-                mine += here;
+        const unsigned warp = thread_now() / 32, key = 3 * unsigned(lane_id());
+        std::uint32_t all[3] = {0, 0, 0}, before[3] = {0, 0, 0};
+#pragma unroll
+        for (unsigned w = 0; w < H::warps; ++w)
+#pragma unroll
+            for (int j = 0; j < 3; ++j) {
+                if (w == warp) before[j] = all[j];
+                all[j] += held.bin[w][key + j];
             }
-            upto = scan_inclusive(mine);
-            if (t % 32 == 31) held.part[t / 32] = upto;
+        const std::uint32_t sum = all[0] + all[1] + all[2], first = scan_inclusive(sum) - sum;
+        const std::uint32_t start[3] = {first, first + all[0], first + all[0] + all[1]};
+#pragma unroll
+        for (int j = 0; j < 3; ++j) {
+            held.place[warp][key + j] = std::uint16_t(start[j] + before[j]);
+            if (warp == 0) held.start[key + j] = start[j];
         }
-        __syncthreads();
-        if (t < bins) {
-            for (unsigned w = 0; w < t / 32; ++w) upto += held.part[w];
-            held.start[t] = upto - mine;
-        }
-        __syncthreads();
-        for (unsigned i = t; i < n; i += threads) {
-            const unsigned key = held.key[i];
-            held.order[held.start[key & 255] + held.bin[i / 32][key & 255] + (key >> 8)] = std::uint16_t(i);
+        __syncwarp();
+        for (unsigned r = 0; r < rounds_of(n); ++r) {
+            const unsigned i = first_of(n) + 32 * r;
+            if (i >= n) break;
+            const unsigned k = held.key[i];
+            held.order[held.place[warp][k & 127] + (k >> 7)] = std::uint16_t(i);
         }
         __syncthreads();
     }
@@ -262,32 +273,61 @@ struct Fused {
         }
     }
 
-    /// The sums' part First, ... of the tile; begins and ends with a barrier.
-    template <bool Momentum, bool Force>
-    static __device__ __forceinline__ void make_tile(const View<Real, 3>& v, const SliceSums<Case>& sums, H& held) {
+    /// The sums' part of the tile; begins and ends with a barrier. freed(): after the first, when sums are complete.
+    template <bool Momentum, bool Force, class Freed>
+    static __device__ __forceinline__ void make_tile(const View<Real, 3>& v, const SliceSums<Case>& sums, H& held,
+                                                     const Freed& freed) {
         constexpr int parts = int(Momentum) + int(Force);
         const unsigned t = thread_now();
         __syncthreads();
+        freed();
         add_to_planes<Case, Momentum, Force>(sums, int(t / Case::cells), int(t % Case::cells), held.planes());
         __syncthreads();
-        write_tiles<Case, Momentum ? 0 : 1, parts>(v, held.block, held.border, held.planes(),
-                                                   held.planes() + parts * Planes<Case>::part);
+        write_tiles<Case, Momentum ? 0 : 1, parts>(v, held.block, held.border, held.planes(), held.fold());
         __syncthreads();
     }
-    template <class Summed>
+    /// summed(): sums are there, before a barrier; freed(): rows are free, after it.
+    template <class Summed, class Freed>
     static __device__ __forceinline__ void scatter(const View<Real, 3>& v, Real cell_size, H& held,
-                                                   const Summed& summed) {
+                                                   const Summed& summed, const Freed& freed) {
         SliceSums<Case> sums;
         if constexpr (Passes == 1) {
             sum<true, true>(v, cell_size, held, sums);
             summed();
-            make_tile<true, true>(v, sums, held);
+            make_tile<true, true>(v, sums, held, freed);
         } else {
             sum<true, false>(v, cell_size, held, sums);
-            make_tile<true, false>(v, sums, held);
+            make_tile<true, false>(v, sums, held, [] {});
             sum<false, true>(v, cell_size, held, sums);
-            make_tile<false, true>(v, sums, held);
+            summed();
+            make_tile<false, true>(v, sums, held, freed);
         }
+    }
+
+    /// What is to be known of the next block comes while this one is worked on, in two steps: its number, the rest.
+    /// Complete after wait_async<0> of the threads that asked and a barrier.
+    static __device__ __forceinline__ void ask_for_number(const Chosen& chosen, std::uint32_t item, H& held) {
+        if (thread_now() == 0) {
+            if (item < count_now(chosen))
+                copy_async<4>(&held.next.block, chosen.block + item);
+            else
+                held.next.block = -1;
+        }
+        commit_async();
+    }
+    static __device__ __forceinline__ void ask_for_rest(const Step& s, H& held) {
+        const unsigned t = thread_now();
+        const int b = held.next.block;
+        if (b >= 0 && t < 4) {
+            const std::int32_t* nodes = s.v.table.node_block + std::size_t(b) * Block<3>::corners;
+            if (t < 2) copy_async<16>(&held.next.node_block[4 * t], nodes + 4 * t);
+            if (t == 2) copy_async<16>(&held.next.region, s.region + b);
+            if (t == 3) copy_async<4>(held.next.border, s.v.table.border + (b & ~3));
+        }
+        commit_async();
+    }
+    static __device__ __forceinline__ bool fits(std::uint32_t n) {
+        return n > 0 && n <= unsigned(Capacity);
     }
 };
 
@@ -320,50 +360,66 @@ struct PhaseClock {
     }
 };
 
-template <class Real, class Law, int Capacity, int Passes, int Resident, bool Clocks>
+/// Ahead: rows of the next block are asked for as soon as those of this one are summed.
+template <class Real, class Law, int Capacity, int Passes, int Resident, bool Ahead, bool Clocks>
 __global__ void __launch_bounds__(192, Resident)
     fused_step(const __grid_constant__ FusedStep<Real> s, const Chosen chosen, const __grid_constant__ Law law,
                const Real inverse_density, const Real cell_size) {
-    using F = Fused<Real, Law, Capacity, Passes>;
+    using F = Fused<Real, Law, Capacity, Passes, Ahead>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& held = *reinterpret_cast<typename F::H*>(memory);
     let_next_launch_begin();
     wait_for_launch_before();
     PhaseClock<Clocks> clock{s.clocks};
-    for (std::uint32_t item = blockIdx.x; item < count_now(chosen);) {
-        const int b = chosen.block[item];
+    bool asked = false;
+    for (std::uint32_t item = blockIdx.x; item < count_now(chosen); item += gridDim.x) {
         clock.tick(-1);
-        const Region from = s.region[b];
-        const bool border = s.v.table.border[b] != 0;
+        const int b = asked ? held.next.block : chosen.block[item];
+        const Region from = asked ? held.next.region : s.region[b];
         const std::uint32_t n = from.count();
-        if (n == 0 || n > unsigned(Capacity)) {
+        if (!F::fits(n)) {
             if (thread_now() == 0) pass_by(s, chosen, b, n);
-            item += gridDim.x;
+            asked = false;
             continue;
         }
-        if (thread_now() == 0) held.block[0] = b, held.item = item + gridDim.x, held.border = border;
-        F::start_nodes(s.v, b, held.nodes.tile);
-        F::start(s, from, b, held);
-        for (unsigned k = thread_now(); k < (n + 31) / 32 * bins / 2; k += F::threads)
-            reinterpret_cast<std::uint32_t*>(held.bin)[k] = 0;
-        F::prefetch(s, chosen, item);
+        const bool border = asked ? (held.next.border[0] >> 8 * (b & 3) & 255) != 0 : s.v.table.border[b] != 0;
+        if (thread_now() == 0) held.block[0] = b, held.border = border;
+        if (asked) {
+            F::start_nodes(s.v, held.next.node_block, held.nodes.tile);
+        } else {
+            F::start_nodes(s.v, s.v.table.node_block + std::size_t(b) * Block<3>::corners, held.nodes.tile);
+            F::start(s, from, b, held);
+        }
+        F::empty_bins(held);
         clock.tick(0);
         F::finish_nodes(s.v, b, border, held.nodes.tile);
         clock.tick(1);
+        if (Ahead) F::ask_for_number(chosen, item + gridDim.x, held);
         Seen<Real> seen;
         double work = 0;
         F::gather(s, law, inverse_density, b, n, held, seen, work);
         F::note(seen, work, held);
+        if (Ahead) wait_async<0>();
         clock.tick(2);
         F::sort(n, held);
         clock.tick(3);
+        if (Ahead) F::ask_for_rest(s, held);
         F::write(s, b, n, held);
         F::report(s, b, held);
         clock.tick(4);
-        F::scatter(s.v, cell_size, held, [&] { clock.tick(5); });
+        asked = false;
+        const auto start_next = [&](bool now) {
+            if (!Ahead || !now || held.next.block < 0 || !F::fits(held.next.region.count())) return;
+            F::start(s, held.next.region, held.next.block, held);
+            asked = true;
+        };
+        const auto summed = [&] {
+            if (Ahead) wait_async<0>();
+            clock.tick(5);
+        };
+        F::scatter(s.v, cell_size, held, summed, [&] { start_next(!border); });
+        start_next(border);
         clock.tick(6);
-        item = held.item;
-        __syncthreads();
     }
 }
 

@@ -18,7 +18,7 @@ using ::fma;  // quads have one of their own: in the program no file has both ga
 namespace moraine::gpu::lab {
 
 /// Where a block's particles stand in its region.
-struct Region {
+struct alignas(16) Region {
     std::uint32_t stay;      ///< [0, stay): the list
     std::uint32_t tail;      ///< [stay, tail): who left by the last step
     std::uint32_t incoming;  ///< [tail, tail + incoming)
@@ -34,6 +34,14 @@ inline constexpr int exits = Block<3>::offsets + 1;
 inline constexpr int first_exit = Block<3>::cells;
 inline constexpr int bins = 96;
 static_assert(first_exit + exits < bins);
+
+/// What is known of the next block while this one is worked on.
+struct alignas(16) NextBlock {
+    std::int32_t node_block[Block<3>::corners];
+    Region region;
+    std::int32_t block;       ///< or -1
+    std::uint32_t border[1];  ///< the word that holds the flag
+};
 
 /// What a block's particles tell, for the next kernel to fold into an Account: to fold at once is to wait for memory.
 struct BlockReport {
@@ -58,7 +66,6 @@ struct FusedStep {
     std::int32_t* occupied;        ///< blocks that hold or held particles
     std::uint32_t* occupieds;
     std::int32_t* tile_of;       ///< = v.grid.tile_of
-    std::uint32_t ahead;         ///< blocks of the list by which rows are asked into the L2 cache; 0: never
     std::uint32_t* error;        ///< 1: a region was too small
     unsigned long long* clocks;  ///< by phase, of instances that count them: what their first threads took [cycles]
 };
@@ -71,37 +78,39 @@ __device__ __forceinline__ void let_next_launch_begin() {
     asm volatile("griddepcontrol.launch_dependents;" ::: "memory");
 }
 
-/// Shared memory of a thread block that holds `Capacity` particles. Passes: see fused.cuh.
-template <class Real, int Capacity, int Passes>
+/// Shared memory of a thread block that holds `Capacity` particles. Passes, Ahead: see fused.cuh. Ahead, rows are free
+/// for the next block while the tile is made, unless it is to be folded.
+template <class Real, int Capacity, int Passes, bool Ahead>
 struct Held {
     using Case = P2gCase<Real, 3, Quadratic, false>;
     using Tile = GatherTile<Real, 3, 3>;
     static constexpr int per_row = int(sizeof(Row<Real>)) / 16, units = core_rows<3> * per_row;
-    static constexpr int chunks = Capacity / 32;
     static_assert(Capacity % 32 == 0);
     static constexpr int parts = Passes == 1 ? 2 : 1;
-    static constexpr int planes_bytes = parts * Planes<Case>::bytes + fold_bytes<Case, parts>;
+    static constexpr bool planes_in_rows = Passes == 1 && !Ahead, fold_in_rows = Passes == 1 && Ahead;
+    static constexpr int planes_bytes = parts * Planes<Case>::bytes + (fold_in_rows ? 0 : fold_bytes<Case, parts>);
+    static constexpr int warps = Case::threads / 32;
 
     union Rows {
         uint4 unit[units][Capacity];
-        unsigned char planes[Passes == 1 ? planes_bytes : 1];
+        unsigned char planes[planes_in_rows ? planes_bytes : 1];
     } rows;
     union Nodes {
         Tile tile;
-        unsigned char planes[Passes == 1 ? 1 : planes_bytes];
+        unsigned char planes[planes_in_rows ? 1 : planes_bytes];
     } nodes;
     std::uint32_t home[Capacity];
-    std::uint16_t key[Capacity];  ///< key, rank among those of the same key in the chunk of 32 above it
+    std::uint16_t key[Capacity];  ///< key, and above it the rank among those of the same key of the warp
     std::uint16_t order[Capacity];
-    std::uint16_t bin[chunks][bins];  ///< counts, then how many of the key come in the chunks before
+    std::uint16_t bin[warps][bins];    ///< how many of a key a warp has
+    std::uint16_t place[warps][bins];  ///< where its first is to go
     std::uint32_t start[bins + 1];
-    std::uint32_t part[bins / 32];
     double work[6];
     Real signal[6], moved[6];
     std::uint32_t neighbour[Block<3>::offsets], number[Block<3>::offsets];  ///< each for the thread that asked
     int block[1];
-    std::uint32_t item;
     bool border;
+    NextBlock next;
 
     /// Which place holds entry i: lanes that read entries 8 apart, which the same particle of neighbouring cells often
     /// is, meet different banks.
@@ -118,7 +127,10 @@ struct Held {
         for (int u = 0; u < per_row; ++u) rows.unit[r * per_row + u][at] = reinterpret_cast<const uint4*>(&row)[u];
     }
     __device__ __forceinline__ Real* planes() {
-        return reinterpret_cast<Real*>(Passes == 1 ? rows.planes : nodes.planes);
+        return reinterpret_cast<Real*>(planes_in_rows ? rows.planes : nodes.planes);
+    }
+    __device__ __forceinline__ Real* fold() {
+        return fold_in_rows ? reinterpret_cast<Real*>(rows.unit) : planes() + parts * Planes<Case>::part;
     }
 };
 

@@ -8,10 +8,10 @@
 namespace moraine::gpu::lab {
 
 /// Capacity: particles of a thread block; Large: of one that has a multiprocessor for itself.
-template <int Capacity_, int Passes_, int Resident_, int Large_, bool Clocks_ = false>
+template <int Capacity_, int Passes_, int Resident_, int Large_, bool Ahead_ = false, bool Clocks_ = false>
 struct FusedPlan {
     static constexpr int Capacity = Capacity_, Passes = Passes_, Resident = Resident_, Large = Large_;
-    static constexpr bool Clocks = Clocks_;
+    static constexpr bool Ahead = Ahead_, Clocks = Clocks_;
 };
 
 /// The program's nodes_kernel, which can begin early.
@@ -43,10 +43,11 @@ class FusedShare {
     static constexpr const char* phases[] = {"nodes", "fused", "overfull", "incoming"};
     static constexpr int phase_count = 4;
     static constexpr std::uint32_t region = 1024;  // slots
-    static constexpr auto kernel = fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident, Plan::Clocks>;
-    static constexpr auto large_kernel = fused_step<Real, Law, Plan::Large, Plan::Passes, 1, false>;
-    static constexpr std::size_t bytes = sizeof(Held<Real, Plan::Capacity, Plan::Passes>);
-    static constexpr std::size_t large_bytes = sizeof(Held<Real, Plan::Large, Plan::Passes>);
+    static constexpr auto kernel =
+        fused_step<Real, Law, Plan::Capacity, Plan::Passes, Plan::Resident, Plan::Ahead, Plan::Clocks>;
+    static constexpr auto large_kernel = fused_step<Real, Law, Plan::Large, Plan::Passes, 1, false, false>;
+    static constexpr std::size_t bytes = sizeof(Held<Real, Plan::Capacity, Plan::Passes, Plan::Ahead>);
+    static constexpr std::size_t large_bytes = sizeof(Held<Real, Plan::Large, Plan::Passes, false>);
 
     /// reversed: the order in which blocks are worked off, which must not matter.
     FusedShare(const Column<Real>& column, const Motion& motion, const Law& law, bool reversed = false)
@@ -88,7 +89,9 @@ class FusedShare {
         const Chosen occupied{occupied_list_.data(), counts_.data() + 3}, overfull{overfull_.data(), s.overfulls};
         launch(nodes_after<Real>, (nodes.view.table.node_blocks + 3) / 4, node_threads, 0, nodes);
         mark(0);
-        launch(kernel, occupied_ + occupied_ / 64, 192, bytes, s, occupied, law_, inverse_density, cell);
+        const int all = occupied_ + occupied_ / 64, at_once = Plan::Resident * processors_;
+        launch(kernel, Plan::Ahead ? std::min(all, at_once) : all, 192, bytes, s, occupied, law_, inverse_density,
+               cell);
         mark(1);
         launch(large_kernel, processors_, 192, large_bytes, s, overfull, law_, inverse_density, cell);
         mark(2);
@@ -97,7 +100,6 @@ class FusedShare {
     }
     /// Whether each launch may begin while the one before it ends.
     void link(bool linked) { linked_ = linked; }
-    void ask_ahead(std::uint32_t blocks) { ahead_ = blocks; }
     cudaStream_t stream() const { return stream_; }
 
     const Memory<Real>& memory() const { return memory_; }
@@ -130,7 +132,6 @@ class FusedShare {
         s.overfull = overfull_.data(), s.overfulls = counts_.data() + 2, s.overfulls_all = counts_.data() + 5;
         s.occupied = occupied_list_.data(), s.occupieds = counts_.data() + 3;
         s.tile_of = memory_.tile_of.data(), s.error = counts_.data() + 4, s.clocks = clocks_.data();
-        s.ahead = ahead_;
         return s;
     }
 
@@ -167,7 +168,6 @@ class FusedShare {
     Law law_;
     int own_, occupied_ = 0, processors_ = 0;
     bool linked_ = false;
-    std::uint32_t ahead_ = 0;
     LabStream stream_;
     Memory<Real> memory_;
     Array<Region> region_;

@@ -37,7 +37,7 @@ Plain<VonMises<Real>> law_of(const Motion& m) {
     return Plain<VonMises<Real>>(VonMises<Real>(values));
 }
 
-template <class Real, class Plan, class TestPlan>
+template <class Real, class Plan, class TestPlan, class AheadPlan>
 void check_steps(const char* precision, const Options& o) {
     using Law = Plain<VonMises<Real>>;
     const double rounding = sizeof(Real) == 8 ? 1e-12 : 1e-5;
@@ -49,8 +49,11 @@ void check_steps(const char* precision, const Options& o) {
     Present<Real, Law> present(column, motion, law);
     FusedShare<Real, Law, Plan> fused(column, motion, law), reversed(column, motion, law, true);
     FusedShare<Real, Law, TestPlan> crowded(column, motion, law);
+    FusedShare<Real, Law, AheadPlan> ahead(column, motion, law);
+    ahead.link(true);
     for (int i = 1; i <= o.check_steps; ++i) {
         present.step(unmarked), fused.step(unmarked), reversed.step(unmarked), crowded.step(unmarked);
+        ahead.step(unmarked);
         if (i != 1 && i != 2 && i != o.check_steps) continue;
         present.p2g();
         check(cudaDeviceSynchronize(), "Checking");
@@ -71,6 +74,7 @@ void check_steps(const char* precision, const Options& o) {
     tell(precision, "same bits in another order of blocks", same_bits(fused, reversed), "");
     tell(precision, "same bits with overfull blocks", same_bits(fused, crowded) && crowded.overfulls() > 0,
          number("overfull", crowded.overfulls()));
+    tell(precision, "same bits ahead, and linked", same_bits(fused, ahead), number("overfull", ahead.overfulls()));
     tell(precision, "regions large enough", !fused.failed() && !crowded.failed(),
          number("overfull", fused.overfulls()));
 }
@@ -82,11 +86,6 @@ void measure_fused(const char* name, const char* precision, const Column<Real>& 
     FusedShare<Real, Law, Plan> fused(column, motion, law_of<Real>(motion));
     const std::string called = name;
     measure(called, precision, column.particle.size(), fused, o);
-    if (o.ahead > 0 && !Plan::Clocks) {
-        fused.ask_ahead(std::uint32_t(o.ahead * Plan::Resident));
-        measure(called + ", rows ahead", precision, column.particle.size(), fused, o);
-        fused.ask_ahead(0);
-    }
     if (!Plan::Clocks) {
         print_time((called + ", graph").c_str(), precision, column.particle.size(), time_graph(fused, o.steps), "");
         fused.link(true);
@@ -127,15 +126,17 @@ void measure_single(const Column<float>& column, const Options& o) {
     if (o.only.empty() || o.only == "present") measure_present("single", column, o);
     if (!o.only.empty() && o.only != "fused") return;
     measure_fused<float, FusedPlan<768, 1, 3, 2816>>("fused-768x3", "single", column, o);
-    measure_fused<float, FusedPlan<576, 1, 4, 2816>>("fused-576x4", "single", column, o);
-    measure_fused<float, FusedPlan<768, 1, 3, 2816, true>>("fused-768x3 by clocks", "single", column, o);
+    measure_fused<float, FusedPlan<576, 1, 3, 2816, true>>("fused-576x3 ahead", "single", column, o);
+    measure_fused<float, FusedPlan<768, 1, 3, 2816, false, true>>("fused-768x3 by clocks", "single", column, o);
+    measure_fused<float, FusedPlan<576, 1, 3, 2816, true, true>>("fused-576x3 ahead by clocks", "single", column, o);
 }
 
 void measure_double(const Column<double>& column, const Options& o) {
     if (o.only.empty() || o.only == "present") measure_present("double", column, o);
     if (!o.only.empty() && o.only != "fused") return;
     measure_fused<double, FusedPlan<640, 2, 2, 1472>>("fused-640x2", "double", column, o);
-    measure_fused<double, FusedPlan<640, 2, 2, 1472, true>>("fused-640x2 by clocks", "double", column, o);
+    measure_fused<double, FusedPlan<640, 2, 2, 1472, true>>("fused-640x2 ahead", "double", column, o);
+    measure_fused<double, FusedPlan<640, 2, 2, 1472, true, true>>("fused-640x2 ahead by clocks", "double", column, o);
 }
 
 void run(const Options& o) {
@@ -145,9 +146,11 @@ void run(const Options& o) {
                 o.plan.jitter);
     const auto wants = [&](const char* what) { return o.only.empty() || o.only == what; };
     if (o.precision != "double" && wants("check"))
-        check_steps<float, FusedPlan<768, 1, 3, 2816>, FusedPlan<480, 1, 3, 2816>>("single", o);
+        check_steps<float, FusedPlan<768, 1, 3, 2816>, FusedPlan<480, 1, 3, 2816>, FusedPlan<576, 1, 3, 2816, true>>(
+            "single", o);
     if (o.precision != "single" && wants("check"))
-        check_steps<double, FusedPlan<640, 2, 2, 1472>, FusedPlan<480, 2, 2, 1472>>("double", o);
+        check_steps<double, FusedPlan<640, 2, 2, 1472>, FusedPlan<480, 2, 2, 1472>, FusedPlan<640, 2, 2, 1472, true>>(
+            "double", o);
     for (const int edge : o.edges) {
         ColumnPlan plan = o.plan;
         plan.edge = edge;
@@ -172,8 +175,6 @@ Options options_of(int argc, char** argv) {
             o.check_edge = std::stoi(value);
         else if (key == "--check-steps")
             o.check_steps = std::stoi(value);
-        else if (key == "--ahead")
-            o.ahead = std::stoi(value);
         else if (key == "--precision")
             o.precision = value;
         else if (key == "--only")

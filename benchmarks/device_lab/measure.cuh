@@ -13,7 +13,7 @@ using moraine::lab::ColumnPlan;
 struct Options {
     ColumnPlan plan;
     std::vector<int> edges{128, 64, 29};
-    int steps = 62, warm_up = 10, check_edge = 40, check_steps = 40, ahead = 132;
+    int steps = 62, warm_up = 10, check_edge = 40, check_steps = 40;
     std::string precision = "both", only;
 };
 
