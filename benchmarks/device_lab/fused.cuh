@@ -12,7 +12,8 @@
 // Who leaves is added to tiles by add_incoming.cuh. A block with more particles than fit goes on a list, which an
 // instance with all of a multiprocessor's shared memory works off.
 
-#include "device_lab/fused_layout.cuh"
+#include "device_lab/fused_copies.cuh"
+#include "device_lab/fused_order.cuh"
 
 namespace moraine::gpu::lab {
 
@@ -23,102 +24,9 @@ struct Fused {
     using F = FusedGather<Real, 3, Quadratic, Law, false, false, false, FluidGrid::none>;
     using Core = CoreRows<Real, 3>;
     using Step = FusedStep<Real>;
-    static constexpr unsigned threads = Case::threads;
-    static constexpr int rounds = (Capacity + int(threads) - 1) / int(threads);
-
-    /// A warp has a part of the list of its own, 32 entries a round: how many, and the thread's entry of the first.
-    static __device__ __forceinline__ unsigned rounds_of(std::uint32_t n) { return (n + threads - 1) / threads; }
-    static __device__ __forceinline__ unsigned first_of(std::uint32_t n) {
-        return thread_now() / 32 * 32 * rounds_of(n) + thread_now() % 32;
-    }
-
-    /// Asks for all rows, round by round.
-    static __device__ __forceinline__ void start(const Step& s, const Region& from, int b, H& held) {
-        const std::size_t base = std::size_t(b) * s.capacity;
-        const std::uint32_t n = from.count();
-#pragma unroll 1
-        for (int r = 0; r < rounds; ++r) {
-            const unsigned i = first_of(n) + unsigned(r) * 32;
-            if (unsigned(r) < rounds_of(n) && i < n) {
-                const std::size_t slot = base + from.place(i);
-#pragma unroll
-                for (int row = 0; row < core_rows<3>; ++row)
-#pragma unroll
-                    for (int u = 0; u < H::per_row; ++u)
-                        copy_async<16>(&held.rows.unit[row * H::per_row + u][H::at(i)],
-                                       reinterpret_cast<const uint4*>(s.v.p.core[row] + slot) + u);
-                copy_async<4>(&held.home[i], s.home + slot);
-            }
-            if (const unsigned t = thread_now(); r == 0 && t < unsigned(Block<3>::offsets)) {
-                copy_async<4>(&held.neighbour[t], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + t);
-                copy_async<4>(&held.number[t], s.number);
-            }
-            commit_async();
-        }
-    }
-
-    static __device__ __forceinline__ void wait_for_round(int r) {
-        if (Ahead) return;
-        if (rounds > 4 || r + 1 >= rounds) {
-            wait_async<0>();
-        } else if (r == 0) {
-            wait_async<rounds - 1>();
-        } else if (r == 1) {
-            wait_async<(rounds > 2 ? rounds - 2 : 0)>();
-        } else {
-            wait_async<(rounds > 3 ? rounds - 3 : 0)>();
-        }
-    }
-
-    /// Asks for the nodes of the block, which come before the rows: one group of copies.
-    static __device__ __forceinline__ void start_nodes(const View<Real, 3>& v, const std::int32_t* node_block,
-                                                       typename H::Tile& tile) {
-        constexpr int side = Case::side, size = int(sizeof(Real));
-        auto& nodes = nodes_of(tile);
-#pragma unroll 1
-        for (int n = int(thread_now()); n < Case::tile_nodes; n += int(threads)) {
-            int corner = 0, at = 0, rest = n;
-#pragma unroll
-            for (int a = 0; a < 3; ++a, rest /= side) {
-                corner |= (rest % side >> 2) << a;
-                at |= (rest % side & 3) << (2 * a);
-            }
-            const std::int32_t block = node_block[corner];  // node_of is the identity
-            const Real* from = v.grid.nodes + (std::size_t(block) * Block<3>::cells + unsigned(at)) * node_reals;
-            Real *row = nodes.row[n].e, *pair = nodes.pair[n].e;
-            copy_async<2 * size>(row, from);
-            copy_async<size>(row + 2, from + 2);
-            copy_async<size>(row + 3, from + quad);
-            copy_async<size>(pair, from + quad + 1);
-            copy_async<size>(pair + 1, from + quad + 2);
-        }
-        commit_async();
-    }
-
-    /// Once they are there: ghosts and steps; ends with a barrier.
-    static __device__ __forceinline__ void finish_nodes(const View<Real, 3>& v, int b, bool border,
-                                                        typename H::Tile& tile) {
-        wait_async<(Ahead ? 0 : rounds)>();
-        __syncthreads();
-        if (border) set_ghosts<3>(v, b, Quadratic::origin, nodes_of(tile));
-        set_steps(tile);
-    }
-    template <int W>
-    static __device__ __forceinline__ void set_steps(NodeTile<Real, 3, W>&) {}
-    template <int W>
-    static __device__ __forceinline__ void set_steps(StepTile<Real, 3, W>& tile) {
-        for (int n = int(thread_now()); n < tile.node.size - 1; n += int(threads)) {
-            auto step = tile.node.get(n + 1);
-            step.combine(tile.node.get(n), [](Real x, Real y) { return x - y; });
-            tile.step.set(n, step);
-        }
-        __syncthreads();
-    }
-
-    static __device__ __forceinline__ void empty_bins(H& held) {
-        auto* words = reinterpret_cast<std::uint32_t*>(held.bin);
-        for (unsigned k = thread_now(); k < H::warps * bins / 2; k += threads) words[k] = 0;
-    }
+    using Copies = FusedCopies<Real, Capacity, Passes, Ahead>;
+    using Order = FusedOrder<Real, Capacity, Passes, Ahead>;
+    static constexpr unsigned threads = H::threads;
 
     /// One particle, as FusedGather::update; returns its key.
     static __device__ __forceinline__ int update(const Step& s, const Law& law, Real inverse_density, int b, unsigned i,
@@ -159,10 +67,10 @@ struct Fused {
                                                   std::uint32_t n, H& held, Seen<Real>& tally, double& power) {
         std::uint16_t* bin = held.bin[thread_now() / 32];
 #pragma unroll 1
-        for (unsigned r = 0; r < rounds_of(n); ++r) {
-            const unsigned i = first_of(n) + 32 * r;
+        for (unsigned r = 0; r < H::rounds_of(n); ++r) {
+            const unsigned i = H::first_of(n) + 32 * r;
             if (i - i % 32 >= n) break;
-            wait_for_round(int(r));
+            Copies::wait_for_round(int(r));
             int key = bins - 1;
             if (i < n) key = update(s, law, inverse_density, b, i, held, tally, power);
             const unsigned peers = __match_any_sync(all_lanes, key);
@@ -173,58 +81,6 @@ struct Fused {
             if (i < n) held.key[i] = std::uint16_t(unsigned(key) | (before + rank) << 7);
             __syncwarp();
         }
-    }
-
-    /// From keys to the order; begins and ends with a barrier. Each warp adds up all counts for itself: that is less
-    /// than the barriers it would take to share the work.
-    static __device__ __forceinline__ void sort(std::uint32_t n, H& held) {
-        static_assert(bins == 96 && bins <= 128 && rounds * 32 <= 512);
-        __syncthreads();
-        const unsigned warp = thread_now() / 32, key = 3 * unsigned(lane_id());
-        std::uint32_t all[3] = {0, 0, 0}, before[3] = {0, 0, 0};
-#pragma unroll
-        for (unsigned w = 0; w < H::warps; ++w)
-#pragma unroll
-            for (int j = 0; j < 3; ++j) {
-                if (w == warp) before[j] = all[j];
-                all[j] += held.bin[w][key + j];
-            }
-        const std::uint32_t sum = all[0] + all[1] + all[2], first = scan_inclusive(sum) - sum;
-        const std::uint32_t start[3] = {first, first + all[0], first + all[0] + all[1]};
-#pragma unroll
-        for (int j = 0; j < 3; ++j) {
-            held.place[warp][key + j] = std::uint16_t(start[j] + before[j]);
-            if (warp == 0) held.start[key + j] = start[j];
-        }
-        __syncwarp();
-        for (unsigned r = 0; r < rounds_of(n); ++r) {
-            const unsigned i = first_of(n) + 32 * r;
-            if (i >= n) break;
-            const unsigned k = held.key[i];
-            held.order[held.place[warp][k & 127] + (k >> 7)] = std::uint16_t(i);
-        }
-        __syncthreads();
-    }
-
-    /// Rows in their new order, and who goes where.
-    static __device__ __forceinline__ void write(const Step& s, int b, std::uint32_t n, const H& held) {
-        const std::size_t base = std::size_t(b) * s.capacity;
-        const unsigned t = thread_now();
-#pragma unroll 1
-        for (unsigned k = t; k < n; k += threads) {
-            const unsigned i = held.order[k], at = H::at(i);
-#pragma unroll
-            for (int r = 0; r < core_rows<3>; ++r) store_row(s.v.p.core[r] + base + k, held.take(at, r));
-            s.home[base + k] = held.home[i];
-        }
-        const std::uint32_t stay = held.start[first_exit];
-        if (t == 0) s.region[b] = {stay, n, 0, n - stay};
-        if (stay == n || t > unsigned(exits)) return;
-        const std::uint32_t from = held.start[first_exit + t];
-        s.exit_at[std::size_t(b) * (exits + 1) + t] = std::uint16_t(from);
-        if (t >= unsigned(Block<3>::offsets) || held.start[first_exit + t + 1] == from) return;
-        const int to = int(held.neighbour[t]);
-        if (to >= 0) s.claimed[to] = held.number[t];  // whoever else writes it writes the same
     }
 
     /// What the gather has seen, by warps; then, after a barrier, of the block.
@@ -304,28 +160,6 @@ struct Fused {
         }
     }
 
-    /// What is to be known of the next block comes while this one is worked on, in two steps: its number, the rest.
-    /// Complete after wait_async<0> of the threads that asked and a barrier.
-    static __device__ __forceinline__ void ask_for_number(const Chosen& chosen, std::uint32_t item, H& held) {
-        if (thread_now() == 0) {
-            if (item < count_now(chosen))
-                copy_async<4>(&held.next.block, chosen.block + item);
-            else
-                held.next.block = -1;
-        }
-        commit_async();
-    }
-    static __device__ __forceinline__ void ask_for_rest(const Step& s, H& held) {
-        const unsigned t = thread_now();
-        const int b = held.next.block;
-        if (b >= 0 && t < 4) {
-            const std::int32_t* nodes = s.v.table.node_block + std::size_t(b) * Block<3>::corners;
-            if (t < 2) copy_async<16>(&held.next.node_block[4 * t], nodes + 4 * t);
-            if (t == 2) copy_async<16>(&held.next.region, s.region + b);
-            if (t == 3) copy_async<4>(held.next.border, s.v.table.border + (b & ~3));
-        }
-        commit_async();
-    }
     static __device__ __forceinline__ bool fits(std::uint32_t n) {
         return n > 0 && n <= unsigned(Capacity);
     }
@@ -385,32 +219,32 @@ __global__ void __launch_bounds__(192, Resident)
         const bool border = asked ? (held.next.border[0] >> 8 * (b & 3) & 255) != 0 : s.v.table.border[b] != 0;
         if (thread_now() == 0) held.block[0] = b, held.border = border;
         if (asked) {
-            F::start_nodes(s.v, held.next.node_block, held.nodes.tile);
+            F::Copies::start_nodes(s.v, held.next.node_block, held.nodes.tile);
         } else {
-            F::start_nodes(s.v, s.v.table.node_block + std::size_t(b) * Block<3>::corners, held.nodes.tile);
-            F::start(s, from, b, held);
+            F::Copies::start_nodes(s.v, s.v.table.node_block + std::size_t(b) * Block<3>::corners, held.nodes.tile);
+            F::Copies::start(s, from, b, held);
         }
-        F::empty_bins(held);
+        F::Order::empty_bins(held);
         clock.tick(0);
-        F::finish_nodes(s.v, b, border, held.nodes.tile);
+        F::Copies::finish_nodes(s.v, b, border, held.nodes.tile);
         clock.tick(1);
-        if (Ahead) F::ask_for_number(chosen, item + gridDim.x, held);
+        if (Ahead) F::Copies::ask_for_number(chosen, item + gridDim.x, held);
         Seen<Real> seen;
         double work = 0;
         F::gather(s, law, inverse_density, b, n, held, seen, work);
         F::note(seen, work, held);
         if (Ahead) wait_async<0>();
         clock.tick(2);
-        F::sort(n, held);
+        F::Order::sort(n, held);
         clock.tick(3);
-        if (Ahead) F::ask_for_rest(s, held);
-        F::write(s, b, n, held);
+        if (Ahead) F::Copies::ask_for_rest(s, held);
+        F::Order::write(s, b, n, held);
         F::report(s, b, held);
         clock.tick(4);
         asked = false;
         const auto start_next = [&](bool now) {
             if (!Ahead || !now || held.next.block < 0 || !F::fits(held.next.region.count())) return;
-            F::start(s, held.next.region, held.next.block, held);
+            F::Copies::start(s, held.next.region, held.next.block, held);
             asked = true;
         };
         const auto summed = [&] {

@@ -89,7 +89,8 @@ struct Held {
     static constexpr int parts = Passes == 1 ? 2 : 1;
     static constexpr bool planes_in_rows = Passes == 1 && !Ahead, fold_in_rows = Passes == 1 && Ahead;
     static constexpr int planes_bytes = parts * Planes<Case>::bytes + (fold_in_rows ? 0 : fold_bytes<Case, parts>);
-    static constexpr int warps = Case::threads / 32;
+    static constexpr unsigned threads = Case::threads;
+    static constexpr int warps = Case::threads / 32, rounds = (Capacity + Case::threads - 1) / Case::threads;
 
     union Rows {
         uint4 unit[units][Capacity];
@@ -111,6 +112,12 @@ struct Held {
     int block[1];
     bool border;
     NextBlock next;
+
+    /// A warp has a part of the list of its own, 32 entries a round: how many, and the thread's entry of the first.
+    static __device__ __forceinline__ unsigned rounds_of(std::uint32_t n) { return (n + threads - 1) / threads; }
+    static __device__ __forceinline__ unsigned first_of(std::uint32_t n) {
+        return thread_now() / 32 * 32 * rounds_of(n) + thread_now() % 32;
+    }
 
     /// Which place holds entry i: lanes that read entries 8 apart, which the same particle of neighbouring cells often
     /// is, meet different banks.
