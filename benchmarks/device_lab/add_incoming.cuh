@@ -37,6 +37,7 @@ class Incoming {
 
     __device__ void run() {
         __syncwarp();
+        prefetch_tile();
         find();
         const std::uint32_t all = m.upto[31], tail = s.region[b].tail;
         if (tail + all > s.capacity) {
@@ -62,6 +63,15 @@ class Incoming {
     }
 
   private:
+    __device__ const char* tile_begin() const {
+        return reinterpret_cast<const char*>(s.v.grid.tiles) + std::size_t(b) * nodes * 2 * sizeof(Row<Real>);
+    }
+    /// Into the L2 cache.
+    __device__ void prefetch_tile() const {
+        for (unsigned k = 128 * unsigned(lane_id()); k < nodes * 2 * sizeof(Row<Real>); k += 128 * 32)
+            asm volatile("prefetch.global.L2 [%0];" ::"l"(tile_begin() + k));
+    }
+
     __device__ void find() {
         const int code = lane_id();
         std::uint32_t n = 0;
@@ -121,16 +131,29 @@ class Incoming {
         store_row(&m.tile[node][0], first), store_row(&m.tile[node][1], second);
     }
 
+    /// Nodes that somebody touches, several loads at a time.
     __device__ void add_tile() {
+        constexpr int at_once = 4;
         auto* to = reinterpret_cast<Row<Real>*>(s.v.grid.tiles) + std::size_t(b) * nodes * 2;
+#pragma unroll 1
+        for (int base = lane_id(); base < nodes; base += 32 * at_once) {
+            Row<Real> first[at_once], second[at_once];
+            bool touched[at_once];
 #pragma unroll
-        for (int n = lane_id(); n < nodes; n += 32) {
-            const Row<Real> mine = load_row(&m.tile[n][0]), other = load_row(&m.tile[n][1]);
-            if (!(mine.e[0] > Real(0))) continue;
-            Row<Real> first = load_row(to + 2 * n), second = load_row(to + 2 * n + 1);
+            for (int k = 0; k < at_once; ++k) {
+                const int n = base + 32 * k;
+                touched[k] = n < nodes && m.tile[n][0].e[0] > Real(0);
+                if (touched[k]) first[k] = load_row(to + 2 * n), second[k] = load_row(to + 2 * n + 1);
+            }
 #pragma unroll
-            for (int i = 0; i < quad; ++i) first.e[i] += mine.e[i], second.e[i] += other.e[i];
-            store_row(to + 2 * n, first), store_row(to + 2 * n + 1, second);
+            for (int k = 0; k < at_once; ++k) {
+                if (!touched[k]) continue;
+                const int n = base + 32 * k;
+                const Row<Real> mine = load_row(&m.tile[n][0]), other = load_row(&m.tile[n][1]);
+#pragma unroll
+                for (int i = 0; i < quad; ++i) first[k].e[i] += mine.e[i], second[k].e[i] += other.e[i];
+                store_row(to + 2 * n, first[k]), store_row(to + 2 * n + 1, second[k]);
+            }
         }
     }
 
@@ -149,7 +172,7 @@ __device__ __forceinline__ void conclude(const FusedStep<Real>& s) {
     ++*s.number;
 }
 
-/// A warp looks at every so-many-th block.
+/// A warp looks at some blocks in a row.
 template <class Real>
 __global__ void __launch_bounds__(32 * incoming_warps<Real>) add_incoming(const __grid_constant__ FusedStep<Real> s) {
     __shared__ typename Incoming<Real>::Scratch scratch[incoming_warps<Real>];
@@ -158,17 +181,18 @@ __global__ void __launch_bounds__(32 * incoming_warps<Real>) add_incoming(const 
     const int warp = int(threadIdx.x) / 32, warps = int(gridDim.x) * incoming_warps<Real>;
     const std::uint32_t number = *s.number;
     Account<3>& account = account_of(s.v);
-    for (int base = int(blockIdx.x) * incoming_warps<Real> + warp; base < s.v.table.own; base += 32 * warps) {
-        const int mine = base + lane_id() * warps;
-        const bool in = mine < s.v.table.own;
-        const BlockReport report = in ? s.report[mine] : BlockReport{0, 0, 0};
-        unsigned left = __ballot_sync(all_lanes, in && s.claimed[mine] == number);
+    const int share = (s.v.table.own + warps - 1) / warps,
+              first = (int(blockIdx.x) * incoming_warps<Real> + warp) * share;
+    const int end = min(first + share, s.v.table.own);
+    for (int base = first; base < end; base += 32) {
+        const int mine = base + lane_id();
+        const BlockReport report = mine < end ? s.report[mine] : BlockReport{0, 0, 0};
+        unsigned left = __ballot_sync(all_lanes, mine < end && s.claimed[mine] == number);
         const ExactSum work[1] = {s.g.quantum.of(report.work)};
         fold_sums(work, &account.work);
         const double signal = warp_max(report.signal), moved = warp_max(report.moved);
         if (lane_id() == 0 && signal > 0) raise(account.signal, signal), raise(account.moved, moved);
-        for (; left != 0; left &= left - 1)
-            Incoming<Real>(s, scratch[warp], base + (__ffs(int(left)) - 1) * warps).run();
+        for (; left != 0; left &= left - 1) Incoming<Real>(s, scratch[warp], base + __ffs(int(left)) - 1).run();
     }
     __syncthreads();
     if (threadIdx.x == 0) conclude(s);

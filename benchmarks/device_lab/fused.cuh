@@ -64,13 +64,15 @@ struct Fused {
     }
 
     static __device__ __forceinline__ void gather(const Step& s, const Law& law, Real inverse_density, int b,
-                                                  std::uint32_t n, H& held, Seen<Real>& tally, double& power) {
+                                                  const Region& from, H& held, Seen<Real>& tally, double& power) {
+        const std::uint32_t n = from.count();
         std::uint16_t* bin = held.bin[thread_now() / 32];
 #pragma unroll 1
         for (unsigned r = 0; r < H::rounds_of(n); ++r) {
             const unsigned i = H::first_of(n) + 32 * r;
             if (i - i % 32 >= n) break;
-            Copies::wait_for_round(int(r));
+            Copies::start(s, from, b, r + 1, held);
+            wait_async<1>();
             int key = bins - 1;
             if (i < n) key = update(s, law, inverse_density, b, i, held, tally, power);
             const unsigned peers = __match_any_sync(all_lanes, key);
@@ -222,7 +224,7 @@ __global__ void __launch_bounds__(192, Resident)
             F::Copies::start_nodes(s.v, held.next.node_block, held.nodes.tile);
         } else {
             F::Copies::start_nodes(s.v, s.v.table.node_block + std::size_t(b) * Block<3>::corners, held.nodes.tile);
-            F::Copies::start(s, from, b, held);
+            F::Copies::start(s, from, b, 0, held);
         }
         F::Order::empty_bins(held);
         clock.tick(0);
@@ -231,7 +233,7 @@ __global__ void __launch_bounds__(192, Resident)
         if (Ahead) F::Copies::ask_for_number(chosen, item + gridDim.x, held);
         Seen<Real> seen;
         double work = 0;
-        F::gather(s, law, inverse_density, b, n, held, seen, work);
+        F::gather(s, law, inverse_density, b, from, held, seen, work);
         F::note(seen, work, held);
         if (Ahead) wait_async<0>();
         clock.tick(2);
@@ -244,7 +246,7 @@ __global__ void __launch_bounds__(192, Resident)
         asked = false;
         const auto start_next = [&](bool now) {
             if (!Ahead || !now || held.next.block < 0 || !F::fits(held.next.region.count())) return;
-            F::Copies::start(s, held.next.region, held.next.block, held);
+            F::Copies::start(s, held.next.region, held.next.block, 0, held);
             asked = true;
         };
         const auto summed = [&] {

@@ -1,6 +1,7 @@
 #pragma once
 // What a thread block of the fused step asks memory for: rows, nodes, and what is to be known of the next block; all by
-// cp.async, so that no register waits. Groups of copies: nodes, then rounds of rows; with Ahead rows come first.
+// cp.async, so that no register waits. Groups of copies: nodes, then rounds of rows, each asked for
+// a round ahead: to ask for all at once is to stand in a queue. With Ahead the first round comes before the nodes.
 
 #include "device_lab/fused_layout.cuh"
 
@@ -12,44 +13,27 @@ struct FusedCopies {
     using H = Held<Real, Capacity, Passes, Ahead>;
     using Step = FusedStep<Real>;
     static constexpr unsigned threads = H::threads;
-    static constexpr int rounds = H::rounds;
 
-    /// Asks for all rows, round by round.
-    static __device__ __forceinline__ void start(const Step& s, const Region& from, int b, H& held) {
+    /// Asks for the rows of one round: one group of copies, of the first round with where those who leave will go.
+    static __device__ __forceinline__ void start(const Step& s, const Region& from, int b, unsigned r, H& held) {
         const std::size_t base = std::size_t(b) * s.capacity;
         const std::uint32_t n = from.count();
-#pragma unroll 1
-        for (int r = 0; r < rounds; ++r) {
-            const unsigned i = H::first_of(n) + unsigned(r) * 32;
-            if (unsigned(r) < H::rounds_of(n) && i < n) {
-                const std::size_t slot = base + from.place(i);
+        const unsigned i = H::first_of(n) + r * 32;
+        if (r < H::rounds_of(n) && i < n) {
+            const std::size_t slot = base + from.place(i);
 #pragma unroll
-                for (int row = 0; row < core_rows<3>; ++row)
+            for (int row = 0; row < core_rows<3>; ++row)
 #pragma unroll
-                    for (int u = 0; u < H::per_row; ++u)
-                        copy_async<16>(&held.rows.unit[row * H::per_row + u][H::at(i)],
-                                       reinterpret_cast<const uint4*>(s.v.p.core[row] + slot) + u);
-                copy_async<4>(&held.home[i], s.home + slot);
-            }
-            if (const unsigned t = thread_now(); r == 0 && t < unsigned(Block<3>::offsets)) {
-                copy_async<4>(&held.neighbour[t], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + t);
-                copy_async<4>(&held.number[t], s.number);
-            }
-            commit_async();
+                for (int u = 0; u < H::per_row; ++u)
+                    copy_async<16>(&held.rows.unit[row * H::per_row + u][H::at(i)],
+                                   reinterpret_cast<const uint4*>(s.v.p.core[row] + slot) + u);
+            copy_async<4>(&held.home[i], s.home + slot);
         }
-    }
-
-    static __device__ __forceinline__ void wait_for_round(int r) {
-        if (Ahead) return;
-        if (rounds > 4 || r + 1 >= rounds) {
-            wait_async<0>();
-        } else if (r == 0) {
-            wait_async<rounds - 1>();
-        } else if (r == 1) {
-            wait_async<(rounds > 2 ? rounds - 2 : 0)>();
-        } else {
-            wait_async<(rounds > 3 ? rounds - 3 : 0)>();
+        if (const unsigned t = thread_now(); r == 0 && t < unsigned(Block<3>::offsets)) {
+            copy_async<4>(&held.neighbour[t], s.v.table.neighbour + std::size_t(b) * Block<3>::offsets + t);
+            copy_async<4>(&held.number[t], s.number);
         }
+        commit_async();
     }
 
     /// Asks for the nodes of the block, which come before the rows: one group of copies.
@@ -80,7 +64,7 @@ struct FusedCopies {
     /// Once they are there: ghosts and steps; ends with a barrier.
     static __device__ __forceinline__ void finish_nodes(const View<Real, 3>& v, int b, bool border,
                                                         typename H::Tile& tile) {
-        wait_async<(Ahead ? 0 : rounds)>();
+        wait_async<(Ahead ? 0 : 1)>();
         __syncthreads();
         if (border) set_ghosts<3>(v, b, Quadratic::origin, nodes_of(tile));
         set_steps(tile);
