@@ -111,12 +111,13 @@ struct Fused {
         const unsigned cell = thread_now() % Case::cells;
         unsigned k = held.start[cell];
         const unsigned end = held.start[cell + 1];
+        unsigned at = k < end ? H::at(held.order[k]) : 0;
 #pragma unroll 1
-        for (; k < end; ++k) {
-            const unsigned at = H::at(held.order[k]);
+        while (k < end) {
             Particle<Case> p;
 #pragma unroll
             for (int r = 0; r < core_rows<3>; ++r) p.core.row[r] = held.take(at, r);
+            if (++k < end) at = H::at(held.order[k]);
             add_particle<Case, Momentum, Force>(p, slice, 0, v.context, cell_size, Real(0), sums);
         }
         each_sum<Momentum, Force>(sums, [](auto& x) { take_outer_from_middle<Case>(x); });
