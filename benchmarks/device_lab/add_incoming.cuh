@@ -172,7 +172,7 @@ __device__ __forceinline__ void conclude(const FusedStep<Real>& s) {
     ++*s.number;
 }
 
-/// A warp looks at some blocks in a row.
+/// A warp looks at every so-many-th block: those that somebody comes to are often neighbours.
 template <class Real>
 __global__ void __launch_bounds__(32 * incoming_warps<Real>) add_incoming(const __grid_constant__ FusedStep<Real> s) {
     __shared__ typename Incoming<Real>::Scratch scratch[incoming_warps<Real>];
@@ -181,18 +181,17 @@ __global__ void __launch_bounds__(32 * incoming_warps<Real>) add_incoming(const 
     const int warp = int(threadIdx.x) / 32, warps = int(gridDim.x) * incoming_warps<Real>;
     const std::uint32_t number = *s.number;
     Account<3>& account = account_of(s.v);
-    const int share = (s.v.table.own + warps - 1) / warps,
-              first = (int(blockIdx.x) * incoming_warps<Real> + warp) * share;
-    const int end = min(first + share, s.v.table.own);
-    for (int base = first; base < end; base += 32) {
-        const int mine = base + lane_id();
-        const BlockReport report = mine < end ? s.report[mine] : BlockReport{0, 0, 0};
-        unsigned left = __ballot_sync(all_lanes, mine < end && s.claimed[mine] == number);
+    for (int base = int(blockIdx.x) * incoming_warps<Real> + warp; base < s.v.table.own; base += 32 * warps) {
+        const int mine = base + lane_id() * warps;
+        const bool in = mine < s.v.table.own;
+        const BlockReport report = in ? s.report[mine] : BlockReport{0, 0, 0};
+        unsigned left = __ballot_sync(all_lanes, in && s.claimed[mine] == number);
         const ExactSum work[1] = {s.g.quantum.of(report.work)};
         fold_sums(work, &account.work);
         const double signal = warp_max(report.signal), moved = warp_max(report.moved);
         if (lane_id() == 0 && signal > 0) raise(account.signal, signal), raise(account.moved, moved);
-        for (; left != 0; left &= left - 1) Incoming<Real>(s, scratch[warp], base + __ffs(int(left)) - 1).run();
+        for (; left != 0; left &= left - 1)
+            Incoming<Real>(s, scratch[warp], base + (__ffs(int(left)) - 1) * warps).run();
     }
     __syncthreads();
     if (threadIdx.x == 0) conclude(s);
