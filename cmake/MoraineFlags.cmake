@@ -28,6 +28,16 @@ if(NOT DEFINED MORAINE_MARCH)
     endif()
 endif()
 
+# The transfers and laws once more for AVX-512, which a run chooses (core/processor.hpp): where compiler and binutils can.
+include(CheckCXXCompilerFlag)
+set(MORAINE_AVX512_OPTIONS -mavx512f -mavx512bw -mavx512dq -mavx512vl -mfma -mtune=sapphirerapids)
+string(REPLACE ";" " " options "${MORAINE_AVX512_OPTIONS}")
+check_cxx_compiler_flag("${options}" MORAINE_COMPILES_AVX512)
+if(MORAINE_COMPILES_AVX512 AND CMAKE_LINKER AND CMAKE_OBJCOPY AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    set(MORAINE_HAS_AVX512 ON)
+endif()
+option(MORAINE_AVX512 "Transfers and laws for AVX-512 besides, chosen at run time" ${MORAINE_HAS_AVX512})
+
 add_library(moraine_flags INTERFACE)
 target_compile_definitions(moraine_flags INTERFACE OMPI_SKIP_MPICXX=1)
 function(moraine_host_options)

@@ -15,8 +15,9 @@
 // the scene, so that a law is compiled once and not once per shape and transfer.
 
 #include "core/cell_kernels.hpp"
+#include "core/gather_sums.hpp"
 #include "core/grid_views.hpp"
-#include "core/light_stencil.hpp"
+#include "core/light_cell.hpp"
 #include "core/particle_shifting.hpp"
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
@@ -35,6 +36,9 @@ struct GridToParticles {
     static constexpr int batch = 64;
     using Q = Quad<Real>;
     using W = Weights<Real, Dim, Shape>;
+    using Light = LightCell<Real, Dim, width>;
+    using T = Together<Real, particles_together<Real>>;  ///< particles of a cell that are gathered together
+    using Part = GatheredPart<T, Dim>;
 
     struct Scratch {
         Q nodes[2 * tile_nodes];
@@ -92,17 +96,6 @@ struct GridToParticles {
     }
 
   private:
-    /// What a cell's particles share where nodes may be light.
-    struct Light {
-        int base[Dim];                    ///< first node of the stencil
-        unsigned ghosts[Dim];             ///< of the stencil (Walls::ghosts)
-        bool at_wall;                     ///< some ghost is folded
-        Real least;                       ///< mass of a node [kg]
-        bool ready;                       ///< the next ones are known
-        Real around;                      ///< mass of all nodes but those behind walls [kg]
-        Real inverse[power<Dim>(width)];  ///< of their masses [1/kg]
-    };
-
     MORAINE_HD std::size_t stored_node(int block, int n) const {
         return stored_tile_node<width>(table, grid, block, n);
     }
@@ -137,7 +130,6 @@ struct GridToParticles {
         const bool border = table.border[block] != 0;
         bool plain[Dim];  // C is the velocity gradient
         Light light;
-        light.ready = light.at_wall = false;
         for (int a = 0; a < Dim; ++a) {
             light.base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
             light.ghosts[a] = border ? context.walls.ghosts(a, light.base[a], width) : 0u;
@@ -150,30 +142,43 @@ struct GridToParticles {
         if (averages && unsigned(filled) + (end - begin) > unsigned(batch)) flush(scratch, filled, out);
         const int first = filled;
         VolumetricMean<Real> mean;
-        light.around = Real(0);
-        light.least = stiffness ? least_mass(nodes) : Real(0);
+        if (stiffness) light.least = least_mass<Dim, width>(nodes);
         if (averages && crowded) mean = mean_of_overfull(begin, end, nodes, plain, light);
-        for (std::uint32_t k = begin; k < end; ++k) {
-            p.fetch_all(list.ahead(block, k));
-            const std::uint32_t s = list.slot[k];
-            const W n = stencil<Real, Dim, Shape>(context, p, s);
-            Gathered g = sum_nodes(n, nodes, plain);
-            if (stiffness) limit_acceleration(s, n, nodes, light, g);
-            if (gather & gather_velocity) take_velocity(s, g);
-            if (gather & gather_gradient) {
-                if (fluid && (!shifting || grid_bulk)) smooth(block, c, s, n, light.base, g);
-                scratch.gradient[filled] = increment_of(g);
-                if (grid_bulk) take_cell(block, c, s, scratch.gradient[filled], out);
-                if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
-                if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
-                scratch.slot[filled++] = s;
-                if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
-                if (filled == batch) flush(scratch, filled, out);
-            }
-            if (moves_particles(gather)) {
-                Q velocity = moving_velocity(gather, g.velocity, g.change);
-                if (shifting) add_shift(block, c, s, n, scratch, velocity);
-                move(block, s, k, c, velocity, border, out);
+        each_gathered(begin, end, nodes, plain,
+                      [&](std::uint32_t k, std::uint32_t s, const auto& stencil_of, const Part& g) MORAINE_INLINE {
+                          p.fetch_all(list.ahead(block, k));
+                          if (stiffness) limit_acceleration(s, stencil_of, nodes, light, g);
+                          if (gather & gather_velocity) take_velocity(s, g);
+                          if (gather & gather_gradient) {
+                              if (fluid && (!shifting || grid_bulk)) smooth(block, c, s, stencil_of, light.base, g);
+                              take_increment(g, scratch.gradient[filled]);
+                              if (grid_bulk) take_cell(block, c, s, scratch.gradient[filled], out);
+                              if (p.log_stretch) stretch_box(s, scratch.gradient[filled], out);
+                              if (averages && crowded) take_mean(mean, s, scratch.gradient[filled]);
+                              scratch.slot[filled++] = s;
+                              if (averages && k + 1 == end && !crowded) average(scratch, first, filled);
+                              if (filled == batch) flush(scratch, filled, out);
+                          }
+                          if (moves_particles(gather)) {
+                              Q velocity = Q::load(moving_velocity(gather, g.velocity(), g.change()));
+                              if (shifting) add_shift(block, c, s, stencil_of, scratch, velocity);
+                              move(block, s, k, c, velocity, border, out);
+                          }
+                      });
+    }
+
+    /// Calls f(list entry, slot, its stencil's maker, what it gathered) for the particles of a cell, in order.
+    template <class F>
+    MORAINE_HD void each_gathered(std::uint32_t begin, std::uint32_t end, const Q* nodes, const bool* plain,
+                                  const F& f) const {
+        for (std::uint32_t k = begin; k < end; k += T::count) {
+            std::uint32_t slots[T::count];  // the last one again where fewer are left
+            for (int i = 0; i < T::count; ++i) slots[i] = list.slot[k + i < end ? k + i : end - 1];
+            const auto n = stencils<T, Shape>(context, p, slots);
+            auto sums = sum_nodes<Affine, T, Shape, Real, Dim>(n, nodes, plain, context.inverse_cell);
+            for (int i = 0; i < T::count && k + i < end; ++i) {
+                f(
+                    k + i, slots[i], [&] { return part_of<T, Real, Dim, Shape>(n, i); }, Part(sums, i));
             }
         }
     }
@@ -190,12 +195,13 @@ struct GridToParticles {
     MORAINE_HD VolumetricMean<Real> mean_of_overfull(std::uint32_t begin, std::uint32_t end, const Q* nodes,
                                                      const bool* plain, Light& light) const {
         VolumetricMean<Real> mean;
-        for (std::uint32_t k = begin; k < end; ++k) {
-            const W n = stencil<Real, Dim, Shape>(context, p, list.slot[k]);
-            Gathered g = sum_nodes(n, nodes, plain);
-            if (stiffness) limit_acceleration(list.slot[k], n, nodes, light, g);
-            add_to_mean(mean, list.slot[k], increment_of(g));
-        }
+        each_gathered(begin, end, nodes, plain,
+                      [&](std::uint32_t, std::uint32_t s, const auto& stencil_of, const Part& g) MORAINE_INLINE {
+                          if (stiffness) limit_acceleration(s, stencil_of, nodes, light, g);
+                          Mat<Real, Dim> dL;
+                          take_increment(g, dL);
+                          add_to_mean(mean, s, dL);
+                      });
         mean.finish();
         return mean;
     }
@@ -210,76 +216,19 @@ struct GridToParticles {
         set_trace(p.stress[s], mean.stress);
     }
 
-    struct Gathered {
-        Q velocity;       ///< sum w v'
-        Q change;         ///< sum w dv
-        Q gradient[Dim];  ///< sum v' dw/dx_b, per axis b
-        Q affine[Dim];    ///< columns of C
-    };
-
-    /// dL of the step.
-    MORAINE_HD Mat<Real, Dim> increment_of(const Gathered& g) const { return tensor_of<Dim>(dt, g.gradient); }
-
-    static MORAINE_HD Gathered sum_nodes_plain(const W& n, const Q* nodes, const Real (*slope)[width], Gathered g) {
-        constexpr int layers = Dim == 2 ? 1 : width;
-        for (int k = 0; k < layers; ++k)
-            for (int j = 0; j < width; ++j) {
-                const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
-                const Real wyz = n.w[1][j] * wz;
-                const Real dyz = n.dw[1][j] * wz;
-                const Real ydz = Dim == 2 ? Real(0) : n.w[1][j] * n.dw[Dim - 1][k];
-                const Q* row = nodes + 2 * (side * (j + side * k));
-                Q across = Q::zero(), along = Q::zero(), change = Q::zero(), lever = Q::zero();
-                for (int i = 0; i < width; ++i) {
-                    const Q& v = row[2 * i];
-                    across = fma(n.w[0][i], v, across);
-                    along = fma(n.dw[0][i], v, along);
-                    change = fma(n.w[0][i], row[2 * i + 1], change);
-                    if constexpr (Affine) lever = fma(slope[0][i], v, lever);
-                }
-                g.change = fma(wyz, change, g.change);
-                g.gradient[0] = fma(wyz, along, g.gradient[0]);
-                if constexpr (Affine) g.affine[0] = fma(wyz, lever, g.affine[0]);
-                g.velocity = fma(wyz, across, g.velocity);
-                g.gradient[1] = fma(dyz, across, g.gradient[1]);
-                if constexpr (Dim == 3) g.gradient[Dim - 1] = fma(ydz, across, g.gradient[Dim - 1]);
-                if constexpr (Affine) {
-                    g.affine[1] = fma(slope[1][j] * wz, across, g.affine[1]);
-                    if constexpr (Dim == 3)
-                        g.affine[Dim - 1] = fma(n.w[1][j] * slope[Dim - 1][k], across, g.affine[Dim - 1]);
-                }
-            }
-        return g;
-    }
-
-    MORAINE_HD Gathered sum_nodes(const W& n, const Q* nodes, const bool* plain) const {
-        Gathered g;
-        g.velocity = g.change = Q::zero();
-        for (int a = 0; a < Dim; ++a) g.gradient[a] = g.affine[a] = Q::zero();
-        if constexpr (Affine) {
-            Real slope[Dim][width];
-            for (int a = 0; a < Dim; ++a)
-                affine_levers<Shape>(n.f[a], n.w[a], n.dw[a], context.inverse_cell, plain[a], slope[a]);
-            return sum_nodes_plain(n, nodes, slope, g);
-        } else {
-            return sum_nodes_plain(n, nodes, nullptr, g);
-        }
-    }
-
-    /// The least mass of the stencil's nodes [kg].
-    static MORAINE_HD Real least_mass(const Q* nodes) {
-        Real least = nodes[0][quad - 1];
-        each_node<Dim, width>([&](int at, int, int, int) {
-            const Real m = nodes[2 * at][quad - 1];
-            if (m < least) least = m;
-        });
-        return least;
+    /// dL of the step, to where it stays: a copy would be loaded as a whole right after it is stored in parts.
+    MORAINE_HD void take_increment(const Part& g, Mat<Real, Dim>& dL) const {
+        for (int a = 0; a < Dim; ++a)
+            for (int b = 0; b < Dim; ++b) dL(a, b) = dt * g.gradient(b)[a];
     }
 
     /// Takes from the gradient and C of a particle what its light nodes cannot bear.
-    MORAINE_HD void limit_acceleration(std::uint32_t s, const W& n, const Q* nodes, Light& light, Gathered& g) const {
+    template <class Stencil>
+    MORAINE_HD void limit_acceleration(std::uint32_t s, const Stencil& stencil_of, const Q* nodes, Light& light,
+                                       const Part& g) const {
         const Stiffness<Real>& k = stiffness[p.body[s]];
         if (!light.at_wall && Real(2) * light.least >= k.full_mass) return;
+        const W n = stencil_of();
         LightStencil<Real, Dim, width> in;
         for (int a = 0; a < Dim; ++a)
             for (int i = 0; i < width; ++i) in.w[a][i] = n.w[a][i], in.dw[a][i] = n.dw[a][i];
@@ -287,10 +236,7 @@ struct GridToParticles {
         if (!light.ready) weigh_nodes(nodes, light);
         Real full = p.mass[s] / p.volume[s];  // rho h^d
         for (int a = 0; a < Dim; ++a) full /= context.inverse_cell;
-        Vec<Real, Dim> reaction = reactions(
-            in, light.around, full,
-            [&](int, int i, int j, int l) { return light.inverse[i + width * (j + width * l)]; },
-            [&](int at, int b) { return moves_along<Real, Dim>(nodes[2 * at], b); });
+        Vec<Real, Dim> reaction = reactions(in, full, light);
         for (int b = 0; b < Dim; ++b) reaction[b] *= dt * dt * k.wave * p.volume[s] / p.mass[s];
         const LightShare<Real, Dim> share = light_share(limits, reaction, in.folded, k.dilation);
         if (share.whole) return;
@@ -299,19 +245,10 @@ struct GridToParticles {
             return acceleration<Real, Dim>(context.walls, index, nodes[2 * at], nodes[2 * at + 1]);
         });
         for (int b = 0; b < Dim; ++b)
-            for (int a = 0; a < Dim; ++a) g.gradient[b][a] += taken.seen(a, b), g.affine[b][a] += taken.kept(a, b);
-    }
-
-    /// A cell's masses, once for its particles.
-    MORAINE_HD void weigh_nodes(const Q* nodes, Light& light) const {
-        light.around = Real(0);
-        light.ready = true;
-        int n = 0;
-        each_node<Dim, width>([&](int at, int i, int j, int k) {
-            const Real m = is_inside<Dim>(light.ghosts, i, j, k) ? nodes[2 * at][quad - 1] : Real(0);
-            light.around += m;
-            light.inverse[n++] = m > Real(0) ? Real(1) / m : Real(0);
-        });
+            for (int a = 0; a < Dim; ++a) {
+                g.gradient(b)[a] += taken.seen(a, b);
+                if constexpr (Affine) g.affine(b)[a] += taken.kept(a, b);
+            }
     }
 
     MORAINE_HD const CellPressure<Real>& cell_of(int block, int c) const {
@@ -337,21 +274,24 @@ struct GridToParticles {
         p.ln_J[s] += increment - cubic;
     }
 
-    MORAINE_HD void smooth(int block, int c, std::uint32_t s, const W& n, const int* base, const Gathered& g) const {
+    template <class Stencil>
+    MORAINE_HD void smooth(int block, int c, std::uint32_t s, const Stencil& stencil_of, const int* base,
+                           const Part& g) const {
         const FluidTerms<Real>& of = fluid[p.body[s]];
         if (!(of.smoothing > Real(0))) return;
-        const Real head = grid_bulk ? cell_of(block, c).head : g.change[quad - 1];
-        const Real pressure = head - gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f);
+        const Real head = grid_bulk ? cell_of(block, c).head : g.change()[quad - 1];
+        const Real pressure = head - gravity_pressure<Real, Dim>(context.gravity_slope, base, stencil_of().f);
         smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, p.stress[s], p.ln_J[s]);
     }
 
     /// Adds the shift of a particle in cell c to the velocity that moves it.
-    MORAINE_HD void add_shift(int block, int c, std::uint32_t s, const W& n, const Scratch& scratch,
+    template <class Stencil>
+    MORAINE_HD void add_shift(int block, int c, std::uint32_t s, const Stencil& stencil_of, const Scratch& scratch,
                               Q& velocity) const {
         const Real shifts = fluid[p.body[s]].shifting;
         if (!(shifts > Real(0))) return;
         const Real* excess = scratch.excess + tile_offset<Dim, width>(c);
-        const Vec<Real, Dim> gradient = gradient_of_excess<Shape>(n, excess);
+        const Vec<Real, Dim> gradient = gradient_of_excess<Shape>(stencil_of(), excess);
         const Real h = Real(1) / context.inverse_cell, most = Real(0.5) * h * h / shifts;
         Vec<Real, Dim> shift = shift_by(shifts, grid_bulk && most < dt ? most : dt, h, gradient);
         if (table.border[block]) {
@@ -362,10 +302,12 @@ struct GridToParticles {
         velocity = velocity + Q::scaled(Real(1) / dt, shift);
     }
 
-    MORAINE_HD void take_velocity(std::uint32_t s, const Gathered& g) const {
+    MORAINE_HD void take_velocity(std::uint32_t s, const Part& g) const {
         for (int a = 0; a < Dim; ++a)
-            p.velocity[s][a] = blended_velocity(flip, p.velocity[s][a], g.change[a], g.velocity[a]);
-        if constexpr (Affine) p.affine[s] = tensor_of<Dim>(Real(1), g.affine);
+            p.velocity[s][a] = blended_velocity(flip, p.velocity[s][a], g.change()[a], g.velocity()[a]);
+        if constexpr (Affine)
+            for (int a = 0; a < Dim; ++a)
+                for (int b = 0; b < Dim; ++b) p.affine[s](a, b) = g.affine(b)[a];
     }
 
     MORAINE_HD void stretch_box(std::uint32_t s, const Mat<Real, Dim>& dL, BlockOutcome& out) const {

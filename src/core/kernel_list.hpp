@@ -9,6 +9,7 @@
 #include "core/law_batch.hpp"
 #include "core/p2g.hpp"
 #include "core/particle_gaps.hpp"
+#include "core/processor.hpp"
 
 namespace moraine {
 
@@ -64,23 +65,14 @@ struct TransferKernels {
     void (*gaps)(const TransferCall<Real, Dim>&, const GapCall<Dim>&);
 };
 
-/// One row of the list; defined once per compiled combination.
+/// One row of the list; defined once per compiled combination, and again for AVX-512 where that pays (processor.hpp).
 template <class Real, int Dim, class Shape>
-TransferKernels<Real, Dim> transfer_kernels(bool affine);
+TransferKernels<Real, Dim> transfer_kernels_any(bool affine);
+template <class Real, int Dim, class Shape>
+TransferKernels<Real, Dim> transfer_kernels_avx512(bool affine);
 
-/// The row of a scene.
+/// The row of a scene, for this processor.
 template <class Real, int Dim>
-TransferKernels<Real, Dim> choose_kernels(moraine::Shape shape, bool affine) {
-    switch (shape) {
-        case moraine::Shape::linear:
-            return transfer_kernels<Real, Dim, Linear>(affine);
-        case moraine::Shape::quadratic:
-            return transfer_kernels<Real, Dim, Quadratic>(affine);
-        case moraine::Shape::cubic:
-            return transfer_kernels<Real, Dim, Cubic>(affine);
-        default:
-            return transfer_kernels<Real, Dim, Gimp>(affine);
-    }
-}
+TransferKernels<Real, Dim> choose_kernels(Shape shape, bool affine);
 
 }  // namespace moraine

@@ -3,19 +3,32 @@
 //
 // Each lane is an ordinary IEEE operation, so the bits are those of the scalar formula.
 
+#include <utility>
+
+#include "core/processor.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {
 
 template <class Real>
 struct Lanes {
-    static constexpr int count = 32 / sizeof(Real);
-    typedef Real Register __attribute__((vector_size(32)));
+    static constexpr int bytes = register_bytes < 32 ? 32 : register_bytes;
+    static constexpr int count = bytes / int(sizeof(Real));
+    typedef Real Register __attribute__((vector_size(bytes)));
     Register v;
 
     Lanes() = default;
     MORAINE_HD explicit Lanes(Register r) : v(r) {}
     MORAINE_HD explicit Lanes(double all) : v(Register{} + static_cast<Real>(all)) {}
+    /// value(lane) of each.
+    template <class F>
+    static MORAINE_HD Lanes each(const F& value) {
+        return [&]<int... K>(std::integer_sequence<int, K...>) MORAINE_INLINE {
+            return Lanes(Register{value(K)...});
+        }
+        (std::make_integer_sequence<int, count>{});
+    }
+    MORAINE_HD Real operator[](int i) const { return v[i]; }
     MORAINE_HD Real& operator[](int i) { return reinterpret_cast<Real*>(&v)[i]; }
     MORAINE_HD Lanes& operator+=(Lanes b) { return v += b.v, *this; }
 

@@ -1,6 +1,7 @@
 #include "core/law_batch.hpp"
 
 #include "core/lanes.hpp"
+#include "core/processor.hpp"
 
 namespace moraine {
 
@@ -13,18 +14,13 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
 
     void update(const ParticleView<Real, Dim>& p, const std::uint32_t* slots, const Mat<Real, Dim>* gradients, int n,
                 Real dt, const std::uint16_t* material_of, int mine, BlockOutcome& out) const override {
-        using L = Lanes<Real>;
-        std::uint32_t slot[L::count];
+        int lane_of[L::count];
         int filled = 0;
-        Mat<L, Dim> dL = zero_mat<L, Dim>();
         for (int k = 0; k < n; ++k) {
-            if (!material_of || material_of[p.body[slots[k]]] == mine) {
-                for (int i = 0; i < Dim; ++i)
-                    for (int j = 0; j < Dim; ++j) dL(i, j)[filled] = gradients[k](i, j);
-                slot[filled++] = slots[k];
-            }
+            if (!material_of || material_of[p.body[slots[k]]] == mine) lane_of[filled++] = k;
             if (filled == L::count || (k == n - 1 && filled > 0)) {
-                update_lanes(p, slot, dL, filled, dt, out);
+                for (int i = filled; i < L::count; ++i) lane_of[i] = lane_of[filled - 1];
+                update_lanes(p, slots, gradients, lane_of, filled, dt, out);
                 filled = 0;
             }
         }
@@ -46,22 +42,59 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
     }
 
   private:
-    void update_lanes(const ParticleView<Real, Dim>& p, const std::uint32_t* slot, const Mat<Lanes<Real>, Dim>& dL,
-                      int n, Real dt, BlockOutcome& out) const {
-        StrainIncrement<Lanes<Real>, Dim> all = strain_increment(dL, Lanes<Real>(double(dt)));
+    using L = Lanes<Real>;
+    /// Whether trials are made in lanes (point.hpp).
+    static constexpr bool has_trial =
+        requires(const Law& law, const StrainIncrement<Real, Dim>& i, PointState<Real, Dim>& s) {
+        law.after_trial(i, s);
+    };
+
+    /// Updates n particles of a batch: those at lane_of. What has no branches is done for all lanes.
+    void update_lanes(const ParticleView<Real, Dim>& p, const std::uint32_t* slots, const Mat<Real, Dim>* gradients,
+                      const int* lane_of, int n, Real dt, BlockOutcome& out) const {
+        Mat<L, Dim> dL;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) dL(i, j) = L::each([&](int k) { return gradients[lane_of[k]](i, j); });
+        const StrainIncrement<L, Dim> all = strain_increment(dL, L(double(dt)));
+        Sym<L, Dim> trial;
+        if constexpr (has_trial) {
+            for (int c = 0; c < Sym<L, Dim>::size; ++c)
+                trial[c] = L::each([&](int k) { return p.stress[slots[lane_of[k]]][c]; });
+            trial = law_.elastic.trial(all, trial);
+        }
         for (int k = 0; k < n; ++k) {
-            StrainIncrement<Real, Dim> one;
-            for (int c = 0; c < Sym<Real, Dim>::size; ++c)
-                one.strain[c] = all.strain[c][k], one.middle[c] = all.middle[c][k];
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j)
-                    one.rotation(i, j) = all.rotation(i, j)[k], one.gradient(i, j) = all.gradient(i, j)[k];
-            one.volumetric = all.volumetric[k];
-            one.stretch = all.stretch[k];
+            const std::uint32_t s = slots[lane_of[k]];
+            StrainIncrement<Real, Dim> one = increment_of(all, k);
             one.dt = dt;
-            update_point(law_, p, slot[k], one, inverse_density_, out);
+            PointState<Real, Dim> state = load_point<Law>(p, s);
+            if constexpr (has_trial) {
+                const Sym<Real, Dim> before = state.stress;
+                for (int c = 0; c < Sym<Real, Dim>::size; ++c) state.stress[c] = trial[c][k];
+                state.ln_J += one.volumetric;
+                law_.after_trial(one, state);
+                store_point<Law>(p, s, state,
+                                 point_step(law_, one, before, state, p.mass[s], p.velocity[s], inverse_density_), out);
+            } else {
+                const PointStep<Real> step =
+                    advance_point(law_, one, state, p.mass[s], p.velocity[s], inverse_density_);
+                store_point<Law>(p, s, state, step, out);
+            }
         }
     }
+
+    /// That of one lane, but dt.
+    static StrainIncrement<Real, Dim> increment_of(const StrainIncrement<L, Dim>& all, int k) {
+        StrainIncrement<Real, Dim> one;
+        for (int c = 0; c < Sym<Real, Dim>::size; ++c)
+            one.strain[c] = all.strain[c][k], one.middle[c] = all.middle[c][k];
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j)
+                one.rotation(i, j) = all.rotation(i, j)[k], one.gradient(i, j) = all.gradient(i, j)[k];
+        one.volumetric = all.volumetric[k];
+        one.stretch = all.stretch[k];
+        return one;
+    }
+
     Law law_;
     Real inverse_density_;
 };
@@ -69,7 +102,7 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
 }  // namespace
 
 template <class Real, int Dim>
-std::unique_ptr<LawBatch<Real, Dim>> make_law_batch(const MaterialSpec& spec) {
+std::unique_ptr<LawBatch<Real, Dim>> MORAINE_ENTRY(make_law_batch)(const MaterialSpec& spec) {
     return with_law<Real>(spec.law, spec.parameters.data(),
                           [&](const auto& law) -> std::unique_ptr<LawBatch<Real, Dim>> {
                               using Law = std::decay_t<decltype(law)>;
@@ -77,9 +110,9 @@ std::unique_ptr<LawBatch<Real, Dim>> make_law_batch(const MaterialSpec& spec) {
                           });
 }
 
-template std::unique_ptr<LawBatch<float, 2>> make_law_batch<float, 2>(const MaterialSpec&);
-template std::unique_ptr<LawBatch<float, 3>> make_law_batch<float, 3>(const MaterialSpec&);
-template std::unique_ptr<LawBatch<double, 2>> make_law_batch<double, 2>(const MaterialSpec&);
-template std::unique_ptr<LawBatch<double, 3>> make_law_batch<double, 3>(const MaterialSpec&);
+template std::unique_ptr<LawBatch<float, 2>> MORAINE_ENTRY(make_law_batch)<float, 2>(const MaterialSpec&);
+template std::unique_ptr<LawBatch<float, 3>> MORAINE_ENTRY(make_law_batch)<float, 3>(const MaterialSpec&);
+template std::unique_ptr<LawBatch<double, 2>> MORAINE_ENTRY(make_law_batch)<double, 2>(const MaterialSpec&);
+template std::unique_ptr<LawBatch<double, 3>> MORAINE_ENTRY(make_law_batch)<double, 3>(const MaterialSpec&);
 
 }  // namespace moraine

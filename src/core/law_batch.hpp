@@ -28,9 +28,13 @@ class LawBatch {
     virtual double signal(const ParticleView<Real, Dim>& p, std::uint32_t slot) const = 0;
 };
 
-/// Not collective.
+/// For this processor (processor.hpp), and for which it was compiled. Not collective.
 template <class Real, int Dim>
 std::unique_ptr<LawBatch<Real, Dim>> make_law_batch(const MaterialSpec& spec);
+template <class Real, int Dim>
+std::unique_ptr<LawBatch<Real, Dim>> make_law_batch_any(const MaterialSpec& spec);
+template <class Real, int Dim>
+std::unique_ptr<LawBatch<Real, Dim>> make_law_batch_avx512(const MaterialSpec& spec);
 
 /// Called by the gather: every material of the scene over one batch.
 template <class Real, int Dim>

@@ -11,9 +11,10 @@
 // its stencil, cells into the tile in order. Nothing is added by atomics, so the result does not
 // depend on who runs it. Blocks are chosen by a list: boundary and interior blocks run this one kernel.
 
+#include "core/gather_sums.hpp"
 #include "core/grid_views.hpp"
 #include "core/pressure_smoothing.hpp"
-#include "core/quad.hpp"
+#include "core/quad_pair.hpp"
 #include "core/stencil.hpp"
 
 namespace moraine {
@@ -26,7 +27,7 @@ struct ParticlesToGrid {
     static constexpr int stencil_nodes = power<Dim>(width);
 
     struct Scratch {
-        Quad<Real> sums[2 * stencil_nodes];  ///< (mass, momentum) and force of each node of a cell's stencil
+        QuadPair<Real> sums[stencil_nodes];  ///< (mass, momentum) and force of each node of a cell's stencil
     };
 
     StencilContext<Real, Dim> context;
@@ -52,11 +53,14 @@ struct ParticlesToGrid {
 
   private:
     using Q = Quad<Real>;
+    using Pair = QuadPair<Real>;
+    using Factors = typename Pair::Factors;
+    using Number = typename Factors::Number;  ///< a weight in every lane of a pair
 
-    MORAINE_HD void add_cell(int block, int c, Q* sums, Real* tile) const {
+    MORAINE_HD void add_cell(int block, int c, Pair* sums, Real* tile) const {
         const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
         if (bounds[0] == bounds[1]) return;
-        for (int n = 0; n < 2 * stencil_nodes; ++n) sums[n] = Q::zero();
+        for (int n = 0; n < stencil_nodes; ++n) sums[n] = Pair::of(Q::zero(), Q::zero());
         int base[Dim];
         for (int a = 0; a < Dim; ++a)
             base[a] = first_node<Shape>(table.position[block][a]) + cell_coordinate<Dim>(c, a);
@@ -67,11 +71,8 @@ struct ParticlesToGrid {
         }
         Real* to = tile + tile_offset<Dim, width>(c) * node_reals;
         each_node<Dim, width>([&](int at, int i, int j, int k) {
-            const Q* from = sums + 2 * (i + width * (j + width * k));
-            for (int half = 0; half < 2; ++half) {
-                Real* q = to + at * node_reals + half * quad;
-                (Q::load(q) + from[half]).store(q);
-            }
+            Real* q = to + at * node_reals;
+            Pair::load(q).plus(sums[i + width * (j + width * k)]).store(q);
         });
     }
 
@@ -94,70 +95,85 @@ struct ParticlesToGrid {
 
     /// What one particle brings to every node of its stencil.
     struct Load {
-        Q carried;            ///< (m, q) at the stencil's first node
-        Q slope[Dim];         ///< change of (m, q) from node to node
-        Q traction[Dim];      ///< -V sigma, column by column
-        Q body_force;         ///< (m b, s)
+        Pair carried;         ///< (m, q) at the stencil's first node, and -V sigma's column y
+        Pair slope[Dim];      ///< change of (m, q) from node to node
+        Pair along;           ///< the columns x,
+        Pair last;            ///< and z
+        Pair body_force;      ///< (m b, s)
         bool has_body_force;  ///< or s
     };
 
-    MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Q* sums) const {
-        using std::fma;
-        Weights<Real, Dim, Shape> n = stencil<Real, Dim, Shape>(context, p, s);
+    MORAINE_HD void add_particle(std::uint32_t s, const int* base, bool border, Pair* sums) const {
+        std::uint32_t slots[Factors::count];
+        for (std::uint32_t& slot : slots) slot = s;
+        Weights<Number, Dim, Shape> n = stencils<Factors, Shape>(context, p, slots);
         if constexpr (Affine && Shape::width > 2)
             for (int a = 0; border && a < Dim; ++a)
                 fold_weights<Shape::width>(context.walls.ghosts(a, base[a], width), n.w[a], n.dw[a]);
+        Real f[Dim];
+        for (int a = 0; a < Dim; ++a) f[a] = Factors::number_of(n.f[a], 0);
+        add_nodes(n, load_of(s, base, f), sums);
+    }
+
+    MORAINE_HD Load load_of(std::uint32_t s, const int* base, const Real* f) const {
+        using std::fma;
+        const Q none = Q::zero();
         const Real m = p.mass[s];
         Load load;
         Sym<Real, Dim> sigma = p.stress[s];
         const Real pressure = sigma.trace() * Real(1.0 / 3.0);
         const bool of_grid = grid_bulk && grid_bulk[p.body[s]] > Real(0);
         for (int a = 0; of_grid && a < 3; ++a) sigma[a] -= pressure;
-        load.carried = Q::scaled_after(m, m, p.velocity[s]);
         load.has_body_force = p.body_force != nullptr || mean != NodeMean::none;
-        load.body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : Q::zero();
-        if (mean != NodeMean::none) {
-            const Real s_of_p = mean == NodeMean::volume
-                                    ? (grid_bulk && !of_grid ? Real(0) : p.volume[s])
-                                    : m * (pressure + gravity_pressure<Real, Dim>(context.gravity_slope, base, n.f));
-            load.body_force = load.body_force + Q::of(Real(0), Real(0), Real(0), s_of_p);
+        if (load.has_body_force) {
+            Q body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : none;
+            if (mean != NodeMean::none) {
+                const Real s_of_p = mean == NodeMean::volume
+                                        ? (grid_bulk && !of_grid ? Real(0) : p.volume[s])
+                                        : m * (pressure + gravity_pressure<Real, Dim>(context.gravity_slope, base, f));
+                body_force = body_force + Q::of(Real(0), Real(0), Real(0), s_of_p);
+            }
+            load.body_force = Pair::of(none, body_force);
         }
+        Q carried = Q::scaled_after(m, m, p.velocity[s]), traction[Dim];
         for (int b = 0; b < Dim; ++b) {
             Vec<Real, Dim> column;
             for (int a = 0; a < Dim; ++a) column[a] = sigma(a, b);
-            load.traction[b] = Q::scaled(-p.volume[s], column);
+            traction[b] = Q::scaled(-p.volume[s], column);
             if constexpr (Affine) {
                 for (int a = 0; a < Dim; ++a) column[a] = p.affine[s](a, b) * cell;
-                load.slope[b] = Q::scaled_after(Real(0), m, column);
-                load.carried = fma(-(n.f[b] + Shape::template reach<Real>), load.slope[b], load.carried);
+                const Q slope = Q::scaled_after(Real(0), m, column);
+                load.slope[b] = Pair::of(slope, none);
+                carried = fma(-(f[b] + Shape::template reach<Real>), slope, carried);
             }
         }
-        add_nodes(n, load, sums);
+        load.carried = Pair::of(carried, traction[1]);
+        load.along = Pair::of(none, traction[0]);
+        if constexpr (Dim == 3) load.last = Pair::of(none, traction[Dim - 1]);
+        return load;
     }
 
-    MORAINE_HD static void add_nodes(const Weights<Real, Dim, Shape>& n, const Load& load, Q* sums) {
+    MORAINE_HD static void add_nodes(const Weights<Number, Dim, Shape>& n, const Load& load, Pair* sums) {
         constexpr int layers = Dim == 2 ? 1 : width;
         for (int k = 0; k < layers; ++k) {
-            const Real wz = Dim == 2 ? Real(1) : n.w[Dim - 1][k];
+            const Number wz = Dim == 2 ? Number(1) : n.w[Dim - 1][k];
             for (int j = 0; j < width; ++j) {
-                const Real wyz = n.w[1][j] * wz;
-                Q momentum = load.carried;
+                const Number wyz = n.w[1][j] * wz;
+                Pair both = load.carried;
                 if constexpr (Affine) {
-                    momentum = fma(Real(j), load.slope[1], momentum);
-                    if constexpr (Dim == 3) momentum = fma(Real(k), load.slope[Dim - 1], momentum);
+                    both = both.first_plus(Number(j), load.slope[1]);
+                    if constexpr (Dim == 3) both = both.first_plus(Number(k), load.slope[Dim - 1]);
                 }
-                momentum = wyz * momentum;
-                const Q along = wyz * load.traction[0];
-                Q across = (n.dw[1][j] * wz) * load.traction[1];
-                if constexpr (Dim == 3) across = fma(n.w[1][j] * n.dw[Dim - 1][k], load.traction[Dim - 1], across);
-                if (load.has_body_force) across = fma(wyz, load.body_force, across);
-                Q step = Q::zero();
-                if constexpr (Affine) step = wyz * load.slope[0];
+                both = both.times(wyz, n.dw[1][j] * wz);
+                if constexpr (Dim == 3) both = both.second_plus(n.w[1][j] * n.dw[Dim - 1][k], load.last);
+                if (load.has_body_force) both = both.second_plus(wyz, load.body_force);
+                const Pair along = load.along.times(wyz, wyz);
+                Pair step;
+                if constexpr (Affine) step = load.slope[0].times(wyz, wyz);
                 for (int i = 0; i < width; ++i) {
-                    Q* to = sums + 2 * (i + width * (j + width * k));
-                    to[0] = fma(n.w[0][i], momentum, to[0]);
-                    to[1] = fma(n.dw[0][i], along, fma(n.w[0][i], across, to[1]));
-                    if constexpr (Affine) momentum = momentum + step;
+                    Pair& to = sums[i + width * (j + width * k)];
+                    to = to.plus(n.w[0][i], both).second_plus(n.dw[0][i], along);
+                    if constexpr (Affine) both = both.first_plus(step);
                 }
             }
         }

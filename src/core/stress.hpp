@@ -76,17 +76,13 @@ struct PointStep {
     std::uint32_t faults;  ///< bits of Fault
 };
 
-/// The point of mass m and velocity v after the step. inverse_density: 1/rho0 [m3/kg].
+/// What a point of mass m and velocity v tells, whose state is that after the step. before: its stress before it;
+/// inverse_density: 1/rho0 [m3/kg].
 template <class Law, class Real, int Dim>
-MORAINE_HD PointStep<Real> advance_point(const Law& law, const StrainIncrement<Real, Dim>& increment,
-                                         PointState<Real, Dim>& state, Real mass, const Vec<Real, Dim>& v,
-                                         Real inverse_density) {
+MORAINE_HD PointStep<Real> point_step(const Law& law, const StrainIncrement<Real, Dim>& increment,
+                                      const Sym<Real, Dim>& before, const PointState<Real, Dim>& state, Real mass,
+                                      const Vec<Real, Dim>& v, Real inverse_density) {
     using std::exp;
-    const Sym<Real, Dim> before = state.stress;
-    state.ln_J += increment.volumetric;
-    if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, increment.gradient);
-    law.update(increment, state);
-
     const Real J = exp(state.ln_J);
     PointStep<Real> step;
     step.volume = mass * inverse_density * J;
@@ -99,12 +95,22 @@ MORAINE_HD PointStep<Real> advance_point(const Law& law, const StrainIncrement<R
     return step;
 }
 
-/// The same for the particle in slot s.
+/// The point after the step.
 template <class Law, class Real, int Dim>
-MORAINE_HD void update_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
-                             const StrainIncrement<Real, Dim>& increment, Real inverse_density, BlockOutcome& out) {
-    PointState<Real, Dim> state = load_point<Law>(p, s);
-    const PointStep<Real> step = advance_point(law, increment, state, p.mass[s], p.velocity[s], inverse_density);
+MORAINE_HD PointStep<Real> advance_point(const Law& law, const StrainIncrement<Real, Dim>& increment,
+                                         PointState<Real, Dim>& state, Real mass, const Vec<Real, Dim>& v,
+                                         Real inverse_density) {
+    const Sym<Real, Dim> before = state.stress;
+    state.ln_J += increment.volumetric;
+    if constexpr (Law::uses_left_stretch) state.left_stretch = advanced(state.left_stretch, increment.gradient);
+    law.update(increment, state);
+    return point_step(law, increment, before, state, mass, v, inverse_density);
+}
+
+/// Writes the state of the particle in slot s, and what its step tells.
+template <class Law, class Real, int Dim>
+MORAINE_HD void store_point(const ParticleView<Real, Dim>& p, std::uint32_t s, const PointState<Real, Dim>& state,
+                            const PointStep<Real>& step, BlockOutcome& out) {
     p.stress[s] = state.stress;
     p.ln_J[s] = state.ln_J;
     p.volume[s] = step.volume;

@@ -8,9 +8,11 @@
 
 #if defined(__CUDACC__)
 #define MORAINE_HD __host__ __device__ __forceinline__
+#define MORAINE_INLINE
 #define MORAINE_HD_RARE __host__ __device__ __noinline__  // its registers are no burden to who calls it
 #else
 #define MORAINE_HD inline __attribute__((always_inline))
+#define MORAINE_INLINE __attribute__((always_inline))  // of a lambda on the host
 #define MORAINE_HD_RARE __attribute__((noinline))
 #endif
 

@@ -1,8 +1,11 @@
 #include <doctest/doctest.h>
 
+#include <cstring>
+#include <limits>
 #include <random>
+#include <type_traits>
 
-#include "core/quad.hpp"
+#include "core/quad_pair.hpp"
 
 using namespace moraine;
 
@@ -60,4 +63,31 @@ TEST_CASE_TEMPLATE("a quad is loaded from and stored to any place of memory", Re
             CHECK(to[i] == (k >= 0 && k < quad ? Real(from + k) : Real(0)));
         }
     }
+}
+
+TEST_CASE_TEMPLATE("what is done to one quad of a pair leaves the other, in one register as in two", Real, float,
+                   double) {
+    std::mt19937_64 random(5);
+    const auto check = [&]<bool InOne>(std::bool_constant<InOne>) {
+        using Pair = QuadPair<Real, InOne>;
+        using Factors = typename Pair::Factors;
+        const Real infinite = std::numeric_limits<Real>::infinity();
+        const Quad<Real> a = Quad<Real>::of(Real(-0.0), infinite, Real(1), Real(-0.0)), b = wild_quad<Real>(random);
+        const Quad<Real> c = wild_quad<Real>(random), d = Quad<Real>::all(infinite);
+        const Real s = wild<Real>(random);
+        const auto number = Factors::each([&](int) { return s; });
+        const auto is = [](const Pair& found, const Quad<Real>& first, const Quad<Real>& second) {
+            Real memory[2 * quad];
+            found.store(memory);
+            return std::memcmp(memory, &first, sizeof(first)) == 0 &&
+                   std::memcmp(memory + quad, &second, sizeof(second)) == 0;
+        };
+        CHECK(is(Pair::of(a, b).second_plus(number, Pair::of(d, c)), a, fma(s, c, b)));
+        CHECK(is(Pair::of(b, a).first_plus(number, Pair::of(c, d)), fma(s, c, b), a));
+        CHECK(is(Pair::of(b, a).first_plus(Pair::of(c, d)), b + c, a));
+        CHECK(is(Pair::of(b, c).plus(number, Pair::of(c, b)), fma(s, c, b), fma(s, b, c)));
+        CHECK(is(Pair::of(b, c).times(number, Factors::each([](int) { return Real(3); })), s * b, Real(3) * c));
+    };
+    check(std::false_type{});
+    check(std::bool_constant<2 * quad* int(sizeof(Real)) <= register_bytes>{});
 }

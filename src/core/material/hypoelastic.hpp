@@ -50,12 +50,12 @@ struct Hypoelastic {
           shear(Real(young / (2 * (1 + poisson)))),
           bulk(Real(young / (3 * (1 - 2 * poisson)))) {}
 
-    /// The stress at the end of the step if nothing yields [Pa].
-    template <int Dim>
-    MORAINE_HD Sym<Real, Dim> trial(const StrainIncrement<Real, Dim>& step, const Sym<Real, Dim>& stress) const {
-        Sym<Real, Dim> t = rotated(stress, step.rotation);
-        const Real volumetric = lambda * step.strain.trace();
-        const Real twice = Real(2) * shear;
+    /// The stress at the end of the step if nothing yields [Pa]. Number: Real, or one of several particles (lanes.hpp).
+    template <class Number, int Dim>
+    MORAINE_HD Sym<Number, Dim> trial(const StrainIncrement<Number, Dim>& step, const Sym<Number, Dim>& stress) const {
+        Sym<Number, Dim> t = rotated(stress, step.rotation);
+        const Number volumetric = Number(lambda) * step.strain.trace();
+        const Number twice = Number(Real(2) * shear);
         for (int k = 0; k < 3; ++k) t[k] += volumetric;
         for (int k = 0; k < Sym<Real, Dim>::size; ++k) t[k] += twice * step.strain[k];
         return t;

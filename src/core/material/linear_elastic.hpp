@@ -26,6 +26,9 @@ struct LinearElastic {
     }
 
     template <int Dim>
+    MORAINE_HD void after_trial(const StrainIncrement<Real, Dim>&, PointState<Real, Dim>&) const {}
+
+    template <int Dim>
     MORAINE_HD Real wave_modulus(const PointState<Real, Dim>&) const {
         return elastic.wave_modulus();
     }

@@ -54,8 +54,13 @@ struct MuI {
 
     template <int Dim>
     MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
-        using std::sqrt;
         state.stress = elastic.trial(step, state.stress);
+        after_trial(step, state);
+    }
+
+    template <int Dim>
+    MORAINE_HD void after_trial(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
+        using std::sqrt;
         const Invariants<Real> trial = invariants(state.stress);
         const Real before = state.history[1];
         Real gap = before;

@@ -13,6 +13,10 @@
 //   Real strain_energy(state) const;                    stored elastic energy per current volume [J/m3]
 //   static const char* problem(const double* values);   nullptr, or what is wrong between parameters
 // and, where it wants them,
+//   Hypoelastic<Real> elastic;                          whose trial stress update() begins with, and
+//   template <int Dim> void after_trial(const StrainIncrement<Real, Dim>&, PointState<Real, Dim>&) const;
+//                                                       the rest of it: the host makes trials of several particles at
+//                                                       once (law_batch.cpp)
 //   const char* begin(const BodyStart&, PointState&) const;   host only: its scalars at the start, from the body's keys
 //                                                       and the initial stress; nullptr, or why there are none
 //   static constexpr bool flows = true;                 its particles may be shifted, and its pressure be that of the

@@ -33,6 +33,11 @@ struct Tresca {
     template <int Dim>
     MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
         state.stress = elastic.trial(step, state.stress);
+        after_trial(step, state);
+    }
+
+    template <int Dim>
+    MORAINE_HD void after_trial(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
         const Invariants<Real> trial = invariants(state.stress);
         if (trial.j2 <= strength.lowest * strength.lowest) return;
 

@@ -31,8 +31,13 @@ struct VonMises {
 
     template <int Dim>
     MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
-        using std::sqrt;
         state.stress = elastic.trial(step, state.stress);
+        after_trial(step, state);
+    }
+
+    template <int Dim>
+    MORAINE_HD void after_trial(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
+        using std::sqrt;
         const Invariants<Real> trial = invariants(state.stress);
         if (trial.j2 <= strength.lowest * strength.lowest) return;
 
