@@ -50,6 +50,7 @@ class Lists {
     std::uint16_t* moves() const { return moves_.data(); }
     std::uint32_t* changed() const { return changed_.data(); }
     std::uint32_t* slots() const { return slot_.data(); }
+    const std::uint32_t* former_first() const { return next_first_.data(); }  ///< once made: view().first of before
 
     /// Occupied blocks that some peer needs.
     std::uint32_t occupied_boundary() const { return occupied_.host().front(); }

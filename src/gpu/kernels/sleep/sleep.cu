@@ -1,0 +1,113 @@
+#include "gpu/kernels/launch.cuh"
+#include "gpu/kernels/sleep/sleep.cuh"
+
+namespace moraine::gpu {
+
+namespace {
+
+constexpr unsigned thread_blocks(int items, unsigned each) {
+    return (static_cast<unsigned>(items) + each - 1) / each;
+}
+
+/// A kernel with a warp per own block.
+template <class Kernel, class Real, int Dim, class... Arguments>
+void run_over_own(Kernel kernel, const char* name, const View<Real, Dim>& view, cudaStream_t stream,
+                  const Arguments&... arguments) {
+    if (view.table.own == 0) return;
+    kernel<<<thread_blocks(view.table.own, sleep_warps), sleep_threads, 0, stream>>>(view, arguments...);
+    check(cudaGetLastError(), name);
+}
+
+/// Of a launch over about so many items.
+unsigned some_blocks(int items, unsigned each) {
+    return static_cast<unsigned>(few_blocks((items > 0 ? items : 0) / static_cast<int>(each) + 1));
+}
+
+void empty(const ListToMake& list, cudaStream_t stream) {
+    check(cudaMemsetAsync(list.count, 0, sizeof(std::uint32_t), stream), "Emptying a list");
+}
+
+}  // namespace
+
+template <class Real, int Dim>
+void wake_entered(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const std::uint32_t* former_first,
+                  cudaStream_t stream) {
+    run_over_own(wake_entered_kernel<Real, Dim>, "Waking blocks", view, stream, sleep, former_first);
+}
+
+template <class Real, int Dim>
+void find_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cudaStream_t stream) {
+    if (view.table.own == 0) return;
+    find_sleepers_kernel<<<thread_blocks(view.table.own, sleep_threads), sleep_threads, 0, stream>>>(view, sleep);
+    check(cudaGetLastError(), "Looking for sleepers");
+}
+
+template <class Real, int Dim>
+void find_activity(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cudaStream_t stream) {
+    run_over_own(find_activity_kernel<Real, Dim>, "A sleep check", view, stream, sleep);
+}
+
+template <class Real, int Dim>
+void change_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, bool first, const Quantum& quantum,
+                     cudaStream_t stream) {
+    run_over_own(change_kernel<Real, Dim>, "A sleep check", view, stream, sleep, first, quantum);
+}
+
+template <class Real, int Dim>
+void choose_sums(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen, std::int32_t made,
+                 bool all, const ListToMake& list, const Launch& launch) {
+    empty(list, launch.stream);
+    choose_sums_kernel<<<some_blocks(launch.blocks, sleep_threads), sleep_threads, 0, launch.stream>>>(
+        view, sleep, chosen, made, all, list);
+    check(cudaGetLastError(), "Listing blocks to sum");
+}
+
+template <class Real, int Dim>
+void keep_masses(const View<Real, Dim>& view, const SleepView<Dim>& sleep, int width, Real* masses,
+                 cudaStream_t stream) {
+    run_over_own(keep_masses_kernel<Real, Dim>, "Keeping masses", view, stream, sleep.asleep,
+                 power<Dim>(tile_side(width)), masses);
+}
+
+template <class Real, int Dim>
+void hold_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const HoldArgs<Real>& args,
+                   cudaStream_t stream) {
+    run_over_own(hold_kernel<Real, Dim>, "Asking what wakes", view, stream, sleep, args);
+}
+
+template <class Real, int Dim>
+void choose_awake(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen,
+                  const ListToMake& list, const Launch& launch) {
+    empty(list, launch.stream);
+    choose_awake_kernel<<<some_blocks(launch.blocks, sleep_warps), sleep_threads, 0, launch.stream>>>(view, sleep,
+                                                                                                      chosen, list);
+    check(cudaGetLastError(), "Listing blocks that are awake");
+}
+
+template <int Dim>
+void fold_sleep(SleepAccount<Dim>* accounts, bool with_taken, SleepAccount<Dim>* report, cudaStream_t stream) {
+    fold_sleep_kernel<<<1, 32, 0, stream>>>(accounts, with_taken, report);
+    check(cudaGetLastError(), "Folding the report of sleep");
+}
+
+template void fold_sleep(SleepAccount<2>*, bool, SleepAccount<2>*, cudaStream_t);
+template void fold_sleep(SleepAccount<3>*, bool, SleepAccount<3>*, cudaStream_t);
+
+#define MORAINE_SLEEP(Real, Dim)                                                                                      \
+    template void wake_entered(const View<Real, Dim>&, const SleepView<Dim>&, const std::uint32_t*, cudaStream_t);    \
+    template void find_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, cudaStream_t);                         \
+    template void find_activity(const View<Real, Dim>&, const SleepView<Dim>&, cudaStream_t);                         \
+    template void change_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, bool, const Quantum&, cudaStream_t); \
+    template void choose_sums(const View<Real, Dim>&, const SleepView<Dim>&, const Chosen&, std::int32_t, bool,       \
+                              const ListToMake&, const Launch&);                                                      \
+    template void keep_masses(const View<Real, Dim>&, const SleepView<Dim>&, int, Real*, cudaStream_t);               \
+    template void hold_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, const HoldArgs<Real>&, cudaStream_t);  \
+    template void choose_awake(const View<Real, Dim>&, const SleepView<Dim>&, const Chosen&, const ListToMake&,       \
+                               const Launch&);
+MORAINE_SLEEP(float, 2)
+MORAINE_SLEEP(float, 3)
+MORAINE_SLEEP(double, 2)
+MORAINE_SLEEP(double, 3)
+#undef MORAINE_SLEEP
+
+}  // namespace moraine::gpu
