@@ -54,18 +54,13 @@ Machine machine_of(const Comm& comm, const Options& options) {
 }
 
 /// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
-void check_device_scene(const Scene& scene, int ranks) {
+void check_device_scene(const Scene& scene) {
     for (const MaterialSpec& m : scene.materials)
         if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid)
             throw InputError(fmt::format(
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
                 scene.path, m.name));
-    if (scene.sleep.on && ranks > 1)
-        throw InputError(
-            fmt::format("{}: numerics.sleep = \"on\" (several devices do not have it, one has). Use one rank, or "
-                        "--device cpu?",
-                        scene.path));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.path));
@@ -107,7 +102,7 @@ void check(const Scene& scene, const Options& options, const Comm& comm, const M
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
     const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
-        if (machine.devices) check_device_scene(s, machine.ranks);
+        if (machine.devices) check_device_scene(s);
         check_capacity(s, machine);
     });
     if (options.command == "check") {

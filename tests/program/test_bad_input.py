@@ -119,10 +119,6 @@ volumetric = "grid"
         scene = self.write(SMALL_SCENE.replace("[[body]]", mud, 1))
         self.assert_refused("run", scene, "--device", "cuda", says=["material.jelly", "--device cpu"], on=(None,))
 
-    def test_blocks_sleep_on_one_device_alone(self):
-        self.assert_refused("run", self.write(SMALL_SCENE), "--device", "cuda", "--set", "numerics.sleep=on", "--set",
-                            "numerics.transfer=apic", says=["numerics.sleep", "several devices"], on=(3,))
-
     def test_what_cells_do_not_have_is_refused(self):
         scene = self.write(SMALL_SCENE)
         for key, says in (("output.every=2", ["output.every", "all of their particles"]),
