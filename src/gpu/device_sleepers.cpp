@@ -9,7 +9,7 @@ DeviceSleepers<Real, Dim>::DeviceSleepers(const Scene& scene, const Method<Host,
     for (const MaterialSpec& material : scene.materials) waves_.push_back(make_waves<Real, Dim>(material));
     accounts_.assign(std::vector<SleepAccount<Dim>>(account_parts));
     counts_.resize(4);
-    fold_sleep(accounts_.data(), true, report_.device(), nullptr);
+    gpu::check(cudaMemset(report_.device(), 0, sizeof(SleepAccount<Dim>)), "Making sleepers");
     gpu::check(cudaDeviceSynchronize(), "Making sleepers");
 }
 
@@ -45,10 +45,10 @@ SleepView<Dim> DeviceSleepers<Real, Dim>::state(const RestWords& rest) const {
 
 /// What sleeps goes on to sleep from binning to binning; its waves are asked for when an epoch begins.
 template <class Real, int Dim>
-void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, bool taken, cudaStream_t stream) {
-    find_sleepers(view, state(rest), stream);
+void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, const std::uint32_t* former_first,
+                                     cudaStream_t stream) {
+    find_sleepers(view, state(rest), former_first, stream);
     if (!waves_known_) find_waves(view, stream);
-    fold_sleep(accounts_.data(), taken, report_.device(), stream);
 }
 
 template <class Real, int Dim>
@@ -65,8 +65,8 @@ void DeviceSleepers<Real, Dim>::change(const V& view, const RestWords& rest, boo
     find_waves(view, stream);
     SleepView<Dim> counted = state(rest);
     counted.binned = nullptr;
-    find_sleepers(view, counted, stream);
-    fold_sleep(accounts_.data(), false, report_.device(), stream);
+    find_sleepers(view, counted, nullptr, stream);
+    count(stream);
 }
 
 template <class Real, int Dim>

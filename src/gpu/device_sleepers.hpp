@@ -31,13 +31,18 @@ class DeviceSleepers {
     /// There are so many tiles now.
     void resize_tiles(std::size_t tiles);
 
-    /// Once the lists are made, by the tables of before: former_first are the lists' bounds of before.
+    /// Once the lists are made, by tables that change now: former_first are the lists' bounds of before.
     void wake_entered(const V& view, const RestWords& rest, const std::uint32_t* former_first, cudaStream_t stream) {
         gpu::wake_entered(view, state(rest), former_first, stream);
     }
-    /// By the tables of now. What they say is the report's once the stream has been waited for; taken: and what sleep
-    /// took.
-    void find(const V& view, const RestWords& rest, bool taken, cudaStream_t stream);
+    /// By the tables of now; former_first: and wake_entered(), null: nobody has moved. What that says is the report's
+    /// after count() or report(), once the stream has been waited for.
+    void find(const V& view, const RestWords& rest, const std::uint32_t* former_first, cudaStream_t stream);
+    void count(cudaStream_t stream) { count_sleepers(accounts_.data(), report_.device(), stream); }
+    /// With what sleep took; makes the step's report, too.
+    void report(const ReportWork<Dim>& step, cudaStream_t stream) {
+        fold_reports(step, accounts_.data(), report_.device(), stream);
+    }
     /// A sleep check: first what the blocks do, then, once that of ghosts is there, who falls asleep and who wakes.
     void find_activity(const V& view, const RestWords& rest, cudaStream_t stream) {
         gpu::find_activity(view, state(rest), stream);

@@ -106,6 +106,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     CellTask<Real> cell_task(const Substep& substep) const;
     void sum_part(int part, cudaStream_t stream);
     void find_sleepers();
+    void report(const std::uint32_t* former_first);
     HaloSleepers halo_sleepers() const;
     RecordLayout records() const { return record_layout(particles_.view(), particles_.rest()); }
     std::size_t tile_quads() const {

@@ -9,7 +9,8 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_sleepers() {
     if (!sleepers_) return;
-    sleepers_->find(view(), particles_.rest(), false, stream_);
+    sleepers_->find(view(), particles_.rest(), nullptr, stream_);
+    sleepers_->count(stream_);
     stream_.wait();
     census_.asleep = sleepers_->particles();
 }

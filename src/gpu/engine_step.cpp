@@ -43,18 +43,30 @@ void DeviceEngine<Real, Dim>::bin() {
     watch_.begin(0, stream_);
     timed_ = true;
     lists_.make(tables_.view(), stream_);
-    if (sleepers_) sleepers_->wake_entered(view(), particles_.rest(), lists_.former_first(), stream_);
+    const std::uint32_t* former_first = pending_ ? nullptr : lists_.former_first();
     if (pending_) {
+        if (sleepers_) sleepers_->wake_entered(view(), particles_.rest(), lists_.former_first(), stream_);
         change_tables();
         watch_.begin_again(stream_);
     }
     count_migration_bound();
-    if (sleepers_) sleepers_->find(view(), particles_.rest(), true, stream_);
-    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.in_guard_layer(), counters_.data(),
-                report_.device(), stream_);
-    reported_.record(stream_);
+    report(former_first);
     report_is_of_epoch_ = true;
     moving_ = false;
+}
+
+/// former_first: the lists' bounds before, for sleepers.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
+    const ReportWork<Dim> work{accounts_.data(),        lists_.particles(), lists_.occupied(),
+                               lists_.in_guard_layer(), counters_.data(),   report_.device()};
+    if (sleepers_) {
+        sleepers_->find(view(), particles_.rest(), former_first, stream_);
+        sleepers_->report(work, stream_);
+    } else {
+        fold_report(work, stream_);
+    }
+    reported_.record(stream_);
 }
 
 template <class Real, int Dim>

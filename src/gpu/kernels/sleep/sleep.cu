@@ -36,9 +36,11 @@ void wake_entered(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cons
 }
 
 template <class Real, int Dim>
-void find_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cudaStream_t stream) {
+void find_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const std::uint32_t* former_first,
+                   cudaStream_t stream) {
     if (view.table.own == 0) return;
-    find_sleepers_kernel<<<thread_blocks(view.table.own, sleep_threads), sleep_threads, 0, stream>>>(view, sleep);
+    find_sleepers_kernel<<<thread_blocks(view.table.own, sleep_threads), sleep_threads, 0, stream>>>(view, sleep,
+                                                                                                     former_first);
     check(cudaGetLastError(), "Looking for sleepers");
 }
 
@@ -85,17 +87,26 @@ void choose_awake(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cons
 }
 
 template <int Dim>
-void fold_sleep(SleepAccount<Dim>* accounts, bool with_taken, SleepAccount<Dim>* report, cudaStream_t stream) {
-    fold_sleep_kernel<<<1, 32, 0, stream>>>(accounts, with_taken, report);
-    check(cudaGetLastError(), "Folding the report of sleep");
+void count_sleepers(SleepAccount<Dim>* accounts, SleepAccount<Dim>* report, cudaStream_t stream) {
+    count_sleepers_kernel<<<1, 32, 0, stream>>>(accounts, report);
+    check(cudaGetLastError(), "Counting sleepers");
 }
 
-template void fold_sleep(SleepAccount<2>*, bool, SleepAccount<2>*, cudaStream_t);
-template void fold_sleep(SleepAccount<3>*, bool, SleepAccount<3>*, cudaStream_t);
+template <int Dim>
+void fold_reports(const ReportWork<Dim>& step, SleepAccount<Dim>* accounts, SleepAccount<Dim>* report,
+                  cudaStream_t stream) {
+    fold_reports_kernel<<<2, 32, 0, stream>>>(step, accounts, report);
+    check(cudaGetLastError(), "Folding the reports");
+}
+
+template void count_sleepers(SleepAccount<2>*, SleepAccount<2>*, cudaStream_t);
+template void count_sleepers(SleepAccount<3>*, SleepAccount<3>*, cudaStream_t);
+template void fold_reports(const ReportWork<2>&, SleepAccount<2>*, SleepAccount<2>*, cudaStream_t);
+template void fold_reports(const ReportWork<3>&, SleepAccount<3>*, SleepAccount<3>*, cudaStream_t);
 
 #define MORAINE_SLEEP(Real, Dim)                                                                                      \
     template void wake_entered(const View<Real, Dim>&, const SleepView<Dim>&, const std::uint32_t*, cudaStream_t);    \
-    template void find_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, cudaStream_t);                         \
+    template void find_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, const std::uint32_t*, cudaStream_t);   \
     template void find_activity(const View<Real, Dim>&, const SleepView<Dim>&, cudaStream_t);                         \
     template void change_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, bool, const Quantum&, cudaStream_t); \
     template void choose_sums(const View<Real, Dim>&, const SleepView<Dim>&, const Chosen&, std::int32_t, bool,       \

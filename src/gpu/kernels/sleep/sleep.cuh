@@ -3,6 +3,7 @@
 
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/sleep/sleep.hpp"
+#include "gpu/kernels/step_report.cuh"
 
 namespace moraine::gpu {
 
@@ -54,18 +55,24 @@ __global__ void __launch_bounds__(sleep_threads)
     if (v.list.count(b) != former_first[b + 1] - former_first[b]) wake_block(v, s, b);  // of sleepers nobody leaves
 }
 
+/// A thread per block; the warp wakes those of its blocks that have been walked into.
 template <class Real, int Dim>
 __global__ void __launch_bounds__(sleep_threads)
-    find_sleepers_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s) {
+    find_sleepers_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s,
+                         const std::uint32_t* former_first) {
     const int b = static_cast<int>(blockIdx.x * sleep_threads + threadIdx.x);
     std::uint32_t sleeping = 0;
+    bool entered = false;
     if (b < v.table.own) {
         const std::uint32_t begin = v.list.first[b], n = v.list.first[b + 1] - begin;
-        const bool asleep = n > 0 && (s.rest.place[v.list.slot[begin]] & rest_word::asleep) != 0;
+        entered = former_first && s.asleep[b] && n != former_first[b + 1] - former_first[b];
+        const bool asleep = !entered && n > 0 && (s.rest.place[v.list.slot[begin]] & rest_word::asleep) != 0;
         s.asleep[b] = asleep;
         if (s.binned) s.binned[b] = asleep;
         sleeping = asleep ? n : 0;
     }
+    for (unsigned left = __ballot_sync(all_lanes, entered); left != 0; left &= left - 1)
+        wake_block(v, s, __shfl_sync(all_lanes, b, __ffs(static_cast<int>(left)) - 1));
     sleeping = __reduce_add_sync(all_lanes, sleeping);
     if (lane_id() == 0 && sleeping > 0)
         atomicAdd(word(&s.accounts[blockIdx.x % account_parts].particles), static_cast<unsigned long long>(sleeping));
@@ -243,9 +250,10 @@ __global__ void __launch_bounds__(sleep_threads)
     }
 }
 
+/// Of one warp.
 template <int Dim>
-__global__ void __launch_bounds__(32)
-    fold_sleep_kernel(SleepAccount<Dim>* accounts, bool with_taken, SleepAccount<Dim>* report) {
+__device__ __forceinline__ void make_sleep_report(SleepAccount<Dim>* accounts, bool with_taken,
+                                                  SleepAccount<Dim>* report) {
     static_assert(account_parts % 32 == 0);
     SleepAccount<Dim> sum{};
     for (int i = lane_id(); i < account_parts; i += 32) {
@@ -263,6 +271,21 @@ __global__ void __launch_bounds__(32)
     if (lane_id() > 0) return;
     report->particles = particles.low;
     for (int k = 0; k <= Dim && with_taken; ++k) report->taken[k] = sum.taken[k];
+}
+
+template <int Dim>
+__global__ void __launch_bounds__(32) count_sleepers_kernel(SleepAccount<Dim>* accounts, SleepAccount<Dim>* report) {
+    make_sleep_report(accounts, false, report);
+}
+
+/// Two thread blocks, one for each report.
+template <int Dim>
+__global__ void __launch_bounds__(32) fold_reports_kernel(const __grid_constant__ ReportWork<Dim> step,
+                                                          SleepAccount<Dim>* accounts, SleepAccount<Dim>* report) {
+    if (blockIdx.x == 0)
+        make_report(step);
+    else
+        make_sleep_report(accounts, true, report);
 }
 
 }  // namespace moraine::gpu

@@ -10,6 +10,7 @@
 
 #include "core/sleep.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
+#include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/rest_words.hpp"
 
 namespace moraine::gpu {
@@ -41,14 +42,17 @@ struct SleepView {
     SleepAccount<Dim>* accounts;
 };
 
-/// Wakes blocks that a binning has brought particles to; former_first: the lists' bounds before it.
+/// Wakes blocks that a binning has brought particles to; former_first: the lists' bounds before it. find_sleepers()
+/// does as much: this is for lists whose tables change at once.
 template <class Real, int Dim>
 void wake_entered(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const std::uint32_t* former_first,
                   cudaStream_t stream);
 
-/// Who sleeps, by the particles, and how many these are.
+/// Who sleeps, by the particles, and how many these are. former_first: as for wake_entered(), which it does first;
+/// null: nobody has moved.
 template <class Real, int Dim>
-void find_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, cudaStream_t stream);
+void find_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const std::uint32_t* former_first,
+                   cudaStream_t stream);
 
 /// u of every own block.
 template <class Real, int Dim>
@@ -96,8 +100,13 @@ template <class Real, int Dim>
 void choose_awake(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen,
                   const ListToMake& list, const Launch& launch);
 
-/// How many sleep goes to the report, and with_taken what was taken; both begin anew.
+/// How many sleep goes to the report, and begins anew.
 template <int Dim>
-void fold_sleep(SleepAccount<Dim>* accounts, bool with_taken, SleepAccount<Dim>* report, cudaStream_t stream);
+void count_sleepers(SleepAccount<Dim>* accounts, SleepAccount<Dim>* report, cudaStream_t stream);
+
+/// So does what was taken; and the step's report is made (gpu/kernels/step_report.hpp).
+template <int Dim>
+void fold_reports(const ReportWork<Dim>& step, SleepAccount<Dim>* accounts, SleepAccount<Dim>* report,
+                  cudaStream_t stream);
 
 }  // namespace moraine::gpu
