@@ -1,5 +1,7 @@
 #include "gpu/device_sleepers.hpp"
 
+#include <utility>
+
 namespace moraine::gpu {
 
 template <class Real, int Dim>
@@ -17,7 +19,7 @@ template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::open(std::size_t own, std::size_t ghosts, cudaStream_t stream) {
     own_ = own;
     asleep_.resize(own + ghosts), activity_.resize(own + ghosts);
-    binned_.resize(own), fast_.resize(own), kept_.resize(own), wave_.resize(own), marks_.resize(own);
+    binned_.resize(own), kept_.resize(own), wave_.resize(own), marks_.resize(own);
     lists_.resize(4 * own);
     if (own + ghosts > 0) gpu::check(cudaMemsetAsync(asleep_.data(), 0, own + ghosts, stream), "Clearing sleepers");
     if (own > 0) gpu::check(cudaMemsetAsync(marks_.data(), 0xff, own * sizeof(TileMark), stream), "Clearing sleepers");
@@ -36,7 +38,7 @@ template <class Real, int Dim>
 SleepView<Dim> DeviceSleepers<Real, Dim>::state(const RestWords& rest) const {
     SleepView<Dim> s{};
     s.rest = rest, s.rule = rule_;
-    s.asleep = asleep_.data(), s.binned = binned_.data(), s.fast = fast_.data(), s.kept = kept_.data();
+    s.asleep = asleep_.data(), s.binned = binned_.data(), s.kept = kept_.data();
     s.activity = activity_.data(), s.wave = wave_.data();
     s.made = marks_.data();
     s.accounts = accounts_.data();
@@ -71,7 +73,8 @@ void DeviceSleepers<Real, Dim>::change(const V& view, const RestWords& rest, boo
 
 template <class Real, int Dim>
 ListToMake DeviceSleepers<Real, Dim>::list(int number) const {
-    return {lists_.data() + static_cast<std::size_t>(number) * own_, counts_.data() + number};
+    return {lists_.data() + static_cast<std::size_t>(number) * own_, counts_.data() + number,
+            counts_.data() + (number ^ 2)};
 }
 
 template <class Real, int Dim>
@@ -79,12 +82,15 @@ Chosen DeviceSleepers<Real, Dim>::chosen(int number) const {
     return {list(number).block, list(number).count};
 }
 
-/// Substeps write to all tiles. A tile with another mean is another one.
+/// Substeps write to all tiles. A tile with another mean is another one. hold() empties the list, unless the sums are
+/// made twice in a step.
 template <class Real, int Dim>
 Chosen DeviceSleepers<Real, Dim>::to_sum(const V& view, const RestWords& rest, int part, const Chosen& from,
                                          NodeMean mean, const Launch& launch) {
     constexpr std::int32_t means = 4;
     summed_ = made_;
+    if (!std::exchange(empty_[part], false))
+        gpu::check(cudaMemsetAsync(counts_.data() + part, 0, sizeof(std::uint32_t), launch.stream), "Emptying a list");
     choose_sums(view, state(rest), from, means * made_ + static_cast<std::int32_t>(mean),
                 method_.grid_bulk() != nullptr, list(part), launch);
     return chosen(part);
@@ -98,18 +104,12 @@ void DeviceSleepers<Real, Dim>::summed(const V& view, const RestWords& rest, cud
 /// Where structures are, and where substeps are, all nodes wake.
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::hold(const V& view, const RestWords& rest, bool contact, const Quantum& quantum,
-                                     cudaStream_t stream) {
+                                     const std::uint8_t* boundary, cudaStream_t stream) {
     const bool substeps = method_.grid_bulk() != nullptr;
     hold_sleepers<Real, Dim>(
         view, state(rest), {method_.stencil.width, !contact && !substeps, substeps ? masses_.data() : nullptr, quantum},
-        stream);
-}
-
-template <class Real, int Dim>
-Chosen DeviceSleepers<Real, Dim>::awake(const V& view, const RestWords& rest, int part, const Chosen& from,
-                                        const Launch& launch) {
-    choose_awake(view, state(rest), from, list(2 + part), launch);
-    return chosen(2 + part);
+        {boundary, {list(2), list(3)}}, stream);
+    empty_[0] = empty_[1] = true;
 }
 
 template <class Real, int Dim>

@@ -56,10 +56,12 @@ class DeviceSleepers {
                   const Launch& launch);
     /// P2G has made all of them.
     void summed(const V& view, const RestWords& rest, cudaStream_t stream);
-    /// Between nodes and gather; contact: there are structures.
-    void hold(const V& view, const RestWords& rest, bool contact, const Quantum& quantum, cudaStream_t stream);
-    /// Those of `chosen` that are awake; once for each part in a step, after hold().
-    Chosen awake(const V& view, const RestWords& rest, int part, const Chosen& chosen, const Launch& launch);
+    /// Between nodes and gather, once a step; contact: there are structures; boundary: 1 where some peer needs the
+    /// block.
+    void hold(const V& view, const RestWords& rest, bool contact, const Quantum& quantum, const std::uint8_t* boundary,
+              cudaStream_t stream);
+    /// Who is awake after hold().
+    Chosen awake(int part) const { return chosen(2 + part); }
 
     std::uint8_t* asleep() const { return asleep_.data(); }  ///< own blocks, then ghosts
     /// Own blocks whose tiles are as they were sent before; null: none is.
@@ -80,7 +82,7 @@ class DeviceSleepers {
     const std::uint16_t* material_of_;
     const SleepRule rule_;
     std::vector<std::unique_ptr<WaveKernel<Real, Dim>>> waves_;  ///< by material
-    Array<std::uint8_t> asleep_, binned_, fast_, kept_;
+    Array<std::uint8_t> asleep_, binned_, kept_;
     Array<double> activity_, wave_;
     Array<TileMark> marks_;
     Array<Real> masses_;  ///< of tiles, where substeps write to them
@@ -91,6 +93,7 @@ class DeviceSleepers {
     std::size_t own_ = 0;
     std::int32_t made_ = 0;     ///< number of what makes tiles
     std::int32_t summed_ = -1;  ///< that of the last sums
+    bool empty_[2]{};           ///< the lists of blocks to sum
     bool waves_known_ = false;
 };
 

@@ -113,7 +113,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
         return static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width)));
     }
     void hold_sleepers(const StepScales<Dim>& step);
-    Chosen awake_of(int part) const { return sleepers_ ? awake_[part] : chosen_of(part); }
+    Chosen awake_of(int part) const { return sleepers_ ? sleepers_->awake(part) : chosen_of(part); }
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const ContactField<Dim>* contact);
     ContactField<Dim> place(const StructureSet<Dim>& structures);
@@ -182,7 +182,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
     DeviceSamples samples_;
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
-    Chosen awake_[2]{};                                    ///< of boundary and interior, for the gather
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting

@@ -35,10 +35,7 @@ void DeviceEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum) {
 /// Who has a fast node wakes; the lists of the gather are of those that are awake.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::hold_sleepers(const StepScales<Dim>& step) {
-    const RestWords rest = particles_.rest();
-    sleepers_->hold(view(), rest, step.structures != nullptr, step.quantum, stream_);
-    for (int part = exchange_ ? 0 : 1; part < 2; ++part)
-        awake_[part] = sleepers_->awake(view(), rest, part, chosen_of(part), {blocks_of(part), stream_});
+    sleepers_->hold(view(), particles_.rest(), step.structures != nullptr, step.quantum, lists_.is_boundary(), stream_);
 }
 
 template <class Real, int Dim>

@@ -23,10 +23,6 @@ unsigned some_blocks(int items, unsigned each) {
     return static_cast<unsigned>(few_blocks((items > 0 ? items : 0) / static_cast<int>(each) + 1));
 }
 
-void empty(const ListToMake& list, cudaStream_t stream) {
-    check(cudaMemsetAsync(list.count, 0, sizeof(std::uint32_t), stream), "Emptying a list");
-}
-
 }  // namespace
 
 template <class Real, int Dim>
@@ -58,7 +54,6 @@ void change_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, b
 template <class Real, int Dim>
 void choose_sums(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen, std::int32_t made,
                  bool all, const ListToMake& list, const Launch& launch) {
-    empty(list, launch.stream);
     choose_sums_kernel<<<some_blocks(launch.blocks, sleep_threads), sleep_threads, 0, launch.stream>>>(
         view, sleep, chosen, made, all, list);
     check(cudaGetLastError(), "Listing blocks to sum");
@@ -73,17 +68,8 @@ void keep_masses(const View<Real, Dim>& view, const SleepView<Dim>& sleep, int w
 
 template <class Real, int Dim>
 void hold_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const HoldArgs<Real>& args,
-                   cudaStream_t stream) {
-    run_over_own(hold_kernel<Real, Dim>, "Asking what wakes", view, stream, sleep, args);
-}
-
-template <class Real, int Dim>
-void choose_awake(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen,
-                  const ListToMake& list, const Launch& launch) {
-    empty(list, launch.stream);
-    choose_awake_kernel<<<some_blocks(launch.blocks, sleep_warps), sleep_threads, 0, launch.stream>>>(view, sleep,
-                                                                                                      chosen, list);
-    check(cudaGetLastError(), "Listing blocks that are awake");
+                   const AwakeLists& lists, cudaStream_t stream) {
+    run_over_own(hold_kernel<Real, Dim>, "Asking what wakes", view, stream, sleep, args, lists);
 }
 
 template <int Dim>
@@ -112,9 +98,8 @@ template void fold_reports(const ReportWork<3>&, SleepAccount<3>*, SleepAccount<
     template void choose_sums(const View<Real, Dim>&, const SleepView<Dim>&, const Chosen&, std::int32_t, bool,       \
                               const ListToMake&, const Launch&);                                                      \
     template void keep_masses(const View<Real, Dim>&, const SleepView<Dim>&, int, Real*, cudaStream_t);               \
-    template void hold_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, const HoldArgs<Real>&, cudaStream_t);  \
-    template void choose_awake(const View<Real, Dim>&, const SleepView<Dim>&, const Chosen&, const ListToMake&,       \
-                               const Launch&);
+    template void hold_sleepers(const View<Real, Dim>&, const SleepView<Dim>&, const HoldArgs<Real>&,                 \
+                                const AwakeLists&, cudaStream_t);
 MORAINE_SLEEP(float, 2)
 MORAINE_SLEEP(float, 3)
 MORAINE_SLEEP(double, 2)

@@ -38,11 +38,17 @@ __device__ __forceinline__ RestSample<Real, Dim> sample_of(const Columns<Real, D
     return sample;
 }
 
+/// Its particles alone: by block it counts as asleep until the next binning. Whole warps call it.
+template <class Real, int Dim>
+__device__ __forceinline__ void wake_particles(const View<Real, Dim>& v, const SleepView<Dim>& s, int b) {
+    each_slot(v.list, b, [&](std::uint32_t slot) { s.rest.place[slot] &= ~rest_word::asleep; });
+}
+
 /// Whole warps call it; all of the warp have asked `asleep` before.
 template <class Real, int Dim>
 __device__ __forceinline__ void wake_block(const View<Real, Dim>& v, const SleepView<Dim>& s, int b) {
     __syncwarp();
-    each_slot(v.list, b, [&](std::uint32_t slot) { s.rest.place[slot] &= ~rest_word::asleep; });
+    wake_particles(v, s, b);
     if (lane_id() == 0) s.asleep[b] = 0;
 }
 
@@ -156,6 +162,7 @@ template <class Real, int Dim>
 __global__ void __launch_bounds__(sleep_threads)
     choose_sums_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s,
                        const Chosen chosen, std::int32_t made, bool all, ListToMake list) {
+    if (blockIdx.x == 0 && threadIdx.x == 0) *list.emptied = 0;
     const std::uint32_t count = *chosen.count;
     for (std::uint32_t item = blockIdx.x * sleep_threads + threadIdx.x; item < count;
          item += gridDim.x * sleep_threads) {
@@ -186,13 +193,11 @@ __device__ __forceinline__ double sum_of_warp(double x) {
     return x;
 }
 
+/// Whether a sleeper has a fast node. If not, what its nodes would have given it is taken. Whole warps call it.
 template <class Real, int Dim>
-__global__ void __launch_bounds__(sleep_threads)
-    hold_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s,
-                const HoldArgs<Real> h) {
+__device__ __forceinline__ bool has_fast_node(const View<Real, Dim>& v, const SleepView<Dim>& s,
+                                              const HoldArgs<Real>& h, int b) {
     constexpr int corners = Block<Dim>::corners;
-    const int b = static_cast<int>(warp_number());
-    if (b >= v.table.own || !s.asleep[b]) return;
     const std::int32_t* node_block = v.table.node_block + std::size_t(b) * corners;
     const bool still = h.still_nodes && lane_id() < corners &&
                        has_tiles_of_sleepers_alone(v.table, v.grid.tile_of, s.asleep, node_block[lane_id()]);
@@ -210,14 +215,13 @@ __global__ void __launch_bounds__(sleep_threads)
         held.add(s.rule, static_cast<double>(m), v.grid.nodes + stored * node_reals);
         fast = fast || (held.fast && !((still_corners >> node.corner) & 1));
     }
-    fast = __any_sync(all_lanes, fast);
-    if (lane_id() == 0) s.fast[b] = fast;
-    if (fast) return;
+    if (__any_sync(all_lanes, fast)) return true;
     ExactSum* taken = s.accounts[blockIdx.x % account_parts].taken;
     for (int i = 0; i <= Dim; ++i) {
         const double sum = sum_of_warp(i == 0 ? held.kinetic : held.momentum[i == 0 ? 0 : i - 1]);
         if (lane_id() == 0) add_exact(taken + i, h.quantum.of(sum));
     }
+    return false;
 }
 
 /// All of a block stay in their cells.
@@ -232,22 +236,24 @@ __device__ __forceinline__ void stay(const View<Real, Dim>& v, int b) {
     for (std::uint32_t w = static_cast<std::uint32_t>(lane_id()); 32 * w < count; w += 32) words[w] = 0;
 }
 
+/// Others ask meanwhile who sleeps, so who wakes is marked by its particles alone. Eight thread blocks of a
+/// multiprocessor: without a number the compiler took 32 registers in 3-D, and spilled.
 template <class Real, int Dim>
-__global__ void __launch_bounds__(sleep_threads)
-    choose_awake_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s,
-                        const Chosen chosen, ListToMake list) {
-    const std::uint32_t count = *chosen.count;
-    for (std::uint32_t item = warp_number(); item < count; item += gridDim.x * sleep_warps) {
-        const int b = chosen.block[item];
-        const bool asleep = s.asleep[b] != 0, wakes = asleep && s.fast[b] != 0;
-        if (wakes) wake_block(v, s, b);
-        if (asleep && !wakes) {
-            stay(v, b);
-            if (lane_id() == 0) raise(account_of(v).signal, s.wave[b]);
-        } else if (lane_id() == 0) {
-            list.block[atomicAdd(list.count, 1u)] = b;
-        }
+__global__ void __launch_bounds__(sleep_threads, 8)
+    hold_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ SleepView<Dim> s,
+                const __grid_constant__ HoldArgs<Real> h, const __grid_constant__ AwakeLists lists) {
+    if (blockIdx.x == 0 && threadIdx.x < 2) *lists.of[threadIdx.x].emptied = 0;
+    const int b = static_cast<int>(warp_number());
+    if (b >= v.table.own || v.grid.tile_of[b] < 0) return;
+    const bool asleep = s.asleep[b] != 0;
+    if (asleep && !has_fast_node(v, s, h, b)) {
+        stay(v, b);
+        if (lane_id() == 0) raise(account_of(v).signal, s.wave[b]);
+        return;
     }
+    if (asleep) wake_particles(v, s, b);
+    const ListToMake& list = lists.of[lists.boundary[b] ? 0 : 1];
+    if (lane_id() == 0) list.block[atomicAdd(list.count, 1u)] = b;
 }
 
 /// Of one warp.

@@ -34,7 +34,6 @@ struct SleepView {
     SleepRule rule;
     std::uint8_t* asleep;  ///< own, then ghosts
     std::uint8_t* binned;  ///< own: as it was after the last binning; null: this is no binning
-    std::uint8_t* fast;    ///< own: of sleepers, whether some node is too fast
     double* activity;      ///< own, then ghosts
     double* wave;          ///< own: of sleepers [m/s]
     TileMark* made;        ///< own
@@ -63,10 +62,11 @@ template <class Real, int Dim>
 void change_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, bool first, const Quantum& quantum,
                      cudaStream_t stream);
 
-/// A list to make: `count` begins at zero.
+/// A list to make: `count` is zero.
 struct ListToMake {
     std::int32_t* block;
     std::uint32_t* count;
+    std::uint32_t* emptied;  ///< another count, which becomes zero
 };
 
 /// Lists those of the chosen blocks whose tiles P2G has to make, and counts them as made, by the number `made`. all: of
@@ -89,16 +89,17 @@ struct HoldArgs {
     Quantum quantum;
 };
 
-/// Between nodes and gather: which sleepers have a fast node; what the nodes would have given the others is taken.
+/// Those that are awake.
+struct AwakeLists {
+    const std::uint8_t* boundary;  ///< own: 1 where some peer needs the block
+    ListToMake of[2];              ///< of the boundary, of the interior
+};
+
+/// Between nodes and gather: wakes the sleepers that have a fast node, lists all that are awake, and does for the
+/// others what a gather would leave: all stay, their waves count, and what the nodes would have given them is taken.
 template <class Real, int Dim>
 void hold_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const HoldArgs<Real>& args,
-                   cudaStream_t stream);
-
-/// Wakes those of the chosen blocks that have one, lists all that are awake, and does for the others what a gather
-/// would leave: all stay, and their waves count.
-template <class Real, int Dim>
-void choose_awake(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const Chosen& chosen,
-                  const ListToMake& list, const Launch& launch);
+                   const AwakeLists& lists, cudaStream_t stream);
 
 /// How many sleep goes to the report, and begins anew.
 template <int Dim>
