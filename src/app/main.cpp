@@ -61,9 +61,6 @@ void check_device_scene(const Scene& scene) {
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
                 scene.path, m.name));
-    if (scene.sleep.on)
-        throw InputError(
-            fmt::format("{}: numerics.sleep = \"on\" (devices do not have it). Use --device cpu?", scene.path));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.path));

@@ -8,6 +8,28 @@ namespace {
 constexpr int tag = 5;  // beside those of comm/host_engine.hpp and comm/agreement.cpp
 }  // namespace
 
+template <int Dim>
+void exchange_activity(PointToPoint& messages, const EpochTables<Dim>& tables, std::vector<double>& activity) {
+    std::vector<std::vector<double>> out, in;
+    std::vector<Parcel> sends, receives;
+    const auto parcel = [](int rank, std::vector<double>& of) {
+        const auto bytes = static_cast<std::int64_t>(of.size() * sizeof(double));
+        return Parcel{rank, reinterpret_cast<std::byte*>(of.data()), bytes, bytes};
+    };
+    for (const PeerHalo& peer : tables.peers) {
+        out.emplace_back();
+        for (const std::int32_t b : peer.send.block) out.back().push_back(activity[static_cast<std::size_t>(b)]);
+        in.emplace_back(peer.receive.block.size());
+        sends.push_back(parcel(peer.rank, out.back()));
+        receives.push_back(parcel(peer.rank, in.back()));
+    }
+    messages.start(sends, receives);
+    messages.finish();
+    for (std::size_t k = 0; k < in.size(); ++k)
+        for (std::size_t t = 0; t < in[k].size(); ++t)
+            activity[tables.own.size() + static_cast<std::size_t>(tables.peers[k].receive.block[t])] = in[k][t];
+}
+
 template <class Real, int Dim>
 Sleepers<Real, Dim>::Sleepers(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method, Share& share)
     : scene_(scene), method_(method), share_(share), messages_(comm, tag), rule_(sleep_rule(scene)) {}
@@ -94,30 +116,6 @@ double Sleepers<Real, Dim>::activity(int block) const {
     return most;
 }
 
-/// That of the boundary goes to the peers that have it as ghosts.
-template <class Real, int Dim>
-void Sleepers<Real, Dim>::exchange_activity() {
-    const EpochTables<Dim>& tables = share_.tables();
-    std::vector<std::vector<double>> out, in;
-    std::vector<Parcel> sends, receives;
-    const auto parcel = [](int rank, std::vector<double>& of) {
-        const auto bytes = static_cast<std::int64_t>(of.size() * sizeof(double));
-        return Parcel{rank, reinterpret_cast<std::byte*>(of.data()), bytes, bytes};
-    };
-    for (const PeerHalo& peer : tables.peers) {
-        out.emplace_back();
-        for (const std::int32_t b : peer.send.block) out.back().push_back(activity_[static_cast<std::size_t>(b)]);
-        in.emplace_back(peer.receive.block.size());
-        sends.push_back(parcel(peer.rank, out.back()));
-        receives.push_back(parcel(peer.rank, in.back()));
-    }
-    messages_.start(sends, receives);
-    messages_.finish();
-    for (std::size_t k = 0; k < in.size(); ++k)
-        for (std::size_t t = 0; t < in[k].size(); ++t)
-            activity_[tables.own.size() + static_cast<std::size_t>(tables.peers[k].receive.block[t])] = in[k][t];
-}
-
 template <class Real, int Dim>
 double Sleepers<Real, Dim>::activity_around(int block) const {
     double most = activity_[static_cast<std::size_t>(block)];
@@ -166,13 +164,13 @@ template <class Real, int Dim>
 void Sleepers<Real, Dim>::check(bool first, const Quantum& quantum, Budget<Dim>& budget) {
     activity_.assign(asleep_.size(), 0);
     Host::launch(share_.own(), [&](int b) { activity_[static_cast<std::size_t>(b)] = activity(b); });
-    exchange_activity();
+    exchange_activity(messages_, share_.tables(), activity_);
     for (int b = 0; b < share_.own() && !first; ++b) {
         if (slots(b).empty()) continue;
-        const double around = activity_around(b);
-        if (is_asleep(b) && around > rule_.wake)
+        const SleepChange change = sleep_change(rule_, is_asleep(b), activity_around(b));
+        if (change == SleepChange::wakes)
             wake(b);
-        else if (!is_asleep(b) && around < 1)
+        else if (change == SleepChange::falls_asleep)
             put_to_sleep(b, quantum, budget);
     }
     Host::launch(share_.own(), [&](int b) { mark(b); });
@@ -208,27 +206,15 @@ void Sleepers<Real, Dim>::keep_masses() {
     });
 }
 
-/// Whether it has tiles, of sleepers alone.
-template <class Real, int Dim>
-bool Sleepers<Real, Dim>::is_still(int node_block) const {
-    const BlockTable<Dim> table = share_.table();
-    const std::int32_t* tile_of = share_.tile_of();
-    bool any = false;
-    for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
-        const std::int32_t source = table.source[node_block * Block<Dim>::corners + delta];
-        if (source < 0 || tile_of[source] < 0) continue;
-        if (!is_asleep(source)) return false;
-        any = true;
-    }
-    return any;
-}
-
 /// What sleeps now has done so since the last sleep check at least, or these are found anew.
 template <class Real, int Dim>
 bool Sleepers<Real, Dim>::find_still_nodes() {
     const auto count = static_cast<std::size_t>(share_.table().node_blocks);
     std::vector<std::uint8_t> now(count);
-    Host::launch(static_cast<std::int64_t>(count), [&](int c) { now[static_cast<std::size_t>(c)] = is_still(c); });
+    Host::launch(static_cast<std::int64_t>(count), [&](int c) {
+        now[static_cast<std::size_t>(c)] =
+            has_tiles_of_sleepers_alone(share_.table(), share_.tile_of(), asleep_.data(), c);
+    });
     if (still_known_ && now == is_still_) return false;
     is_still_.swap(now);
     still_.clear();
@@ -261,8 +247,8 @@ int Sleepers<Real, Dim>::still_corners(int block) const {
 /// At those of its nodes that are still, or the others, where its tile has mass. The block was summed at rest, so what
 /// its nodes have now is what they gave it in this step.
 template <class Real, int Dim>
-typename Sleepers<Real, Dim>::Held Sleepers<Real, Dim>::held_by_nodes(int block, bool still) const {
-    Held held;
+HeldByNodes<Dim> Sleepers<Real, Dim>::held_by_nodes(int block, bool still) const {
+    HeldByNodes<Dim> held;
     const int corners = still_corners(block);
     if (corners == (still ? 0 : Block<Dim>::corners)) return held;
     const BlockTable<Dim> table = share_.table();
@@ -271,23 +257,11 @@ typename Sleepers<Real, Dim>::Held Sleepers<Real, Dim>::held_by_nodes(int block,
     const std::vector<Real>& masses = masses_[static_cast<std::size_t>(block)];
     for (int n = 0; n < nodes; ++n) {
         const double m = static_cast<double>(masses[static_cast<std::size_t>(n)]);
-        int corner = 0, at = 0;
-        for (int a = 0, rest = n; a < Dim; ++a, rest /= side) {
-            const int x = rest % side;
-            corner |= (x >> 2) << a;
-            at |= (x & 3) << (2 * a);
-        }
-        const auto of = static_cast<std::size_t>(table.node_block[block * Block<Dim>::corners + corner]);
+        const CornerNode node = corner_node<Dim>(n, side);
+        const auto of = static_cast<std::size_t>(table.node_block[block * Block<Dim>::corners + node.corner]);
         if (!(m > 0) || (corners > 0 && (is_still_[of] != 0) != still)) continue;
-        const Real* v = grid.nodes + (std::size_t(grid.node_of[of]) * Block<Dim>::cells + std::size_t(at)) * node_reals;
-        double square = 0;
-        for (int a = 0; a < Dim; ++a) {
-            const double component = static_cast<double>(v[a]);
-            held.momentum[static_cast<std::size_t>(a)] += m * component;
-            square += component * component;
-        }
-        held.kinetic += 0.5 * m * square;
-        held.fast = held.fast || square > rule_.speed * rule_.speed;
+        const std::size_t stored = std::size_t(grid.node_of[of]) * Block<Dim>::cells + std::size_t(node.at);
+        held.add(rule_, m, grid.nodes + stored * node_reals);
     }
     return held;
 }
@@ -308,7 +282,7 @@ void Sleepers<Real, Dim>::wake_by_nodes(double dt, const Quantum& quantum, Budge
         const auto i = static_cast<std::size_t>(k);
         held_[i] = held_by_nodes(blocks[i], false);
     });
-    const auto take = [&](const Held& held, double scale) {
+    const auto take = [&](const HeldByNodes<Dim>& held, double scale) {
         budget.slept_kinetic.add(quantum.of(held.kinetic * scale * scale));
         for (std::size_t a = 0; a < Dim; ++a) budget.slept_momentum[a].add(quantum.of(held.momentum[a] * scale));
     };
@@ -341,6 +315,8 @@ void Sleepers<Real, Dim>::stay() {
     });
 }
 
+template void exchange_activity(PointToPoint&, const EpochTables<2>&, std::vector<double>&);
+template void exchange_activity(PointToPoint&, const EpochTables<3>&, std::vector<double>&);
 template class Sleepers<float, 2>;
 template class Sleepers<float, 3>;
 template class Sleepers<double, 2>;

@@ -18,6 +18,11 @@
 
 namespace moraine {
 
+/// Gives what blocks of the boundary do to the peers that have them as ghosts; activity: of own blocks, then ghosts.
+/// Collective over peers.
+template <int Dim>
+void exchange_activity(PointToPoint& messages, const EpochTables<Dim>& tables, std::vector<double>& activity);
+
 template <class Real, int Dim>
 class Sleepers {
   public:
@@ -65,13 +70,6 @@ class Sleepers {
     std::int64_t particles() const;  ///< that sleep
 
   private:
-    /// What some nodes of a sleeper's tile tell.
-    struct Held {
-        bool fast = false;                   ///< some node is faster than sleepers bear
-        double kinetic = 0;                  ///< of the block's mass at the nodes' velocities [J]
-        std::array<double, Dim> momentum{};  ///< likewise [kg m/s]
-    };
-
     /// Which memory, place and mean a tile was made in and with.
     struct TileMark {
         std::int64_t memory = -1;
@@ -82,13 +80,11 @@ class Sleepers {
 
     double activity(int block) const;
     double activity_around(int block) const;
-    void exchange_activity();
     void put_to_sleep(int block, const Quantum& quantum, Budget<Dim>& budget);
     void wake(int block);
     void settle(int block);
     void mark(int block);
-    Held held_by_nodes(int block, bool still) const;
-    bool is_still(int node_block) const;
+    HeldByNodes<Dim> held_by_nodes(int block, bool still) const;
     int still_corners(int block) const;
     void list_still_nodes_of(int block);
     const std::vector<std::int32_t>& sleepers();
@@ -106,11 +102,11 @@ class Sleepers {
     std::vector<double> activity_;                       ///< by own block, then ghost
     std::vector<std::int32_t> awake_, sleepers_, sums_;  ///< lists of own blocks
     bool listed_ = false;                                ///< awake_ and sleepers_ are those of now
-    std::vector<Held> held_;                             ///< by sleeper, at nodes that are solved
+    std::vector<HeldByNodes<Dim>> held_;                 ///< by sleeper, at nodes that are solved
     std::vector<std::uint8_t> is_still_;                 ///< by node block
     std::vector<std::int32_t> still_, other_, woken_nodes_;
     bool still_known_ = false;                            ///< what follows is of the still nodes of now
-    std::vector<Held> held_still_;                        ///< by own block, in a step of 1 s
+    std::vector<HeldByNodes<Dim>> held_still_;            ///< by own block, in a step of 1 s
     std::vector<std::array<double, Dim>> still_impulse_;  ///< by still node block, likewise [kg m/s]
 };
 

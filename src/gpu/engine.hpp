@@ -14,6 +14,7 @@
 #include <span>
 
 #include "comm/engine.hpp"
+#include "gpu/device_sleepers.hpp"
 #include "gpu/exchange/exchange.hpp"
 #include "gpu/kernels/cells/lists.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
@@ -61,6 +62,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
 
+    void check_sleep(bool first, const Quantum& quantum) override;
     void bin() override;
     void find_gaps(const StructureSet<Dim>& structures) override;
     void sum_mean(NodeMean mean) override { mean_ = mean; }
@@ -102,7 +104,16 @@ class DeviceEngine final : public Engine<Real, Dim> {
     LightMarks<Real> light_marks_of(const Round& round) const;
     void hold(const Round& round, const StepScales<Dim>& step);
     CellTask<Real> cell_task(const Substep& substep) const;
-    void sum_part(const Chosen& chosen, int blocks, cudaStream_t stream);
+    void sum_part(int part, cudaStream_t stream);
+    void find_sleepers();
+    void report(const std::uint32_t* former_first);
+    HaloSleepers halo_sleepers() const;
+    RecordLayout records() const { return record_layout(particles_.view(), particles_.rest()); }
+    std::size_t tile_quads() const {
+        return static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width)));
+    }
+    void hold_sleepers(const StepScales<Dim>& step);
+    Chosen awake_of(int part) const { return sleepers_ ? sleepers_->awake(part) : chosen_of(part); }
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const NodeContact<Dim>* contact);
     NodeContact<Dim> node_contact(const StructureSet<Dim>& structures);
@@ -113,6 +124,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
     void take_census();
+    int blocks_of(int part) const { return part == 0 ? boundary_blocks_ : interior_blocks(); }
+    Chosen chosen_of(int part) const { return part == 0 ? lists_.boundary() : lists_.interior(); }
     std::vector<ListRange> ranges() const;
     void bound_cells();
     void install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks);
@@ -169,6 +182,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool finding_ = false;         ///< gaps, in this round
     bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
     DeviceSamples samples_;
+    std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting

@@ -9,14 +9,23 @@
 
 namespace moraine::gpu {
 
+namespace {
+
+template <class T>
+void copy_tiles(const Array<T>& from, const Array<T>& to, std::size_t n) {
+    if (n > 0) check(cudaMemcpy(to.data(), from.data(), n * sizeof(T), cudaMemcpyDeviceToDevice), "Copying tiles");
+}
+
+}  // namespace
+
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tile_capacity_ = tiles;
     ghost_capacity_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
     tiles_.release();
-    tiles_.resize((tiles + ghost_capacity_) *
-                  static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width))));
+    tiles_.resize((tiles + ghost_capacity_) * tile_quads());
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
+    if (sleepers_) sleepers_->resize_tiles(tiles + ghost_capacity_);
     if (method_.grid_bulk()) pressure_.resize(tiles + ghost_capacity_, epoch_.node_key.size());
 }
 
@@ -25,7 +34,7 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
 template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;
-    const double rows = static_cast<double>(record_layout(particles_.view()).bytes() + sizeof(Row<Real>) + 10);
+    const double rows = static_cast<double>(records().bytes() + sizeof(Row<Real>) + 10);
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
     double block =
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
@@ -78,6 +87,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
     if (least > tile_capacity_ || 2 * capacity < tile_capacity_ || ghosts > ghost_capacity_) make_tiles(capacity);
     if (method_.grid_bulk()) pressure_.resize(tile_capacity_ + ghost_capacity_, node_blocks);
+    if (sleepers_) sleepers_->open(epoch_.own.size(), ghosts, stream_);
     report_is_of_epoch_ = false;
     gaps_.forget();
     near_blocks_.forget();
@@ -129,6 +139,7 @@ void DeviceEngine<Real, Dim>::begin(std::size_t particles, std::size_t blocks, s
     gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
+    find_sleepers();
     stream_.wait();
     steps_since_refresh_ = 0;
 }
@@ -141,6 +152,7 @@ void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     take_census();
     change_tables();
     count_boundary();
+    find_sleepers();
     stream_.wait();  // who reads the lists waits for the last binning alone
 }
 
@@ -186,7 +198,7 @@ BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std
     if (stored_ + plan.incoming > particles_.capacity()) refresh();
     if (here + plan.incoming > particles_.capacity()) refresh_and_grow(here + plan.incoming);
     const auto first_free = static_cast<std::uint32_t>(stored_);
-    exchange_->moves.move(plan, lists_.slots(), record_layout(particles_.view()), first_free, stream_);
+    exchange_->moves.move(plan, lists_.slots(), records(), first_free, stream_);
 
     BlockMoveCount moved;
     std::vector<ListRange> next = std::move(plan.kept);
@@ -217,6 +229,7 @@ void DeviceEngine<Real, Dim>::install(EpochTables<Dim> tables, const std::vector
     lists_.rearrange(epoch_, tables_.view(), binned, blocks, stream_);
     bound_cells();
     open_epoch();
+    find_sleepers();
     stream_.wait();
     count_boundary();
     if (timed_) watch_.begin_again(stream_);
@@ -245,12 +258,14 @@ template <class Real, int Dim>
 BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
     reported_.wait();  // the lists of the last binning are there, and stay until the next
     const std::vector<std::uint32_t> first = lists_.first(reading_);
+    const std::vector<std::uint8_t> asleep = sleepers_ ? sleepers_->binned(reading_) : std::vector<std::uint8_t>{};
     const std::vector<std::uint32_t> cells = with_cells ? lists_.cell_first(reading_) : std::vector<std::uint32_t>{};
     BlockCounts counts;
     for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
         if (first[b + 1] == first[b]) continue;
         counts.key.push_back(epoch_.own[b]);
         counts.count.push_back(first[b + 1] - first[b]);
+        if (sleepers_) counts.asleep.push_back(asleep[b]);
         const auto bounds = cells.begin() + static_cast<std::ptrdiff_t>(with_cells ? b * Lists<Dim>::bounds : 0);
         std::int64_t occupied = 0;
         for (int c = 0; with_cells && c < Block<Dim>::cells; ++c) occupied += bounds[c + 1] > bounds[c];
@@ -264,7 +279,11 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::grow_tiles() {
     if (exchange_) exchange_->stream.wait();
     stream_.wait();
+    Array<Quad<Real>> ghosts;  // those that sleep do not come again
+    ghosts.resize(sleepers_ ? epoch_.ghost.size() * tile_quads() : 0);
+    copy_tiles(tiles_, ghosts, ghosts.size());
     make_tiles(static_cast<std::size_t>(census_.blocks + census_.blocks / 8));
+    copy_tiles(ghosts, tiles_, ghosts.size());
     if (summed_) sum();
 }
 

@@ -21,8 +21,11 @@ void DeviceEngine<Real, Dim>::take_fluids() {
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::sum_part(const Chosen& chosen, int blocks, cudaStream_t stream) {
-    const int grid = p2g_grid<Dim>(blocks);
+void DeviceEngine<Real, Dim>::sum_part(int part, cudaStream_t stream) {
+    const int grid = p2g_grid<Dim>(blocks_of(part));
+    const Chosen chosen = sleepers_ ? sleepers_->to_sum(view(), particles_.rest(), part, chosen_of(part), mean_,
+                                                        {blocks_of(part), stream})
+                                    : chosen_of(part);
     if (p2g_mean_)
         p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr},
                   stream);
@@ -49,6 +52,7 @@ FluidArgs<Real> DeviceEngine<Real, Dim>::fluid_args() const {
 /// The sums of a step with volumes in place of masses; the next step makes all tiles anew.
 template <class Real, int Dim>
 std::optional<NodeVolumes> DeviceEngine<Real, Dim>::node_volumes() {
+    if (sleepers_) sleepers_->forget_tiles();
     if (exchange_) sum_volumes(view(), scene_.shape, lists_.boundary(), boundary_blocks_, stream_);
     sum_volumes(view(), scene_.shape, lists_.interior(), interior_blocks(), stream_);
     if (exchange_) {

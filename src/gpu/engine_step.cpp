@@ -35,24 +35,38 @@ void DeviceEngine<Real, Dim>::bin() {
     if (!moving_) return;
     if (exchange_) {
         exchange_->migration.post();
-        exchange_->migration.finish(exchange_->routes.receive(), lists_.binning(tables_.view()),
-                                    record_layout(particles_.view()), counters_.data(), exchange_->stream);
+        exchange_->migration.finish(exchange_->routes.receive(), lists_.binning(tables_.view()), records(),
+                                    counters_.data(), exchange_->stream);
         exchange_->arrived.record(exchange_->stream);
         stream_.wait_for(exchange_->arrived);
     }
     watch_.begin(0, stream_);
     timed_ = true;
     lists_.make(tables_.view(), stream_);
+    const std::uint32_t* former_first = pending_ ? nullptr : lists_.former_first();
     if (pending_) {
+        if (sleepers_) sleepers_->wake_entered(view(), particles_.rest(), lists_.former_first(), stream_);
         change_tables();
         watch_.begin_again(stream_);
     }
     count_migration_bound();
-    fold_report(accounts_.data(), lists_.particles(), lists_.occupied(), lists_.in_guard_layer(), counters_.data(),
-                report_.device(), stream_);
-    reported_.record(stream_);
+    report(former_first);
     report_is_of_epoch_ = true;
     moving_ = false;
+}
+
+/// former_first: the lists' bounds before, for sleepers.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
+    const ReportWork<Dim> work{accounts_.data(),        lists_.particles(), lists_.occupied(),
+                               lists_.in_guard_layer(), counters_.data(),   report_.device()};
+    if (sleepers_) {
+        sleepers_->find(view(), particles_.rest(), former_first, stream_);
+        sleepers_->report(work, stream_);
+    } else {
+        fold_report(work, stream_);
+    }
+    reported_.record(stream_);
 }
 
 template <class Real, int Dim>
@@ -78,14 +92,15 @@ void DeviceEngine<Real, Dim>::sum() {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
         if (limiting) limit_depths(view(), contact_, gaps_, gaps_.boundary(), exchange_->stream);
-        sum_part(lists_.boundary(), boundary_blocks_, exchange_->stream);
+        sum_part(0, exchange_->stream);
         if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.boundary(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
     if (limiting) limit_depths(view(), contact_, gaps_, gaps_.interior(), stream_);
-    sum_part(lists_.interior(), interior_blocks(), stream_);
+    sum_part(1, stream_);
     if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.interior(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
+    if (sleepers_) sleepers_->summed(view(), particles_.rest(), stream_);
     watch_.end(0, stream_);
     share_is_of_now_ = false;
     summed_ = true;
@@ -95,8 +110,8 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_halo() {
     if (!exchange_) return;
     Exchange<Real, Dim>& e = *exchange_;
-    e.halo.start(e.routes.send(), view().grid, finding_ ? &gaps_ : nullptr, tile_side(method_.stencil.width),
-                 counters_.data(), e.stream);
+    e.halo.start(e.routes.send(), view().grid, finding_ ? &gaps_ : nullptr, halo_sleepers(),
+                 tile_side(method_.stencil.width), counters_.data(), e.stream);
 }
 
 /// The interior's sums are queued already: what is left is the host's part of the halo.
@@ -110,7 +125,7 @@ void DeviceEngine<Real, Dim>::receive_halo() {
     const bool finding = std::exchange(finding_, false);
     if (!exchange_) return;
     Exchange<Real, Dim>& e = *exchange_;
-    e.halo.finish(e.routes.receive(), view().grid, finding ? &gaps_ : nullptr, lists_.tile_of(),
+    e.halo.finish(e.routes.receive(), view().grid, finding ? &gaps_ : nullptr, halo_sleepers(), lists_.tile_of(),
                   static_cast<int>(epoch_.own.size()), tile_side(method_.stencil.width), e.stream);
     e.halo_here.record(e.stream);
     stream_.wait_for(e.halo_here);
@@ -120,7 +135,7 @@ void DeviceEngine<Real, Dim>::receive_halo() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::expect_outgoing(const MigrationBound& bound) {
     if (!exchange_) return;
-    exchange_->migration.expect(bound, record_layout(particles_.view()).bytes());
+    exchange_->migration.expect(bound, records().bytes());
     const std::size_t incoming = exchange_->migration.most_incoming();
     const std::size_t most = static_cast<std::size_t>(census_.particles) + incoming;
     if (most > particles_.capacity())
@@ -133,8 +148,8 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::send_outgoing(const StepScales<Dim>&) {
     if (exchange_) {
         lists_.collect(tables_.view(), Part::boundary, boundary_blocks_, exchange_->stream);
-        exchange_->migration.start(exchange_->routes.send(), lists_.binning(tables_.view()),
-                                   record_layout(particles_.view()), counters_.data(), exchange_->stream);
+        exchange_->migration.start(exchange_->routes.send(), lists_.binning(tables_.view()), records(),
+                                   counters_.data(), exchange_->stream);
     }
     lists_.collect(tables_.view(), exchange_ ? Part::interior : Part::all, interior_blocks(), stream_);
     moving_ = true;
@@ -214,7 +229,7 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args,
                                           const Launch& launch) {
-    const Chosen chosen = part == 0 ? lists_.boundary() : lists_.interior();
+    const Chosen chosen = awake_of(part);
     const View<Real, Dim> v = view();
     if (limits(round) && !epoch_.own.empty()) {
         const std::size_t most = epoch_.own.size();
@@ -238,6 +253,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     watch_.begin(2, stream_);
     const FluidGatherArgs<Real, Dim> args = gather_args(round, step);
+    if (sleepers_) hold_sleepers(step);
     if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);
@@ -273,8 +289,12 @@ std::vector<FaultRecord<Dim>> DeviceEngine<Real, Dim>::fault_records() {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_census() {
     reported_.wait();
+    if (sleepers_) census_.asleep = sleepers_->particles();
     if (!report_is_of_epoch_) return;
-    census_ = {report_->particles, report_->occupied(), {report_->migration_bound[0], report_->migration_bound[1]}};
+    census_ = {report_->particles,
+               report_->occupied(),
+               {report_->migration_bound[0], report_->migration_bound[1]},
+               census_.asleep};
     boundary_blocks_ = static_cast<int>(report_->boundary);
     stored_ = report_->stored;
 }
@@ -293,6 +313,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.in_guard_layer = report_->in_guard_layer != 0;
     report.clamped = account.clamped;
     report.budget = budget_of(account);
+    if (sleepers_) sleepers_->add_taken(report.budget);
     report.felt = structures_.take();
     report.seconds = watch_.take();
     if (static_cast<std::size_t>(census_.blocks) > tile_capacity_) grow_tiles();

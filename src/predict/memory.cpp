@@ -111,7 +111,8 @@ int device_reals(const Scene& scene) {
 double device_tables(const Scene& scene, const Prediction& p) {
     const int d = scene.dimensions;
     const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
-    const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2;
+    const double sleepers = scene.sleep.on ? 8 + 8 + 8 + 4 * 4 + 3 : 0;
+    const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2 + sleepers;
     const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
     return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
 }
@@ -119,7 +120,8 @@ double device_tables(const Scene& scene, const Prediction& p) {
 double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
-    const double particle = device_reals(scene) * real_bytes(scene) + ids + lists;
+    const double words = scene.sleep.on ? 16 : 0;
+    const double particle = device_reals(scene) * real_bytes(scene) + ids + words + lists;
     const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);

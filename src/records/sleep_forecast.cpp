@@ -80,7 +80,7 @@ typename SleepForecast<Real, Dim>::Activities SleepForecast<Real, Dim>::activiti
         for (int b = piece.begin; b < piece.end; ++b) {
             Activity block{piece.tables.own[static_cast<std::size_t>(b)], 0, 0, false};
             for (const std::uint32_t s : piece.slots(b)) {
-                block.speed = std::max(block.speed, activity_by_speed<Real, Dim>(rule_, piece.p, s));
+                block.speed = std::max(block.speed, activity_by_speed(rule_, piece.p.velocity[s]));
                 if (!due) continue;
                 const auto at = std::lower_bound(rests_.begin(), rests_.end(), Rest{piece.p.id[s], 0, 0});
                 const bool known = at != rests_.end() && at->id == piece.p.id[s];

@@ -34,7 +34,7 @@ std::vector<Values> values_of(Simulation<Real, Dim>& sim) {
     });
     all.push_back(places);
     for (const ColumnBytes& c : sim.patch().particles.columns()) {
-        if (c.name == "id" || c.name == "position" || c.name == "body") continue;
+        if (c.name == "id" || c.name == "position" || c.name == "body" || c.name.starts_with("rest_")) continue;
         // b - I of a body that nothing strains, and what a law remembers of one that hardly yields, is rounding of
         // about 1e-17: a microstrain is scale enough
         Values column{c.name, {}, c.name == "left_strain" || c.name.starts_with("history") ? 1e-6 : 0};

@@ -220,8 +220,8 @@ TEST_CASE("a report is the fold of all accounts with the counts of the binning, 
     counters.assign({{8, 9, 10, {11, 12}}});
     gpu::Report<3>* report = nullptr;
     gpu::check(cudaHostAlloc(&report, sizeof(*report), cudaHostAllocMapped), "Allocating pinned memory");
-    gpu::fold_report(accounts.data(), counts.data(), counts.data() + 1, counts.data() + 3, counters.data(), report,
-                     nullptr);
+    gpu::fold_report<3>({accounts.data(), counts.data(), counts.data() + 1, counts.data() + 3, counters.data(), report},
+                        nullptr);
     gpu::check(cudaDeviceSynchronize(), "Reporting");
     CHECK(std::memcmp(&report->account, &expected, sizeof(expected)) == 0);
     CHECK(report->particles == 12345);

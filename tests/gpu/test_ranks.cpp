@@ -7,6 +7,7 @@
 #include "gpu/transport/transport.hpp"
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
+#include "sleep_scene.hpp"
 #include "terrain_scene.hpp"
 
 using namespace moraine;
@@ -161,6 +162,29 @@ TEST_CASE("thin layers on structures that rest, move and are free end with the s
     rounds.transfer = Transfer::apic;
     rounds.stress_update = StressUpdate::musl;
     compare<2>(rounds, 60);
+}
+
+TEST_CASE("a bed that falls asleep and is struck ends with the same bits on any number of devices") {
+    compare<2>(test::bed(2), 240);
+    Scene deep = test::bed(3);
+    deep.precision = Precision::single_;
+    compare<3>(deep, 160);
+    Scene mud = test::mud();
+    mud.substeps = 4;
+    compare<2>(mud, 120);
+}
+
+TEST_CASE("the tiles of sleepers are sent once") {
+    const Comm all(MPI_COMM_WORLD);
+    const DeviceChoice device = choose_device("cuda", all);
+    Scene scene = test::bed(2);
+    scene.balance.trigger = Trigger::never;
+    const auto bytes = [&](int steps) { return run<double, 2>(scene, all, device, steps).counts.halo_bytes; };
+    const std::int64_t asleep = bytes(120), longer = bytes(160);
+    scene.sleep.on = false;
+    const std::int64_t awake = bytes(160) - bytes(120);
+    MESSAGE("halo of 40 steps, asleep and awake: " << longer - asleep << " and " << awake << " bytes");
+    CHECK(longer - asleep < awake);
 }
 
 TEST_CASE("a valley whose bed varies ends with the same bits on any number of devices") {

@@ -1,44 +1,15 @@
 #include <doctest/doctest.h>
 
 #include "core/sleep.hpp"
-#include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
+#include "sleep_scene.hpp"
 
 using namespace moraine;
+using test::bed, test::material, test::mud;
 
 // Blocks that rest are left out of the step, and wake; who sleeps when is the same on any ranks, to the bit.
 
 namespace {
-
-using test::box;
-using test::material;
-
-/// A bed of sand whose edge fails, and a disk that strikes its other end once that has fallen asleep.
-Scene bed(int dimensions) {
-    Scene s;
-    const std::size_t up = dimensions == 2 ? 1 : 2;
-    s.dimensions = dimensions;
-    s.cell = 0.1;
-    s.max = {6.4, 1.6, 0};
-    if (dimensions == 3) s.max = {4.8, 0.8, 1.6}, s.periodic[1] = true;
-    s.walls[1][0].kind = s.walls[1][1].kind = dimensions == 3 ? WallKind::periodic : WallKind::none;
-    s.walls[0][0].kind = s.walls[0][1].kind = WallKind::free_slip;
-    s.walls[up][0].kind = WallKind::no_slip;
-    s.walls[up][1].kind = WallKind::free_slip;
-    s.gravity[up] = -9.81;
-    s.cfl = 0.5;
-    s.materials = {material("drucker-prager", 1500, {{"young", 5e5}, {"poisson", 0.3}, {"friction_angle", 30}})};
-    s.bodies = {box({0, 0, 0}, {dimensions == 2 ? 5.0 : 3.6, 0.6, 0}, 0)};
-    if (dimensions == 3) s.bodies[0].max = {3.6, 0.8, 0.6};
-    s.bodies[0].seeding = Seeding::lattice, s.bodies[0].jitter = 0;
-    s.bodies[0].geostatic = true;
-    s.bodies[0].geostatic_surface = 0.6, s.bodies[0].geostatic_k0 = 0.6;
-    s.bodies.push_back(box({0.8, 1, 0}, {1.1, 1.3, 0}, 0));
-    if (dimensions == 3) s.bodies[1].min = {0.8, 0.2, 1}, s.bodies[1].max = {1.1, 0.5, 1.3};
-    s.sleep.on = true;
-    s.sleep.displacement = 0.01, s.sleep.wake = 4;
-    return s;
-}
 
 struct Result {
     std::uint64_t lists;
@@ -106,14 +77,7 @@ TEST_CASE("so it does in 3-D, across a periodic axis and in single precision") {
 }
 
 TEST_CASE("so does mud whose cells bear the pressure, with and without substeps") {
-    Scene scene = bed(2);
-    scene.materials = {material(
-        "bingham", 1500,
-        {{"young", 2.5e5}, {"poisson", 0.49}, {"yield_stress", 1500}, {"consistency", 50}, {"viscosity", 50}})};
-    scene.materials[0].volumetric = Volumetric::grid;
-    scene.materials[0].pressure_smoothing = scene.materials[0].particle_shifting = 0.2;
-    scene.bodies[0].geostatic_k0 = 1;
-    scene.sleep.stress = 0.5, scene.sleep.displacement = 0.03;
+    Scene scene = mud();
     for (int substeps : {1, 10}) {
         scene.substeps = substeps;
         const Result struck = same_on_all_ranks<double, 2>(scene, 0.36);

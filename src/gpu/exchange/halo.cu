@@ -57,16 +57,25 @@ __host__ __device__ constexpr std::size_t bytes_before_gaps(std::size_t tiles, s
     return sizeof(MessageHead) + padded16(tiles) + padded16(nodes * node_reals_sent<Dim, Mean> * sizeof(Real));
 }
 
+__device__ __forceinline__ HaloTile what_of(const HaloSleepers& sleepers, const std::int32_t* tile_of, int block) {
+    if (tile_of[block] < 0) return HaloTile::none;
+    if (!sleepers.asleep || !sleepers.asleep[block]) return HaloTile::awake;
+    return sleepers.kept && sleepers.kept[block] ? HaloTile::kept : HaloTile::asleep;
+}
+
+__device__ __forceinline__ bool comes(HaloTile tile) {
+    return tile == HaloTile::awake || tile == HaloTile::asleep;
+}
+
 template <class Real, int Dim, bool Mean>
 __global__ void __launch_bounds__(plan_threads)
-    plan_send_kernel(Route route, const std::int32_t* tile_of, GapRoute g, std::byte* const* out, std::uint32_t* place,
-                     Counters* counters) {
+    plan_send_kernel(Route route, const std::int32_t* tile_of, GapRoute g, HaloSleepers sleepers, std::byte* const* out,
+                     std::uint32_t* place, Counters* counters) {
     const int k = static_cast<int>(blockIdx.x);
-    auto* occupied = reinterpret_cast<std::uint8_t*>(out[k] + sizeof(MessageHead));
+    auto* says = reinterpret_cast<HaloTile*>(out[k] + sizeof(MessageHead));
     const std::uint32_t nodes = place_tiles(route, k, place, [&](std::uint32_t i, std::uint32_t t) {
-        const bool here = tile_of[route.block[t]] >= 0;
-        occupied[i] = here;
-        return std::uint32_t(here);
+        says[i] = what_of(sleepers, tile_of, route.block[t]);
+        return std::uint32_t(comes(says[i]));
     });
     std::uint32_t gaps = 0;
     if (g.gaps.structures > 0)
@@ -81,19 +90,21 @@ __global__ void __launch_bounds__(plan_threads)
     atomicAdd(reinterpret_cast<unsigned long long*>(&counters->halo_bytes), static_cast<unsigned long long>(bytes));
 }
 
-__global__ void __launch_bounds__(plan_threads) plan_receive_kernel(Route route, GapRoute g, const std::byte* const* in,
-                                                                    std::uint32_t* place, std::int32_t* ghost_tile) {
+__global__ void __launch_bounds__(plan_threads)
+    plan_receive_kernel(Route route, GapRoute g, HaloSleepers sleepers, const std::byte* const* in,
+                        std::uint32_t* place, std::int32_t* tile_of, int own) {
     const int k = static_cast<int>(blockIdx.x);
-    const auto* occupied = reinterpret_cast<const std::uint8_t*>(in[k] + sizeof(MessageHead));
+    const auto* says = reinterpret_cast<const HaloTile*>(in[k] + sizeof(MessageHead));
     place_tiles(route, k, place, [&](std::uint32_t i, std::uint32_t t) {
-        const bool here = occupied[i] != 0;
         const std::int32_t ghost = route.block[t];
-        ghost_tile[ghost] = here ? ghost : -1;
-        return std::uint32_t(here);
+        tile_of[own + ghost] = says[i] == HaloTile::none ? -1 : ghost;
+        if (sleepers.asleep) sleepers.asleep[own + ghost] = says[i] == HaloTile::asleep || says[i] == HaloTile::kept;
+        return std::uint32_t(comes(says[i]));
     });
     if (g.gaps.structures > 0)
-        place_tiles(route, k, g.place,
-                    [&](std::uint32_t i, std::uint32_t t) { return occupied[i] != 0 ? near_tile(g, route, t) : 0u; });
+        place_tiles(route, k, g.place, [&](std::uint32_t i, std::uint32_t t) {
+            return says[i] == HaloTile::none ? 0u : near_tile(g, route, t);
+        });
 }
 
 /// Calls f(a gap of tile t, its place in the message from `mail`) for each.
@@ -222,12 +233,12 @@ GapRoute gap_route(const DeviceGaps<Dim>* gaps, int first_block, const Array<std
 template <class Real, int Dim>
 template <bool Mean>
 void DeviceHalo<Real, Dim>::pack(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
-                                 int tile_side, Counters* counters, cudaStream_t stream) {
+                                 const HaloSleepers& sleepers, int tile_side, Counters* counters, cudaStream_t stream) {
     std::byte* const* out = transport_->outgoing();
     const GapRoute g = gap_route(gaps, 0, gap_place_);
     const int tile_nodes = power<Dim>(tile_side);
     plan_send_kernel<Real, Dim, Mean><<<static_cast<unsigned>(send.peers), plan_threads, 0, stream>>>(
-        send, grid.tile_of, g, out, place_.data(), counters);
+        send, grid.tile_of, g, sleepers, out, place_.data(), counters);
     pack_kernel<Real, Dim, Mean><<<static_cast<unsigned>(send.tiles), copy_threads, 0, stream>>>(
         send, grid, tile_nodes * node_reals, place_.data(), out);
     if (gaps)
@@ -238,22 +249,24 @@ void DeviceHalo<Real, Dim>::pack(const Route& send, const TileView<Real>& grid, 
 
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
-                                  int tile_side, Counters* counters, cudaStream_t stream) {
+                                  const HaloSleepers& sleepers, int tile_side, Counters* counters,
+                                  cudaStream_t stream) {
     if (send.peers > 0)
-        with_mean_ ? pack<true>(send, grid, gaps, tile_side, counters, stream)
-                   : pack<false>(send, grid, gaps, tile_side, counters, stream);
+        with_mean_ ? pack<true>(send, grid, gaps, sleepers, tile_side, counters, stream)
+                   : pack<false>(send, grid, gaps, sleepers, tile_side, counters, stream);
     transport_->start(stream);
 }
 
 template <class Real, int Dim>
 template <bool Mean>
 void DeviceHalo<Real, Dim>::unpack(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
-                                   std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream) {
+                                   const HaloSleepers& sleepers, std::int32_t* tile_of, int own, int tile_side,
+                                   cudaStream_t stream) {
     const std::byte* const* in = transport_->incoming();
     const GapRoute g = gap_route(gaps, own, gap_place_);
     const int tile_nodes = power<Dim>(tile_side);
-    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(
-        receive, g, in, place_.data(), tile_of + own);
+    plan_receive_kernel<<<static_cast<unsigned>(receive.peers), plan_threads, 0, stream>>>(receive, g, sleepers, in,
+                                                                                           place_.data(), tile_of, own);
     unpack_kernel<Real, Dim, Mean><<<static_cast<unsigned>(receive.tiles), copy_threads, 0, stream>>>(
         receive, grid, tile_nodes * node_reals, place_.data(), in);
     if (gaps)
@@ -264,11 +277,12 @@ void DeviceHalo<Real, Dim>::unpack(const Route& receive, const TileView<Real>& g
 
 template <class Real, int Dim>
 void DeviceHalo<Real, Dim>::finish(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
-                                   std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream) {
+                                   const HaloSleepers& sleepers, std::int32_t* tile_of, int own, int tile_side,
+                                   cudaStream_t stream) {
     transport_->finish(stream);
     if (receive.peers == 0) return;
-    with_mean_ ? unpack<true>(receive, grid, gaps, tile_of, own, tile_side, stream)
-               : unpack<false>(receive, grid, gaps, tile_of, own, tile_side, stream);
+    with_mean_ ? unpack<true>(receive, grid, gaps, sleepers, tile_of, own, tile_side, stream)
+               : unpack<false>(receive, grid, gaps, sleepers, tile_of, own, tile_side, stream);
 }
 
 template class DeviceHalo<float, 2>;

@@ -1,8 +1,8 @@
 #pragma once
 // The halo on devices: unsummed tiles travel as comm/halo.hpp has it, packed and unpacked by kernels.
 //
-// A message: its head, one byte per tile of the list (1: there is a tile), then node_sums reals for each node of those
-// that are there, one more where they have a mean, padded to 16 bytes, then the gaps of the same nodes to each
+// A message: its head, one byte per tile of the list (HaloTile), then node_sums reals for each node of those that come,
+// one more where they have a mean, padded to 16 bytes, then the gaps of the nodes of those that are there to each
 // structure near their block, where gaps are asked for. A kernel with a thread block per peer finds where each tile
 // stands; then a thread block per tile copies. The nodes read foreign tiles as those of ghost blocks.
 
@@ -13,6 +13,16 @@
 #include "gpu/transport/transport.hpp"
 
 namespace moraine::gpu {
+
+/// What a message says of a tile: there is none; it comes; it comes, and is of a block that sleeps; such a one that is
+/// as it came before, and does not come again.
+enum class HaloTile : std::uint8_t { none, awake, asleep, kept };
+
+/// Who sleeps, where the scene has sleepers.
+struct HaloSleepers {
+    std::uint8_t* asleep = nullptr;      ///< own, then ghosts; null: nobody
+    const std::uint8_t* kept = nullptr;  ///< own: the tile is as it was sent before in this epoch; null: none
+};
 
 template <class Real, int Dim>
 class DeviceHalo {
@@ -26,20 +36,20 @@ class DeviceHalo {
 
     /// gaps: null in rounds without. tile_side: nodes of a tile along an axis. Counts the bytes. On one stream;
     /// asynchronous but for what the transport waits for.
-    void start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, int tile_side,
-               Counters* counters, cudaStream_t stream);
+    void start(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, const HaloSleepers& sleepers,
+               int tile_side, Counters* counters, cudaStream_t stream);
     void post() { transport_->post(); }
     /// Puts foreign tiles in place: tile g is that of ghost g; tile_of: own blocks, then ghosts.
-    void finish(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, std::int32_t* tile_of,
-                int own, int tile_side, cudaStream_t stream);
+    void finish(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                const HaloSleepers& sleepers, std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream);
 
   private:
     template <bool Mean>
-    void pack(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, int tile_side,
-              Counters* counters, cudaStream_t stream);
+    void pack(const Route& send, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, const HaloSleepers& sleepers,
+              int tile_side, Counters* counters, cudaStream_t stream);
     template <bool Mean>
-    void unpack(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps, std::int32_t* tile_of,
-                int own, int tile_side, cudaStream_t stream);
+    void unpack(const Route& receive, const TileView<Real>& grid, const DeviceGaps<Dim>* gaps,
+                const HaloSleepers& sleepers, std::int32_t* tile_of, int own, int tile_side, cudaStream_t stream);
 
     std::unique_ptr<Transport> transport_;
     bool with_mean_;

@@ -1,6 +1,6 @@
 #pragma once
 // A particle as it travels between devices: a record of units of 16 bytes. The first unit says what it is and where it
-// goes, the others are its rows (gpu/memory/particle_rows.hpp), all that the scene has.
+// goes, the others are its rows (gpu/memory/particle_rows.hpp), all that the scene has, and the words of sleep.
 
 #include <vector_types.h>
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/memory/particle_rows.hpp"
+#include "gpu/memory/rest_words.hpp"
 
 namespace moraine::gpu {
 
@@ -31,13 +32,14 @@ struct RecordLayout {
     void* scalar[most_scalars];  ///< columns of scalars, a unit each
     int scalars;
     int scalar_bytes;  ///< 4 or 8
+    RestWords rest;    ///< the last unit, where there are any
     int units;         ///< of a record
 
     std::size_t bytes() const { return static_cast<std::size_t>(units) * 16; }
 };
 
 template <class Real, int Dim>
-RecordLayout record_layout(Columns<Real, Dim> columns) {
+RecordLayout record_layout(Columns<Real, Dim> columns, const RestWords& rest = {}) {
     RecordLayout r{};
     r.id = columns.id;
     r.body = columns.body;
@@ -48,7 +50,8 @@ RecordLayout record_layout(Columns<Real, Dim> columns) {
         if (column) r.scalar[r.scalars++] = column;
     r.row_units = sizeof(Row<Real>) / 16;
     r.scalar_bytes = sizeof(Real);
-    r.units = 1 + r.rows * r.row_units + r.scalars;
+    r.rest = rest;
+    r.units = 1 + r.rows * r.row_units + r.scalars + (rest.place ? 1 : 0);
     return r;
 }
 

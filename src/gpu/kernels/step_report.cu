@@ -4,9 +4,8 @@
 namespace moraine::gpu {
 
 template <int Dim>
-void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report, cudaStream_t stream) {
-    report_kernel<<<1, 32, 0, stream>>>(accounts, particles, occupied, in_guard_layer, counters, report);
+void fold_report(const ReportWork<Dim>& work, cudaStream_t stream) {
+    report_kernel<<<1, 32, 0, stream>>>(work);
     check(cudaGetLastError(), "Folding the report");
 }
 
@@ -16,10 +15,8 @@ void empty_accounts(Account<Dim>* accounts, cudaStream_t stream) {
     check(cudaGetLastError(), "Emptying the accounts");
 }
 
-template void fold_report<2>(Account<2>*, const std::uint32_t*, const std::uint32_t*, const std::uint32_t*, Counters*,
-                             Report<2>*, cudaStream_t);
-template void fold_report<3>(Account<3>*, const std::uint32_t*, const std::uint32_t*, const std::uint32_t*, Counters*,
-                             Report<3>*, cudaStream_t);
+template void fold_report<2>(const ReportWork<2>&, cudaStream_t);
+template void fold_report<3>(const ReportWork<3>&, cudaStream_t);
 template void empty_accounts<2>(Account<2>*, cudaStream_t);
 template void empty_accounts<3>(Account<3>*, cudaStream_t);
 

@@ -52,25 +52,29 @@ __device__ __forceinline__ void merge_lanes(Account<Dim>& a) {
     each_sum(a, a, [](ExactSum& sum, const ExactSum&) { sum = warp_sum(sum); });
 }
 
+/// Of one warp.
 template <int Dim>
-__global__ void __launch_bounds__(32)
-    report_kernel(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                  const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report) {
+__device__ __forceinline__ void make_report(const ReportWork<Dim>& w) {
     Account<Dim> sum = empty_account<Dim>();
     for (int i = lane_id(); i < account_parts; i += 32) {
-        merge(sum, accounts[i]);
-        accounts[i] = empty_account<Dim>();
+        merge(sum, w.accounts[i]);
+        w.accounts[i] = empty_account<Dim>();
     }
     merge_lanes(sum);
     if (lane_id() > 0) return;
-    *report = {sum,
-               *particles,
-               occupied[0],
-               occupied[1],
-               counters->stored,
-               {counters->migration_bound[0], counters->migration_bound[1]},
-               *in_guard_layer};
-    counters->migration_bound[0] = counters->migration_bound[1] = 0;
+    *w.report = {sum,
+                 *w.particles,
+                 w.occupied[0],
+                 w.occupied[1],
+                 w.counters->stored,
+                 {w.counters->migration_bound[0], w.counters->migration_bound[1]},
+                 *w.in_guard_layer};
+    w.counters->migration_bound[0] = w.counters->migration_bound[1] = 0;
+}
+
+template <int Dim>
+__global__ void __launch_bounds__(32) report_kernel(const __grid_constant__ ReportWork<Dim> work) {
+    make_report(work);
 }
 
 template <int Dim>

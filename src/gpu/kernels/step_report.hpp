@@ -24,11 +24,20 @@ struct Report {
     std::uint32_t occupied() const { return boundary + interior; }
 };
 
-/// Folds and empties the accounts, and the counters' migration bound. particles: first[own]; occupied: both counts of
-/// gpu/kernels/cells/binning.hpp; in_guard_layer: its flag.
+/// What a report is made of, and where it goes.
 template <int Dim>
-void fold_report(Account<Dim>* accounts, const std::uint32_t* particles, const std::uint32_t* occupied,
-                 const std::uint32_t* in_guard_layer, Counters* counters, Report<Dim>* report, cudaStream_t stream);
+struct ReportWork {
+    Account<Dim>* accounts;
+    const std::uint32_t* particles;       ///< first[own]
+    const std::uint32_t* occupied;        ///< both counts of gpu/kernels/cells/binning.hpp
+    const std::uint32_t* in_guard_layer;  ///< its flag
+    Counters* counters;
+    Report<Dim>* report;
+};
+
+/// Folds and empties the accounts, and the counters' migration bound.
+template <int Dim>
+void fold_report(const ReportWork<Dim>& work, cudaStream_t stream);
 
 /// Empties the accounts at the start of a run.
 template <int Dim>

@@ -57,6 +57,24 @@ void DeviceParticles<Real, Dim>::each_scalar(const F& f) {
     each_present([&](int k) { f(own_[k]); });
 }
 
+/// And f(column) for the words of sleep, where the scene has them.
+template <class Real, int Dim>
+template <class F>
+void DeviceParticles<Real, Dim>::each_word(const F& f) {
+    if (needs_.sleep) f(rest_place_), f(rest_stress_);
+}
+
+/// A column of the host in terms of rows, or of a word of sleep.
+template <class Real, int Dim>
+std::vector<RowPart> DeviceParticles<Real, Dim>::parts(std::string_view name) const {
+    const auto word = [](const Array<std::uint64_t>& column) {
+        return std::vector<RowPart>{{column.data(), sizeof(std::uint64_t), 1, 0, 1, 1, 0}};
+    };
+    if (name == "rest_place") return word(rest_place_);
+    if (name == "rest_stress") return word(rest_stress_);
+    return parts_of(view(), name);
+}
+
 /// Lanes without a meaning are copied too: all begin as zeros.
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::resize(std::size_t n) {
@@ -65,6 +83,7 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
         check(cudaMemset(row.data(), 0, n * sizeof(Row<Real>)), "Clearing particles");
     });
     each_scalar([&](Array<Real>& column) { column.resize(n), spare_scalar_.resize(n); });
+    each_word([&](Array<std::uint64_t>& column) { column.resize(n); });
     id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
     spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
 }
@@ -74,6 +93,9 @@ void DeviceParticles<Real, Dim>::clear(std::size_t n) {
     resize(n);
     each_scalar(
         [&](Array<Real>& column) { check(cudaMemset(column.data(), 0, n * sizeof(Real)), "Clearing particles"); });
+    each_word([&](Array<std::uint64_t>& column) {
+        check(cudaMemset(column.data(), 0, n * sizeof(std::uint64_t)), "Clearing particles");
+    });
     check(cudaDeviceSynchronize(), "Clearing particles");
 }
 
@@ -98,6 +120,7 @@ void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
     spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();
     each_row([&](Array<Row<Real>>& row) { longer(row, most); });
     each_scalar([&](Array<Real>& column) { longer(column, most), spare_scalar_.resize(most); });
+    each_word([&](Array<std::uint64_t>& column) { longer(column, most); });
     longer(id_, most), longer(body_, most + most % 2);
     spare_.resize(most), spare_id_.resize(most), spare_body_.resize(most + most % 2);
 }
@@ -108,7 +131,6 @@ void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
     resize(most);
     place_.resize(slots.size());
     count_up(static_cast<std::uint32_t>(slots.size()), place_.data(), nullptr);
-    const Columns<Real, Dim> mine = view();
     std::vector<std::byte> rows;
     for (const ColumnBytes& c : columns)
         each_chunk(c, slots.size(), [&](std::size_t first, std::size_t n) {
@@ -116,7 +138,7 @@ void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
             pack_column(c, std::span(slots).subspan(first, n), rows.data());
             check(cudaMemcpy(staging_.data(), rows.data(), rows.size(), cudaMemcpyHostToDevice),
                   "Copying to the device");
-            for (const RowPart& part : parts_of(mine, c.name))
+            for (const RowPart& part : parts(c.name))
                 unpack_rows(static_cast<std::uint32_t>(n), place_.data() + first, part, staging_.data(), nullptr);
         });
     check(cudaDeviceSynchronize(), "Taking particles in");
@@ -126,10 +148,9 @@ void DeviceParticles<Real, Dim>::upload(const std::vector<ColumnBytes>& columns,
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot,
                                           std::size_t n) {
-    const Columns<Real, Dim> mine = view();
     for (const ColumnBytes& c : columns)
         each_chunk(c, n, [&](std::size_t first, std::size_t rows) {
-            for (const RowPart& part : parts_of(mine, c.name))
+            for (const RowPart& part : parts(c.name))
                 pack_rows(static_cast<std::uint32_t>(rows), slot + first, part, staging_.data(), nullptr);
             check(cudaMemcpy(c.data + first * c.row_bytes, staging_.data(), rows * c.row_bytes, cudaMemcpyDeviceToHost),
                   "Copying from the device");
@@ -140,6 +161,7 @@ template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
     each_row([&](Array<Row<Real>>& row) { take_order(row, spare_, slot, n, stream); });
     each_scalar([&](Array<Real>& column) { take_order(column, spare_scalar_, slot, n, stream); });
+    each_word([&](Array<std::uint64_t>& column) { take_order(column, spare_id_, slot, n, stream); });
     take_order(id_, spare_id_, slot, n, stream);
     take_order(body_, spare_body_, slot, n, stream);
 }

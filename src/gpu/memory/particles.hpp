@@ -6,7 +6,9 @@
 
 #include "core/particles.hpp"
 #include "gpu/memory/array.hpp"
+#include "gpu/memory/packing.hpp"
 #include "gpu/memory/particle_rows.hpp"
+#include "gpu/memory/rest_words.hpp"
 
 namespace moraine::gpu {
 
@@ -17,6 +19,7 @@ class DeviceParticles {
 
     std::size_t capacity() const { return id_.size(); }  ///< slots
     Columns<Real, Dim> view() const;
+    RestWords rest() const { return {rest_place_.data(), rest_stress_.data()}; }
 
     /// Capacity for n particles, all of them zeros. Synchronous.
     void clear(std::size_t n);
@@ -38,6 +41,9 @@ class DeviceParticles {
     template <class F>
     void each_scalar(const F& f);
     template <class F>
+    void each_word(const F& f);
+    std::vector<RowPart> parts(std::string_view name) const;
+    template <class F>
     void each_chunk(const ColumnBytes& column, std::size_t n, const F& f);
 
     ColumnNeeds needs_;
@@ -45,7 +51,8 @@ class DeviceParticles {
     Array<Real> own_[own_columns<Dim>()], spare_scalar_;          ///< reals that are in no row
     Array<std::uint64_t> id_, spare_id_;
     Array<std::uint16_t> body_, spare_body_;
-    Array<std::uint32_t> place_;  ///< 0, 1, 2, ...: slots of a chunk
+    Array<std::uint64_t> rest_place_, rest_stress_;  ///< empty: nobody sleeps in the scene
+    Array<std::uint32_t> place_;                     ///< 0, 1, 2, ...: slots of a chunk
     Array<std::byte> staging_;
 };
 

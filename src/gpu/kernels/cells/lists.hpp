@@ -46,10 +46,12 @@ class Lists {
     std::size_t capacity() const { return slot_.size(); }
     const std::uint32_t* particles() const { return first_.data() + own_; }
     const std::uint32_t* occupied() const { return occupied_.data(); }  ///< boundary, interior: however many tiles
-    const std::uint32_t* in_guard_layer() const { return occupied_.data() + 4; }  ///< Binning::in_guard_layer
+    const std::uint32_t* in_guard_layer() const { return occupied_.data() + 4; }    ///< Binning::in_guard_layer
+    const std::uint8_t* is_boundary() const { return tables_.is_boundary.data(); }  ///< own: 1 where some peer needs it
     std::uint16_t* moves() const { return moves_.data(); }
     std::uint32_t* changed() const { return changed_.data(); }
     std::uint32_t* slots() const { return slot_.data(); }
+    const std::uint32_t* former_first() const { return next_first_.data(); }  ///< once made: view().first of before
 
     /// Occupied blocks that some peer needs.
     std::uint32_t occupied_boundary() const { return occupied_.host().front(); }
