@@ -56,12 +56,13 @@ def summary_row(name, case, rows):
 
 
 def machines(lines):
-    words = []
+    """Each once, with the commits of what it ran."""
+    commits = {}
     for x in lines:
         if "machine" in x:
             on = x["device"] if "NVIDIA" in x["device"] else x["machine"]
-            words.append(f"{on}, {x['precision']}, commit {x['commit']}")
-    return "; ".join(sorted(set(words)))
+            commits.setdefault(f"{on}, {x['precision']}", set()).add(x["commit"][:7])
+    return "; ".join(f"{on}, commit {', '.join(sorted(of))}" for on, of in sorted(commits.items()))
 
 
 def write(lines, cases, folder):
