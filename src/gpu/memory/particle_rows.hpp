@@ -33,7 +33,8 @@ template <int Dim>
 inline constexpr int all_rows = core_rows<Dim> + affine_rows<Dim> + stretch_rows<Dim> + rows_of<Dim>(RowGroup::box);
 
 /// A variable that the table gives no row has a column of its own here, if it is a real (or the id, or the body); what
-/// else is whole numbers is of scenes that devices do not have. Calls f(variable, number) for those that are reals.
+/// else is whole numbers is apart (rest_words.hpp), or of scenes that devices do not have. Calls f(variable, number)
+/// for those that are reals.
 template <int Dim, class F>
 constexpr void each_own_column(const F& f) {
     int number = 0;
