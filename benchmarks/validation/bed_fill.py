@@ -8,8 +8,8 @@ their neighbours are three cells deep or more.
 
   bed        particles' volume in the cells at the bed over those cells' room
   inside     the same of the cells above them, but those at the surface
-  spreads    rise of x^5 since the time before over that of theory, x^5 = (1.411)^5 g q^3 t / (3 nu), x of 99.5 % of the volume
-             (at 0.981 of the front there): in lubrication theory that is in proportion to the mobility of the layer
+  ahead      x of 99.5 % of the volume over that of theory (cases/huppert.py), less 1
+  spreads    rise of x^5 since the time before over that of theory: in lubrication theory that is in proportion to the mobility of the layer
 """
 import argparse
 import pathlib
@@ -19,15 +19,12 @@ import tempfile
 
 import numpy
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path += [str(ROOT / "benchmarks"), str(ROOT / "scripts/report"), str(ROOT / "python")]
+from cases import huppert
 from particles import Particles
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-HEIGHT, AREA, GRAVITY, VISCOSITY, WHERE = 0.1, 0.01, 9.81, 0.005, 0.981  # WHERE: integral of (1 - s^2)^(1/3) is 99.5 % there
 TIMES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0)
-
-
-def fifth_power(t):
-    return WHERE**5 * 1.411**5 * GRAVITY * AREA**3 / (3 * VISCOSITY) * t
 
 
 def fills(x, h, volume):
@@ -46,7 +43,7 @@ def fills(x, h, volume):
 
 
 def measure(program, cells, count, options):
-    h = HEIGHT / cells
+    h = huppert.Q**0.5 / cells  # the block is a square
     with tempfile.TemporaryDirectory() as folder:
         command = [program, "run", str(ROOT / "inputs/viscous_current.toml"), "--output", f"{folder}/run", "--quiet", "--set", f"domain.cell={h!r}",
                    "--set", f"body.block.particles_per_cell={count}", *options]
@@ -58,10 +55,11 @@ def measure(program, cells, count, options):
             k = int(numpy.argmin(numpy.abs(series.times - t)))
             x = series.read("Points", series.starts[k], series.ends[k])
             far = numpy.sort(x[:, 0])[int(0.995 * len(x))]
-            bed, inside = fills(x, h, AREA / len(x))
-            now = (far**5, fifth_power(series.times[k]))
+            bed, inside = fills(x, h, huppert.Q / len(x))
+            now = (far**5, (huppert.SHARE * huppert.PREFACTOR * huppert.SCALE) ** 5 * series.times[k])
+            ahead = f"{100 * ((now[0] / now[1]) ** 0.2 - 1):+.2f} %"
             spreads = "" if before is None else f"{(now[0] - before[0]) / (now[1] - before[1]):.2f}"
-            print(f"H0/{cells:g} {count}x{count} t {t:4g} s  bed {bed:.3f}  inside {inside:.3f}  spreads {spreads}", flush=True)
+            print(f"H0/{cells:g} {count}x{count} t {t:4g} s  bed {bed:.3f}  inside {inside:.3f}  ahead {ahead}  spreads {spreads}", flush=True)
             before = now
 
 
