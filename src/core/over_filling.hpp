@@ -38,6 +38,7 @@ template <class Real, int Dim>
 struct NodeCapacity {
     int plane[Dim][2];  ///< as in Walls
     Real on[Dim][2], next[Dim][2];
+    unsigned beds;  ///< bit 2 a + s: end s of axis a is closed, and gravity presses what is there against it
 
     /// The factor of axis a.
     MORAINE_HD Real along(int a, int node) const {
@@ -54,11 +55,18 @@ struct NodeCapacity {
         for (int a = 0; a < Dim; ++a) c *= along(a, node[a]);
         return c;
     }
+    /// Of the beds that a node is on, by the same bits.
+    MORAINE_HD unsigned beds_at(const int* node) const {
+        unsigned on_them = 0;
+        for (int bed = 0; bed < 2 * Dim; ++bed)
+            if ((beds >> bed & 1) && node[bed / 2] == plane[bed / 2][bed % 2]) on_them |= 1u << bed;
+        return on_them;
+    }
 };
 
 template <class Real, int Dim>
 NodeCapacity<Real, Dim> node_capacity(const Scene& scene, const Walls<Real, Dim>& walls) {
-    NodeCapacity<Real, Dim> capacity;
+    NodeCapacity<Real, Dim> capacity{};
     for (int a = 0; a < Dim; ++a)
         for (int s = 0; s < 2; ++s) {
             const WallKind kind = walls.kind[a][s];
@@ -67,6 +75,8 @@ NodeCapacity<Real, Dim> node_capacity(const Scene& scene, const Walls<Real, Dim>
             capacity.plane[a][s] = walls.plane[a][s];
             capacity.on[a][s] = closed ? static_cast<Real>(end.on) : Real(1);
             capacity.next[a][s] = closed ? static_cast<Real>(end.next) : Real(1);
+            const double pressing = scene.gravity[static_cast<std::size_t>(a)] * (s == 0 ? -1 : 1);
+            if (closed && pressing > 0) capacity.beds |= 1u << (2 * a + s);
         }
     return capacity;
 }

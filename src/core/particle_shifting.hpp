@@ -9,9 +9,14 @@
 // little more in the others. Masses would do only for one density, and with the volume ratio that pressure says, which
 // after a geostatic start is another by rho g H / K.
 //
-// Only over-filling counts: a free surface (e = 0) does not move, and voids are not closed from outside. Velocities are
-// untouched, so linear momentum is exact; the centre of mass moves, and with it some potential energy that no force
-// gave. It is stable while n gamma c dt / h is below about 1 (the largest of k^2 w^2 is 1.4 per axis).
+// Only over-filling counts: a free surface (e = 0) does not move, and voids are not closed from outside. But at a bed,
+// a closed end that gravity presses the flow against, e_i also says what a node lacks (e_i < 0), if that is a twentieth
+// or more, and the node above it is nearly full: there cells empty in a collapse, nothing else would fill them again,
+// and what is missing bears no shear where shear is largest. Films thinner than 1.6 cells are not filled: no node above
+// the bed is full.
+//
+// Velocities are untouched, so linear momentum is exact; the centre of mass moves, and with it some potential energy
+// that no force gave. It is stable while n gamma c dt / h is below about 1 (the largest of k^2 w^2 is 1.4 per axis).
 //
 // Nothing goes into a wall, out of an end or into a structure by it: within a quarter of a cell of an end there is no
 // shift towards it, and none where a node of the stencil reaches a structure, whose share of a node is not known. Half
@@ -51,11 +56,26 @@ struct Shifting {
     ContactField<Dim> contact;  ///< count 0: there is no structure
 };
 
-/// e_i. filling: v_i / h^d.
+/// Share of its capacity that a node on a bed may lack: particles in a lattice leave it a few parts in a hundred short.
+inline constexpr double spared_share = 0.05;
+
+/// e_i. filling: v_i / h^d; full: it is on a bed, and the nodes above it are full.
 template <class Real>
-MORAINE_HD Real node_excess(Real filling, Real capacity) {
+MORAINE_HD Real node_excess(Real filling, Real capacity, bool full = false) {
     const Real excess = filling / capacity - Real(1);
-    return excess > Real(0) ? excess : Real(0);
+    if (excess > Real(0)) return excess;
+    return full && excess < -Real(spared_share) ? excess : Real(0);
+}
+
+/// Share of its capacity from which a node above one on a bed is full.
+inline constexpr double full_share = 0.9;
+
+/// Whether the next node along an axis, upwards or downwards (step: 1 or -1), is full. filling: its v / h^d.
+template <class Real, int Dim>
+MORAINE_HD bool is_full(const NodeCapacity<Real, Dim>& capacity, const int* node, int axis, int step, Real filling) {
+    int beside[Dim];
+    for (int a = 0; a < Dim; ++a) beside[a] = node[a] + (a == axis ? step : 0);
+    return filling > Real(full_share) * capacity.of(beside);
 }
 
 /// Whether the shape function of a node, `reach` cells wide to each side, reaches a structure. Ground: whether it may
@@ -91,6 +111,22 @@ MORAINE_HD bool structure_within(const ContactField<Dim>& field, const int* lowe
     return near;
 }
 
+/// Whether node n of a tile that begins at node base[] is on beds and all nodes above it are full. volume: as in
+/// find_excess.
+template <class Real, int Dim, class Volume>
+MORAINE_HD bool full_above(const NodeCapacity<Real, Dim>& capacity, const int* base, const int* node, int n, int side,
+                           const Volume& volume) {
+    const unsigned beds = capacity.beds_at(node);
+    bool full = beds != 0;
+    for (int bed = 0, stride = 1; bed < 2 * Dim; ++bed) {
+        const int axis = bed / 2, step = bed % 2 == 0 ? 1 : -1, place = node[axis] - base[axis] + step;
+        const bool inside = place >= 0 && place < side;
+        if (beds >> bed & 1) full = full && inside && is_full(capacity, node, axis, step, volume(n + step * stride));
+        if (bed % 2 == 1) stride *= side;
+    }
+    return full;
+}
+
 /// e_i of the nodes of a tile that begins at node base[]; ghosts behind walls follow as velocities do. volume(n): v_i
 /// of a node of the tile, over h^d.
 template <class Shape, class Real, int Dim, class Volume>
@@ -105,7 +141,8 @@ MORAINE_HD void find_excess(const Shifting<Real, Dim>& shifting, const Walls<Rea
         if (near && reaches_structure(shifting.contact, node, reach))
             excess[n] = at_structure<Real>;
         else
-            excess[n] = node_excess(volume(n), shifting.capacity.of(node));
+            excess[n] = node_excess(volume(n), shifting.capacity.of(node),
+                                    full_above(shifting.capacity, base, node, n, side, volume));
     }
     each_ghost(walls, base, side, [&](int ghost, int step) {
         const Real* first = excess + ghost + step;

@@ -14,6 +14,7 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.stencil.origin,
                              static_cast<Real>(step.mass_cutoff),
                              static_cast<Real>(std::pow(scene_.cell, -Dim)),
+                             method_.shifts(),
                              method_.capacity,
                              light_marks_of(round),
                              {}};

@@ -8,7 +8,9 @@
 #include <algorithm>
 
 #include "gpu/kernels/account.cuh"
+#include "gpu/kernels/nodes/excess.cuh"
 #include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/nodes/tiles_around.cuh"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
@@ -32,12 +34,6 @@ struct FluidNodeWork : NodeWork<Real, Dim> {
 };
 template <class Real, int Dim, bool Fluid>
 using NodeWorkOf = std::conditional_t<Fluid, FluidNodeWork<Real, Dim>, NodeWork<Real, Dim>>;
-
-/// The ground at the nodes of the node block c (gpu/kernels/gaps/gaps.cu); null: there is none.
-template <int Dim>
-__device__ __forceinline__ GroundNode<Dim>* ground_of_block(const ContactField<Dim>& contact, int c) {
-    return contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells : nullptr;
-}
 
 /// Node blocks of a launch that goes by the list of near ones: so many thread blocks take them in turn.
 inline constexpr unsigned near_grid = 1024;
@@ -72,95 +68,10 @@ void launch_nodes(void (*plain)(Work), void (*touching)(Work), const Work& work,
     check(cudaGetLastError(), "Solving nodes");
 }
 
-/// The tiles around a node block: each warp looks them up, a lane each, for the one or two node blocks of its nodes.
-template <int Dim>
-struct TilesAround {
-    static constexpr int corners = Block<Dim>::corners;
-    static constexpr int lanes = Block<Dim>::cells < 32 ? Block<Dim>::cells : 32;  ///< of a node block
-
-    std::int32_t mine;  ///< tile at offset delta in lane delta of the node block's lanes
-    unsigned there;     ///< bit delta: the block has a tile
-    unsigned own;       ///< and it is an own one
-
-    __device__ TilesAround(const BlockTable<Dim>& table, const std::int32_t* tile_of, int c) {
-        const int delta = lane_id() % lanes;
-        const bool asks = delta < corners && c < table.node_blocks;
-        const std::int32_t source = asks ? table.source[std::size_t(c) * corners + std::size_t(delta)] : -1;
-        mine = source < 0 ? -1 : tile_of[source];
-        const int first = lane_id() - delta;
-        const unsigned bits = (1u << corners) - 1;
-        there = (__ballot_sync(all_lanes, mine >= 0) >> first) & bits;
-        own = (__ballot_sync(all_lanes, mine >= 0 && source < table.own) >> first) & bits;
-    }
-
-    /// Whole warps call it.
-    __device__ std::int32_t tile(int delta) const { return __shfl_sync(all_lanes, mine, delta, lanes); }
-};
-
-/// Which quads of a tile's nodes are summed: (mass, momentum) and force, or force alone.
-enum class TileQuads { both, force };
-
-/// Sums of node n over the tiles around it. Returns whether the first of them is an own one. Whole warps call it.
-template <int Dim, int Width, TileQuads Quads = TileQuads::both, class Real>
-__device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<Dim>& around, int n, Quad<Real>& sums,
-                                          Quad<Real>& force) {
-    constexpr int side = tile_side(Width);
-    sums = force = Quad<Real>::zero();
-    unsigned layers = 0;  // axes along which the tile of a lower block reaches the node
-    int at = 0;
-#pragma unroll
-    for (int a = Dim - 1; a >= 0; --a) {
-        const int x = (n >> (2 * a)) & 3;
-        at = at * side + x;
-        layers |= (x < Width - 1 ? 1u : 0u) << a;
-    }
-    constexpr int tiles_at_once = 16 / sizeof(Real);  // loads in flight: more of them were slower in double
-    int counted_by = -1;
-#pragma unroll
-    for (int group = 0; group < Block<Dim>::corners; group += tiles_at_once) {
-        Quad<Real> m[tiles_at_once], f[tiles_at_once];
-        bool covers[tiles_at_once];
-#pragma unroll
-        for (int i = 0; i < tiles_at_once; ++i) {
-            const int delta = group + i;
-            const std::int32_t tile = around.tile(delta);
-            covers[i] = ((around.there >> delta) & 1) && !(static_cast<unsigned>(delta) & ~layers);
-            int shift = 0;
-            for (int a = Dim - 1; a >= 0; --a) shift = shift * side + 4 * Block<Dim>::corner(delta, a);
-            const Real* from = tiles + (std::size_t(tile) * power<Dim>(side) + std::size_t(at + shift)) * node_reals;
-            if (!covers[i]) continue;
-            if constexpr (Quads == TileQuads::both) m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
-            f[i] = load_row(reinterpret_cast<const Quad<Real>*>(from) + 1);
-        }
-#pragma unroll
-        for (int i = 0; i < tiles_at_once; ++i) {
-            if (!covers[i]) continue;
-            if constexpr (Quads == TileQuads::both) sums = sums + m[i];
-            force = force + f[i];
-            if (counted_by < 0) counted_by = group + i;
-        }
-    }
-    return counted_by >= 0 && ((around.own >> counted_by) & 1);
-}
-
-/// e_i of node n of the node block c whose lowest node is `lowest`. filling: v_i / h^d.
-template <int Width, class Real, int Dim>
-__device__ __forceinline__ Real excess_of_node(const ContactField<Dim>& contact,
-                                               const NodeCapacity<Real, Dim>& capacity, int c, int n,
-                                               const int (&lowest)[Dim], const int (&node)[Dim], Real filling) {
-    constexpr double reach = 0.5 * Width;
-    const GroundNode<Dim>* ground = ground_of_block(contact, c);
-    if (ground && ground[n].surface.distance < reach * contact.cell) return at_structure<Real>;
-    if (structure_within<false>(contact, lowest, Block<Dim>::side, reach) &&
-        reaches_structure<false>(contact, node, reach))
-        return at_structure<Real>;
-    return node_excess(filling, capacity.of(node));
-}
-
 /// P_i or e_i of a node of the node block c; total: s_i.
 template <int Width, bool Contact, class Real, int Dim>
 __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, int c, int n, const int (&node)[Dim],
-                                             Real mass, Real total) {
+                                             Real mass, Real total, bool full) {
     const bool solid = mass > w.round.mass_cutoff;
     if (!w.fluid.shifts) return solid ? total / mass : Real(0);
     const Real filling = solid ? total * w.fluid.inverse_volume : Real(0);
@@ -168,9 +79,9 @@ __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, 
         int lowest[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-        return excess_of_node<Width>(w.contact.field, w.fluid.capacity, c, n, lowest, node, filling);
+        return excess_of_node<Width>(w.contact.field, w.fluid.capacity, c, n, lowest, node, filling, full);
     }
-    return node_excess(filling, w.fluid.capacity.of(node));
+    return node_excess(filling, w.fluid.capacity.of(node), full);
 }
 
 /// Where the values of node n of a node block are.
@@ -215,7 +126,7 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
 
 template <int Width, bool Contact, bool Marks, bool Fluid, class Real, int Dim>
 __device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w, int c, int n, const Quad<Real>& sums,
-                                           const Quad<Real>& force, bool counted, ExactSum (&impulse)[Dim]) {
+                                           const Quad<Real>& force, bool counted, bool full, ExactSum (&impulse)[Dim]) {
     Quad<Real>* out = values_of_node(w.view, c, n);
     NodeValues<Real, Dim> former{};
     if (remembers(w.round.task)) {
@@ -230,7 +141,7 @@ __device__ __forceinline__ void solve_node(const NodeWorkOf<Real, Dim, Fluid>& w
 #pragma unroll
     for (int a = 0; a < Dim; ++a) first[a] = now.first[a], second[a] = now.second[a];
     if constexpr (Marks) first[quad - 1] = sums[0];
-    if constexpr (Fluid) second[quad - 1] = mean_of_node<Width, Contact>(w, c, n, node, sums[0], force[quad - 1]);
+    if constexpr (Fluid) second[quad - 1] = mean_of_node<Width, Contact>(w, c, n, node, sums[0], force[quad - 1], full);
     store_row(out, first);
     store_row(out + 1, second);
 }
@@ -263,8 +174,12 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
         ExactSum impulse[Dim];
         if constexpr (Marks)
             if (marks) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
+        bool full = false;
+        if constexpr (Fluid)
+            full = w.fluid.shifts &&
+                   is_full_above<Width>(w.view, w.fluid.capacity, w.origin, w.fluid.inverse_volume, around, c, n);
         if (around.own != 0)
-            solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, impulse);
+            solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, full, impulse);
         fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
     });
 }

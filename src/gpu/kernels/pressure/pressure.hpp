@@ -59,6 +59,7 @@ struct HoldWork {
     int origin;           ///< of the stencil
     Real mass_cutoff;     ///< [kg]
     Real inverse_volume;  ///< 1 / h^d [1/m3]
+    bool shifts;          ///< in this step
     NodeCapacity<Real, Dim> capacity;
     LightMarks<Real> marks;
     NodeContact<Dim> contact;  ///< near.mark null: there is no structure

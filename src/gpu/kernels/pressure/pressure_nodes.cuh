@@ -9,7 +9,7 @@ namespace moraine::gpu {
 /// What substeps want of a node (core/nodes.hpp: SolveNodes::hold).
 template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
-                                          const Quad<Real>& force) {
+                                          const Quad<Real>& force, bool full) {
     const std::size_t at = std::size_t(c) * Block<Dim>::cells + std::size_t(n);
     const Real inverse = sums[0] > w.mass_cutoff ? Real(1) / sums[0] : Real(0);
     Quad<Real> first = Quad<Real>::zero(), second = Quad<Real>::zero();
@@ -25,9 +25,9 @@ __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, i
     first[quad - 1] = sums[0];
     held.filling = force[quad - 1] * w.inverse_volume;
     if constexpr (Contact)
-        second[quad - 1] = excess_of_node<3>(w.contact.field, w.capacity, c, n, lowest, node, held.filling);
+        second[quad - 1] = excess_of_node<3>(w.contact.field, w.capacity, c, n, lowest, node, held.filling, full);
     else
-        second[quad - 1] = node_excess(held.filling, w.capacity.of(node));
+        second[quad - 1] = node_excess(held.filling, w.capacity.of(node), full);
     Quad<Real>* out = values_of_node(w.view, c, n);
     store_row(out, first);
     store_row(out + 1, second);
@@ -44,7 +44,8 @@ __global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __gri
         Quad<Real> sums, force;
         sum_tiles<Dim, 3>(w.view.grid.tiles, around, n, sums, force);
         if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
-        if (around.own != 0) hold_node<Contact>(w, c, n, sums, force);
+        const bool full = w.shifts && is_full_above<3>(w.view, w.capacity, w.origin, w.inverse_volume, around, c, n);
+        if (around.own != 0) hold_node<Contact>(w, c, n, sums, force, full);
     });
 }
 
