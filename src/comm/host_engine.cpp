@@ -120,9 +120,9 @@ void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std:
     const bool weighs = finding_ && scene_.output.energy_budget;
     const std::vector<double> held = weighs ? potentials_of(pairs) : std::vector<double>{};
     if (finding_)
-        Host::launch(count,
-                     LimitDepth<Real, Dim>{call.particles.position, call.table, call.list, field_, pairs.data(),
-                                           static_cast<int>(count), call.particles.id, &buried_, pairs_.bounds()});
+        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, method_.ends, call.table, call.list, field_,
+                                                  pairs.data(), static_cast<int>(count), call.particles.id, &buried_,
+                                                  pairs_.bounds()});
     if (weighs) note_put_out(held, potentials_of(pairs));
     method_.kernels.p2g(call, method_.cell);
     if (sleepers_) sleepers_->keep_masses();

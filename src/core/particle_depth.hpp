@@ -10,22 +10,41 @@
 // but with no feedback: no velocity, no stress and no force on the structure changes, and soil that goes in no deeper
 // than t notices nothing. The soil's weight may still squeeze the rows of its lowest cell together.
 //
-// A particle stays in its cell, as the lists of the step are made: one that the structure pushes to the end of its cell
-// walks on with its own velocity. Soil that stands a cell deep was put there; in the ground it ends the run.
+// A particle stays in its cell, as the lists of the step are made, and in the domain, whose ends lie within cells: one
+// that the structure pushes to the end of its cell walks on with its own velocity. Soil that stands a cell deep was put
+// there; in the ground it ends the run.
 
 #include "core/particle_gaps.hpp"
+#include "core/place_step.hpp"
 
 namespace moraine {
 
 inline constexpr double deepest_place = 0.1;  ///< t [cells]
 inline constexpr double put_inside = 1.0;     ///< depth from which particles are left where they are [cells]
 
+/// What is left of a cell between the ends of the domain along an axis, in parts of one_cell: nobody is put nearer to
+/// an end than a motion may bring it.
+template <class Real>
+struct CellRoom {
+    Coordinate<Real> lowest, highest;
+};
+template <class Real, int Dim>
+MORAINE_HD CellRoom<Real> room_in_cell(const DomainEnds<Real, Dim>& ends, int a, std::int32_t cell) {
+    constexpr Coordinate<Real> last = one_cell<Real> - 1;
+    const auto at = [](Real fraction) { return static_cast<Coordinate<Real>>(fraction * Real(one_cell<Real>)); };
+    CellRoom<Real> room{0, last};
+    if (cell == ends.cell[a][0]) room.lowest = at(ends.fraction[a][0] + least_height<Real>);
+    if (cell == ends.cell[a][1] && ends.fraction[a][1] > least_height<Real>)
+        room.highest = at(ends.fraction[a][1] - least_height<Real>);
+    return room;
+}
+
 /// Moves a particle of the block at `position` that is too deep. Returns whether it was. `buried`: whether it stands so
 /// deep in the ground that it is left where it is.
 template <class Real, int Dim>
-MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& position,
-                            Vec<Coordinate<Real>, Dim>& u, bool* buried = nullptr,
-                            const GroundBound<Dim>* bound = nullptr) {
+MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s, const DomainEnds<Real, Dim>& ends,
+                            const Vec<std::int32_t, Dim>& position, Vec<Coordinate<Real>, Dim>& u,
+                            bool* buried = nullptr, const GroundBound<Dim>* bound = nullptr) {
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = f.origin[a] + f.cell * (local_of<Real>(position[a], u[a]) - f.offset);
     x = image_near(f, s, x);
@@ -37,10 +56,13 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
     if (buried && s.shape == StructureShape::ground && depth >= put_inside) *buried = true;
     if (!(depth > deepest_place && depth < put_inside)) return false;
     for (int a = 0; a < Dim; ++a) {
-        constexpr Coordinate<Real> last = one_cell<Real> - 1;
-        const Coordinate<Real> within = u[a] & last;
+        const CellRoom<Real> room = room_in_cell(ends, a, 4 * position[a] + cell_of<Real>(u[a]));
+        const Coordinate<Real> within = u[a] & (one_cell<Real> - 1);
         const double to = double(within) + (depth - deepest_place) * at.normal[a] * double(one_cell<Real>);
-        u[a] += (to > 0 ? (to < double(last) ? static_cast<Coordinate<Real>>(to) : last) : 0) - within;
+        u[a] +=
+            (to < double(room.highest) ? (to > double(room.lowest) ? static_cast<Coordinate<Real>>(to) : room.lowest)
+                                       : room.highest) -
+            within;
     }
     return true;
 }
@@ -64,6 +86,7 @@ struct Buried {
 template <class Real, int Dim>
 struct LimitDepth {
     Vec<Coordinate<Real>, Dim>* place;
+    DomainEnds<Real, Dim> ends;
     BlockTable<Dim> table;
     ListView<Dim> list;
     ContactField<Dim> field;
@@ -81,7 +104,7 @@ struct LimitDepth {
             for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i) {
                 bool deep = false;
                 const std::uint32_t s = list.slot[i];
-                limit_depth<Real, Dim>(field, felt, table.position[block], place[s], &deep, bound);
+                limit_depth<Real, Dim>(field, felt, ends, table.position[block], place[s], &deep, bound);
                 if (deep && buried) note(table.position[block], s);
             }
         });

@@ -91,12 +91,12 @@ void DeviceEngine<Real, Dim>::sum() {
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
-        if (limiting) limit_depths(view(), contact_, gaps_, gaps_.boundary(), exchange_->stream);
+        if (limiting) limit_depths(view(), method_.ends, contact_, gaps_, gaps_.boundary(), exchange_->stream);
         sum_part(0, exchange_->stream);
         if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.boundary(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
-    if (limiting) limit_depths(view(), contact_, gaps_, gaps_.interior(), stream_);
+    if (limiting) limit_depths(view(), method_.ends, contact_, gaps_, gaps_.interior(), stream_);
     sum_part(1, stream_);
     if (finding_) gpu::find_gaps(view(), scene_.shape, contact_, gaps_, gaps_.interior(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more

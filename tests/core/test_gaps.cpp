@@ -155,12 +155,16 @@ TEST_CASE_TEMPLATE("the areas of the nodes add up to that of the particles, besi
     });
 }
 
-TEST_CASE_TEMPLATE("who stands too deep in a structure is brought back along its normal, within its cell", C,
-                   EVERY_CASE) {
+TEST_CASE_TEMPLATE(
+    "who stands too deep in a structure is brought back along its normal, within its cell and the domain", C,
+    EVERY_CASE) {
     using Real = typename C::Real;
     constexpr int dim = C::dim;
     Scene scene = test::sample_scene(dim, moraine::Shape::quadratic, false);
     add_structures(scene);
+    StructureSpec beyond;  // pushes who stands in the last half cell out of the domain
+    beyond.point = {4.2, 0, 0}, beyond.normal = {1, 0.2, 0};
+    scene.structures.push_back(beyond);
     Sample<Real, dim> sample(scene, dim == 2 ? 400 : 900, 17);
     const Gaps<Real, dim> gaps(sample);
     const ContactField<dim> field = gaps.set.field();
@@ -169,33 +173,37 @@ TEST_CASE_TEMPLATE("who stands too deep in a structure is brought back along its
     std::map<std::uint32_t, Vec<Coordinate<Real>, dim>> exactly;
     sample.each_particle([&](std::uint32_t s, const auto& cells) { before[s] = cells, exactly[s] = p.position[s]; });
     const std::vector<ContactPair>& pairs = gaps.pairs.interior();
-    const LimitDepth<Real, dim> limit{p.position, sample.patch.table(), sample.patch.list(),
-                                      field,      pairs.data(),         static_cast<int>(pairs.size())};
+    const LimitDepth<Real, dim> limit{
+        p.position, sample.method.ends, sample.patch.table(),          sample.patch.list(),
+        field,      pairs.data(),       static_cast<int>(pairs.size())};
     for (int k = 0; k < limit.count; ++k) limit(k);
-    int wholly = 0, in_part = 0;
+    int wholly = 0, in_part = 0, at_end = 0;
     sample.each_particle([&](std::uint32_t s, const std::array<double, dim>& now) {
         std::array<double, dim> expected = before[s];
         bool within = true;
-        for (int k = 0; k < 2; ++k) {
+        for (int k = 0; k < 3; ++k) {
             Vec<double, dim> x;
             for (std::size_t a = 0; a < dim; ++a) x[int(a)] = expected[a] * 0.5;
             const Surface<dim> at = surface(field.structure[k], field.corners, x);
             const double depth = -at.distance / 0.5;
             if (!(depth > 0.1 && depth < 1)) continue;
             for (std::size_t a = 0; a < dim; ++a) {
-                const double lower = std::floor(before[s][a] + 0.5) - 0.5,
+                const double cell = std::floor(before[s][a] + 0.5) - 0.5,
                              to = expected[a] + (depth - 0.1) * at.normal[int(a)];
-                within = within && to > lower && to < lower + 1;
-                expected[a] = std::clamp(to, lower, lower + 1);
+                const double lower = std::max(cell, 0.0), upper = std::min(cell + 1, double(sample.domain.nodes[a]));
+                within = within && to > lower && to < upper;
+                at_end += !(to >= 0 && to <= sample.domain.nodes[a]);
+                expected[a] = std::clamp(to, lower, upper);
             }
             ++(within ? wholly : in_part);
         }
         for (std::size_t a = 0; a < dim; ++a) {
-            CHECK(std::fabs(now[a] - expected[a]) <= 1e-8);
+            CHECK(std::fabs(now[a] - expected[a]) <= 1e-8 + least_height<Real>);
             CHECK(cell_of<Real>(p.position[s][int(a)]) == cell_of<Real>(exactly[s][int(a)]));
             if (expected == before[s]) CHECK(p.position[s][int(a)] == exactly[s][int(a)]);
         }
     });
     CHECK(wholly > 10);
     CHECK(in_part > 3);
+    CHECK(at_end > 0);
 }

@@ -82,11 +82,17 @@ class NodePair {
         const ParticleView<Real, Dim> p = sample.patch.particles.view();
         const std::vector<Vec<Coordinate<Real>, Dim>> before(p.position, p.position + sample.patch.particles.size());
         const auto count = static_cast<int>(pairs.interior().size());
-        const LimitDepth<Real, Dim> limit{p.position,         sample.patch.table(),    sample.patch.list(),
-                                          structures.field(), pairs.interior().data(), count};
+        const LimitDepth<Real, Dim> limit{p.position,
+                                          sample.method.ends,
+                                          sample.patch.table(),
+                                          sample.patch.list(),
+                                          structures.field(),
+                                          pairs.interior().data(),
+                                          count};
         for (int k = 0; k < count; ++k) limit(k);
         gpu::DeviceStructures<Dim> there;
-        gpu::limit_depths(device.view, there.place(structures, nullptr), device_gaps, device_gaps.interior(), nullptr);
+        gpu::limit_depths(device.view, sample.method.ends, there.place(structures, nullptr), device_gaps,
+                          device_gaps.interior(), nullptr);
         gpu::check(cudaDeviceSynchronize(), "Limiting depths");
         double worst = 0;
         int moved = 0;

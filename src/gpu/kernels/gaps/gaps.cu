@@ -76,7 +76,8 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
 /// A thread block per block: it takes all structures in turn.
 template <class Real, int Dim>
 __global__ void __launch_bounds__(gap_threads, 1)
-    depths_kernel(const __grid_constant__ GapWork<Real, Dim> w, const int count) {
+    depths_kernel(const __grid_constant__ GapWork<Real, Dim> w, const __grid_constant__ DomainEnds<Real, Dim> ends,
+                  const int count) {
     constexpr int row = CoreRows<Real, Dim>::place;
     const std::int32_t block = w.pairs[blockIdx.x].block;
     const ListView<Dim>& list = w.view.list;
@@ -89,8 +90,8 @@ __global__ void __launch_bounds__(gap_threads, 1)
             Vec<Coordinate<Real>, Dim> u;
             for (int a = 0; a < Dim; ++a) u[a] = core.coordinate(a);
             bool buried = false;
-            const bool moved = limit_depth<Real, Dim>(w.contact, w.contact.structure[k], w.view.table.position[block],
-                                                      u, &buried, bound);
+            const bool moved = limit_depth<Real, Dim>(w.contact, w.contact.structure[k], ends,
+                                                      w.view.table.position[block], u, &buried, bound);
             if (buried) note_fault(account_of(w.view), fault_buried, w.view.p.id[s]);
             if (!moved) continue;
             for (int a = 0; a < Dim; ++a) core.set_coordinate(a, u[a]);
@@ -145,11 +146,11 @@ GroundNode<Dim>* DeviceGaps<Dim>::ground(const BlockTable<Dim>& table, const Con
 }
 
 template <class Real, int Dim>
-void limit_depths(const View<Real, Dim>& view, const ContactField<Dim>& contact, const DeviceGaps<Dim>& gaps,
-                  const Array<ContactPair>& pairs, cudaStream_t stream) {
+void limit_depths(const View<Real, Dim>& view, const DomainEnds<Real, Dim>& ends, const ContactField<Dim>& contact,
+                  const DeviceGaps<Dim>& gaps, const Array<ContactPair>& pairs, cudaStream_t stream) {
     if (pairs.size() == 0) return;
     depths_kernel<Real, Dim><<<static_cast<unsigned>(pairs.size()), gap_threads, 0, stream>>>(
-        work_of(view, contact, gaps, pairs), static_cast<int>(pairs.size()));
+        work_of(view, contact, gaps, pairs), ends, static_cast<int>(pairs.size()));
     check(cudaGetLastError(), "Limiting depths");
 }
 
@@ -177,20 +178,20 @@ void find_gaps(const View<Real, Dim>& view, Shape shape, const ContactField<Dim>
 
 template class DeviceGaps<2>;
 template class DeviceGaps<3>;
-template void limit_depths(const View<float, 2>&, const ContactField<2>&, const DeviceGaps<2>&,
-                           const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<float, 2>&, const DomainEnds<float, 2>&, const ContactField<2>&,
+                           const DeviceGaps<2>&, const Array<ContactPair>&, cudaStream_t);
 template void find_gaps(const View<float, 2>&, Shape, const ContactField<2>&, const DeviceGaps<2>&,
                         const Array<ContactPair>&, cudaStream_t);
-template void limit_depths(const View<float, 3>&, const ContactField<3>&, const DeviceGaps<3>&,
-                           const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<float, 3>&, const DomainEnds<float, 3>&, const ContactField<3>&,
+                           const DeviceGaps<3>&, const Array<ContactPair>&, cudaStream_t);
 template void find_gaps(const View<float, 3>&, Shape, const ContactField<3>&, const DeviceGaps<3>&,
                         const Array<ContactPair>&, cudaStream_t);
-template void limit_depths(const View<double, 2>&, const ContactField<2>&, const DeviceGaps<2>&,
-                           const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<double, 2>&, const DomainEnds<double, 2>&, const ContactField<2>&,
+                           const DeviceGaps<2>&, const Array<ContactPair>&, cudaStream_t);
 template void find_gaps(const View<double, 2>&, Shape, const ContactField<2>&, const DeviceGaps<2>&,
                         const Array<ContactPair>&, cudaStream_t);
-template void limit_depths(const View<double, 3>&, const ContactField<3>&, const DeviceGaps<3>&,
-                           const Array<ContactPair>&, cudaStream_t);
+template void limit_depths(const View<double, 3>&, const DomainEnds<double, 3>&, const ContactField<3>&,
+                           const DeviceGaps<3>&, const Array<ContactPair>&, cudaStream_t);
 template void find_gaps(const View<double, 3>&, Shape, const ContactField<3>&, const DeviceGaps<3>&,
                         const Array<ContactPair>&, cudaStream_t);
 

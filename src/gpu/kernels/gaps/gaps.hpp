@@ -63,8 +63,8 @@ class DeviceGaps {
 /// Brings particles of these pairs that are too deep in their structure back (core/particle_depth.hpp), and notes those
 /// that are buried. contact: on the device; pairs: of `gaps`. Asynchronous.
 template <class Real, int Dim>
-void limit_depths(const View<Real, Dim>& view, const ContactField<Dim>& contact, const DeviceGaps<Dim>& gaps,
-                  const Array<ContactPair>& pairs, cudaStream_t stream);
+void limit_depths(const View<Real, Dim>& view, const DomainEnds<Real, Dim>& ends, const ContactField<Dim>& contact,
+                  const DeviceGaps<Dim>& gaps, const Array<ContactPair>& pairs, cudaStream_t stream);
 
 /// Fills the tiles of these pairs. contact: on the device; pairs: of `gaps`. Asynchronous.
 template <class Real, int Dim>
