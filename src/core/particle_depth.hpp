@@ -25,18 +25,18 @@ inline constexpr double put_inside = 1.0;     ///< depth from which particles ar
 /// What is left of a cell between the ends of the domain along an axis, in parts of one_cell: nobody is put nearer to
 /// an end than a motion may bring it.
 template <class Real>
-struct CellRoom {
+struct CellSpan {
     Coordinate<Real> lowest, highest;
 };
 template <class Real, int Dim>
-MORAINE_HD CellRoom<Real> room_in_cell(const DomainEnds<Real, Dim>& ends, int a, std::int32_t cell) {
+MORAINE_HD CellSpan<Real> span_in_cell(const DomainEnds<Real, Dim>& ends, int a, std::int32_t cell) {
     constexpr Coordinate<Real> last = one_cell<Real> - 1;
     const auto at = [](Real fraction) { return static_cast<Coordinate<Real>>(fraction * Real(one_cell<Real>)); };
-    CellRoom<Real> room{0, last};
-    if (cell == ends.cell[a][0]) room.lowest = at(ends.fraction[a][0] + least_height<Real>);
+    CellSpan<Real> span{0, last};
+    if (cell == ends.cell[a][0]) span.lowest = at(ends.fraction[a][0] + least_height<Real>);
     if (cell == ends.cell[a][1] && ends.fraction[a][1] > least_height<Real>)
-        room.highest = at(ends.fraction[a][1] - least_height<Real>);
-    return room;
+        span.highest = at(ends.fraction[a][1] - least_height<Real>);
+    return span;
 }
 
 /// Moves a particle of the block at `position` that is too deep. Returns whether it was. `buried`: whether it stands so
@@ -56,12 +56,12 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
     if (buried && s.shape == StructureShape::ground && depth >= put_inside) *buried = true;
     if (!(depth > deepest_place && depth < put_inside)) return false;
     for (int a = 0; a < Dim; ++a) {
-        const CellRoom<Real> room = room_in_cell(ends, a, 4 * position[a] + cell_of<Real>(u[a]));
+        const CellSpan<Real> span = span_in_cell(ends, a, 4 * position[a] + cell_of<Real>(u[a]));
         const Coordinate<Real> within = u[a] & (one_cell<Real> - 1);
         const double to = double(within) + (depth - deepest_place) * at.normal[a] * double(one_cell<Real>);
         u[a] +=
-            (to < double(room.highest) ? (to > double(room.lowest) ? static_cast<Coordinate<Real>>(to) : room.lowest)
-                                       : room.highest) -
+            (to < double(span.highest) ? (to > double(span.lowest) ? static_cast<Coordinate<Real>>(to) : span.lowest)
+                                       : span.highest) -
             within;
     }
     return true;

@@ -10,19 +10,19 @@
   to them.
 
 Grid: pressures on cells, `volumetric = "grid"` with `numerics.substeps = 1` or `10`, and both cures ([ADR 9](../../docs/adr/0009-grid-pressure.md)): what the shipped scene has,
-with 10. x of 99.5 % of the volume at rest, H0/25, 50, 100, 200, 10 substeps: APIC 58.91, 60.61, 60.65, 60.46 m; AFLIP 64.01, 61.99, 60.93, 60.57; FLIP 62.84, 61.89, 60.85, 60.61 (f94f2cf).
+with 10. x of 99.5 % of the volume at rest, H0/25, 50, 100, 200, 10 substeps: APIC 57.55, 60.11, 60.52, 60.43 m; AFLIP 62.34, 61.49, 60.80, 60.55; FLIP 61.17, 61.13, 60.72, 60.58 (979f2bf).
 
-* The runout converges: at H0/200 three transfers, each with one and ten substeps, end within 0.7 % of each other, in an eighth of the steps with ten.
-* From H0/50 to 100 and to 200 it changes by 0.1 and -0.4 % (APIC), -2.1 and -0.7 % (AFLIP), -2.0 and -0.5 % (FLIP), ten substeps; from H0/25 to 50 by up to 3.8 %.
-* AFLIP at H0/100, ten substeps: half the step 0.2 %, a quarter 0.5 %, jittered particles -0.1 %, 3 x 3 in a cell 1.5 %.
-* At 8 s all six are 52.68 to 52.91 m at H0/200. Noise at rest is 4.4 to 4.6 % at H0/25 (APIC, AFLIP), 2.1, 1.0 to 1.1 and 0.7 to 0.8 % on finer levels, ten substeps: smoothing stays inside a cell. Creep is at most 0.4 % of H0 at H0/200.
-* Over-filling falls from H0/50 on and is 0.7 to 0.8 % at most at H0/200. Noise lies in the half cells at the bed, over-filling in 2 x 2 particles ([what is left](../../docs/runouts.md)). The energy that is unaccounted for is 13, 5.6, 2.1 and 0.9 % of the potential (AFLIP, ten).
+* The runout converges: at H0/200 three transfers, each with one and ten substeps, end within 0.6 % of each other, in an eighth of the steps with ten.
+* From H0/25 to 50, 100 and 200 it changes by 5.4, 0.8 and -0.2 % (APIC), -1.6, -1.3 and -0.5 % (AFLIP), -0.1, -0.8 and -0.3 % (FLIP), ten substeps; at 8 s by 3.2, 0.0, -0.7 %, -1.2, -2.3, -0.9 % and 1.6, -0.8, -0.5 %.
+* AFLIP at H0/100, ten substeps: half the step 0.2 %, a quarter 0.5 %, jittered particles 0.0 %, 3 x 3 in a cell 1.1 % (APIC 1.5, at H0/200 0.6 %).
+* At 8 s all six are 52.65 to 52.87 m at H0/200. Noise at rest is 3.1 to 3.9 % at H0/25, 1.9 to 2.1, 1.0 to 1.2 and 0.6 to 0.8 % on finer levels, ten substeps: smoothing stays inside a cell. Creep is at most 0.2 % of H0 at H0/200.
+* Over-filling falls from H0/50 on and is 0.7 to 0.8 % at most at H0/200. Noise lies in the half cells at the bed, over-filling in 2 x 2 particles ([what is left](../../docs/runouts.md)). The energy that is unaccounted for is 12, 4.8, 1.7 and 0.7 % of the potential (AFLIP, ten).
 
-Shifted: `pressure_smoothing = 0.22` and `particle_shifting = 0.2` with the particles' own pressures ([ADR 8](../../docs/adr/0008-filling.md)). Runout at rest, H0/25, 50, 100, 200: APIC 48.3, 48.8, 49.8, 49.1 m; AFLIP 52.5, 52.7, 50.6, 48.9; FLIP 52.6, 52.2, 50.1, 48.5.
+Shifted: `pressure_smoothing = 0.22` and `particle_shifting = 0.2` with the particles' own pressures ([ADR 8](../../docs/adr/0008-filling.md)). Runout at rest, H0/25, 50, 100, 200: APIC 46.9, 48.4, 49.7, 49.1 m; AFLIP 51.7, 52.3, 50.5, 48.8; FLIP 50.8, 51.4, 49.9, 48.5 (979f2bf).
 
-* The three transfers are 8.3, 7.6, 1.5 and 1.3 % apart: they meet as cells shrink. From H0/100 to 200 the runout changes by -1.4 % (APIC), -3.4 % (AFLIP) and -3.3 % (FLIP).
-* At 8 s they are 1.2 % apart at H0/200 (42.1, 41.9, 41.6 m) and 0.9 % at H0/100.
-* Noise at rest 1.7, 0.64, 0.28, 0.27 % (APIC), creep at most 1.1 %. Over-filling is 0.01 to 0.03 % at rest, but its largest value in the run grows with the level: 0.7, 1.4, 2.0, 3.5 %.
+* The three transfers are 10, 8.1, 1.6 and 1.3 % apart: they meet as cells shrink. From H0/100 to 200 the runout changes by -1.2 % (APIC), -3.2 % (AFLIP) and -2.9 % (FLIP).
+* At 8 s they are 1.3 % apart at H0/200 (42.1, 41.8, 41.5 m) and 1.4 % at H0/100.
+* Noise at rest 1.5, 0.62, 0.29, 0.27 % (APIC), creep at most 0.8 %. Over-filling is at most 0.03 % at rest, but its largest value in the run grows with the level: 0.8, 1.4, 2.0, 3.5 % (APIC).
 
 Why goals are missed without it:
 
