@@ -12,18 +12,10 @@
 #include <cstdint>
 
 #include "core/position.hpp"
+#include "core/rounded_product.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {
-
-/// a b, rounded.
-MORAINE_HD double rounded_product(double a, double b) {
-#if defined(__CUDA_ARCH__)
-    return __dmul_rn(a, b);
-#else
-    return a * b;
-#endif
-}
 
 /// Where the particles of a scene are.
 struct PlanPlaces {
