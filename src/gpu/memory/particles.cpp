@@ -157,13 +157,46 @@ void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& column
         });
 }
 
+/// Columns that have a spare one in common, in their order. Who goes through them forwards and then backwards finds
+/// each column where it was: launches that are kept (gpu/lead_graph.hpp) need two places for each.
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
-    each_row([&](Array<Row<Real>>& row) { take_order(row, spare_, slot, n, stream); });
-    each_scalar([&](Array<Real>& column) { take_order(column, spare_scalar_, slot, n, stream); });
-    each_word([&](Array<std::uint64_t>& column) { take_order(column, spare_id_, slot, n, stream); });
-    take_order(id_, spare_id_, slot, n, stream);
+    const auto take = [&](auto columns, auto& spare) {
+        if (backwards_) std::reverse(columns.begin(), columns.end());
+        for (auto* column : columns) take_order(*column, spare, slot, n, stream);
+    };
+    std::vector<Array<Row<Real>>*> rows;
+    std::vector<Array<Real>*> scalars;
+    std::vector<Array<std::uint64_t>*> words;
+    each_row([&](Array<Row<Real>>& column) { rows.push_back(&column); });
+    each_scalar([&](Array<Real>& column) { scalars.push_back(&column); });
+    each_word([&](Array<std::uint64_t>& column) { words.push_back(&column); });
+    words.push_back(&id_);
+    take(rows, spare_);
+    take(scalars, spare_scalar_);
+    take(words, spare_id_);
     take_order(body_, spare_body_, slot, n, stream);
+    backwards_ = !backwards_;
+}
+
+template <class Real, int Dim>
+Columns<Real, Dim> DeviceParticles<Real, Dim>::view_after_refresh() const {
+    Columns<Real, Dim> v = view();
+    const auto take = [&](auto columns, auto* spare) {
+        if (backwards_) std::reverse(columns.begin(), columns.end());
+        for (auto** column : columns) std::swap(*column, spare);
+    };
+    std::vector<Row<Real>**> rows;
+    std::vector<Real**> scalars;
+    each_row_of<Dim>([&](RowGroup group, int k, int) {
+        if (has_rows<Dim>(needs_, group)) rows.push_back(&v.row(group, k));
+    });
+    each_present([&](int k) { scalars.push_back(&v.own[k]); });
+    take(rows, spare_.data());
+    take(scalars, spare_scalar_.data());
+    v.id = spare_id_.data();
+    v.body = spare_body_.data();
+    return v;
 }
 
 template class DeviceParticles<float, 2>;

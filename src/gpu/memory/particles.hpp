@@ -31,6 +31,8 @@ class DeviceParticles {
     void download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot, std::size_t n);
     /// Slot k takes what was in slot[k] (on the device). Asynchronous.
     void refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream);
+    /// Where columns will be after the next refresh; of scenes without sleep.
+    Columns<Real, Dim> view_after_refresh() const;
 
   private:
     void resize(std::size_t n);
@@ -52,6 +54,7 @@ class DeviceParticles {
     Array<std::uint64_t> id_, spare_id_;
     Array<std::uint16_t> body_, spare_body_;
     Array<std::uint64_t> rest_place_, rest_stress_;  ///< empty: nobody sleeps in the scene
+    bool backwards_ = false;                         ///< the next refresh
     Array<std::uint32_t> place_;                     ///< 0, 1, 2, ...: slots of a chunk
     Array<std::byte> staging_;
 };
