@@ -1,12 +1,12 @@
 // benchmark_device: the whole step of one device, binning, dt, epochs and memory refresh included.
 //
 //   benchmark_device [CASE ...] [--warm-up N] [--steps N] [--runs N] [--list]
-//                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME] [--free]
+//                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME] [--free] [--led]
 //
 // CASE as --list names them; default: all. Clocks swing for some seconds once a power limit is reached: --warm-up.
-// --free: light nodes are not limited. One JSON line per case; runs are stretches of consecutive steps of one
-// simulation, and end with the device idle. Under mpirun, with one rank per device, the same cases in parts; those
-// named weak grow with the number of ranks.
+// --free: light nodes are not limited. --led: the host makes dt of every step, and the device does not lead. One JSON
+// line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle. Under mpirun,
+// with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
@@ -35,6 +35,7 @@ struct Runs {
     std::string weight;       ///< empty: of the scene
     std::string trigger = "threshold";
     bool free = false;  ///< light nodes
+    bool led = false;   ///< by the host
 };
 
 Trigger trigger_of(const std::string& name) {
@@ -80,6 +81,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     sim.seed();
     const double seeding = wall_seconds() - begun;
     const auto advance = [&](int steps) {
+        if (!plan.led) sim.leave_alone_until(scene.end, sim.clock().step + steps);
         for (int i = 0; i < steps; ++i) sim.step(), sim.balance();
         sim.conclude();
     };
@@ -112,7 +114,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     if (!comm.is_root()) return;
     fmt::print(
         "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "
-        "\"trigger\": \"{}\", \"light_nodes\": \"{}\", "
+        "\"trigger\": \"{}\", \"light_nodes\": \"{}\", \"dt_by\": \"{}\", "
         "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"warm_up\": {}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": "
@@ -124,9 +126,10 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
         c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
-        plan.free ? "free" : "limited", device.name, device.driver, device.runtime, machine_json(this_machine()),
-        particles, blocks, plan.warm_up, plan.steps, plan.runs, 1e3 * s.median, 1e3 * s.deviation,
-        particles / s.median * 1e-9, used / particles, moved, counts.imbalance_sum / static_cast<double>(counts.steps),
+        plan.free ? "free" : "limited", plan.led || comm.size() > 1 ? "host" : "device", device.name, device.driver,
+        device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up, plan.steps, plan.runs,
+        1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
     std::fflush(stdout);
@@ -150,6 +153,8 @@ void benchmark(int argc, char** argv) {
             list = true;
         else if (key == "--free")
             plan.free = true;
+        else if (key == "--led")
+            plan.led = true;
         else if ((key == "--weight" || key == "--trigger") && i + 1 < argc)
             (key == "--weight" ? plan.weight : plan.trigger) = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)

@@ -184,12 +184,29 @@ void Driver<Real, Dim>::advance() {
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
     sim_.say_writing(series_ && series_->busy());
+    sim_.leave_alone_until(next_look(), std::numeric_limits<std::int64_t>::max());
     const double before = wall_clock();
     sim_.step();
     sim_.balance();
     stepping_ += wall_clock() - before;
     watchdog_->step_finished(sim_.clock().step);
     after_step();
+}
+
+/// The time from which after_step() wants the particles.
+template <class Real, int Dim>
+double Driver<Real, Dim>::next_look() const {
+    if (loads_) return 0;  // it counts steps
+    double next = scene_.end;
+    const auto look = [&](double interval, std::int64_t multiple) {
+        if (interval > 0) next = std::min(next, static_cast<double>(multiple) * interval);
+    };
+    look(scene_.output.interval, next_output_);
+    look(scene_.output.checkpoint_interval, next_checkpoint_);
+    if (structures_) look(scene_.output.structure_interval, next_structures_);
+    if (maps_) next = std::min(next, maps_->next_look());
+    if (rest_ && !sim_.expects_supply()) next = std::min(next, rest_->next_look());
+    return next;
 }
 
 template <class Real, int Dim>

@@ -40,6 +40,7 @@ class Driver {
     RunClaim claim() const;
     void open_records(std::optional<ResumeAfter> resume);
     void advance();
+    double next_look() const;
     void after_step();
     void output();
     void warn(const TimeSeriesRow<Dim>& row);

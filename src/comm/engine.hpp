@@ -13,6 +13,7 @@
 
 #include "comm/agreement.hpp"
 #include "comm/block_move.hpp"
+#include "comm/lead_rule.hpp"
 #include "comm/share_piece.hpp"
 #include "core/lattice.hpp"
 #include "core/method.hpp"
@@ -34,6 +35,7 @@ struct StepReport {
     std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
     Budget<Dim> budget;                    ///< to be added
     std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
+    double next_dt = 0;                    ///< that the engine took by itself; 0: it does not lead [s]
     std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };
 
@@ -136,6 +138,16 @@ class Engine {
     /// Who falls asleep and who wakes (core/sleep.hpp); the `first` of a run puts nobody to sleep. Binned state only.
     /// Scenes with sleep only. Collective over peers.
     virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/) {}
+
+    /// Begins steps that it makes by itself, dt included (lead_rule.hpp), behind the one under way: at most
+    /// clock.steps. Returns whether it does. What `step` says of dt means nothing. Alone only. Not collective.
+    virtual bool take_lead(const LeadRule<Dim>& /*rule*/, const LeadClock<Dim>& /*clock*/,
+                           const StepScales<Dim>& /*step*/) {
+        return false;
+    }
+    /// Whether it makes the step behind the last report taken by itself: that one has no parts, but its report. Waits
+    /// until it is known. Where it ends here, all is as after bin(). Not collective.
+    virtual bool leads() { return false; }
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell

@@ -49,6 +49,8 @@ class EpochLifetime {
     bool is_used_up() const { return in_guard_layer_ > reach; }
     /// Whether it will be within so many cells more.
     bool ends_within(double cells) const { return in_guard_layer_ > 0 && in_guard_layer_ + cells > reach; }
+    /// The first sum [cells].
+    double in_guard_layer() const { return in_guard_layer_; }
     bool next_is_stale() const { return since_next_ >= stale; }
     /// Whether what was begun must be taken now.
     bool next_is_used_up() const { return since_next_ >= reach; }

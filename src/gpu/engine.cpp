@@ -74,7 +74,7 @@ View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     v.list = lists_.view();
     v.grid = {lists_.tile_of(), reinterpret_cast<Real*>(tiles_.data()), node_of_.data(),
               reinterpret_cast<Real*>(nodes_.data())};
-    v.p = particles_.view();
+    v.p = columns_of_lead_ ? *columns_of_lead_ : particles_.view();
     v.context = method_.context;
     v.context.half_size = half_size_.data();
     v.moves = lists_.moves();

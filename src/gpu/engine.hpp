@@ -24,11 +24,15 @@
 #include "gpu/kernels/pressure/pressure.hpp"
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/kernels/step_report.hpp"
+#include "gpu/lead.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
 #include "gpu/memory/stream.hpp"
 
 namespace moraine::gpu {
+
+/// Steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md).
+inline constexpr int refresh_interval = 12;
 
 template <class Real, int Dim>
 class DeviceEngine final : public Engine<Real, Dim> {
@@ -61,6 +65,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
     std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool) override {}  // every few steps, by itself
+
+    bool take_lead(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, const StepScales<Dim>& step) override;
+    bool leads() override;
 
     void check_sleep(bool first, const Quantum& quantum) override;
     void bin() override;
@@ -107,6 +114,15 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void sum_part(int part, cudaStream_t stream);
     void find_sleepers();
     void report(const std::uint32_t* former_first);
+    ReportWork<Dim> report_work(Report<Dim>* to) const {
+        return {accounts_.data(), lists_.particles(), lists_.occupied(), lists_.in_guard_layer(), counters_.data(), to};
+    }
+    void report_lead();
+    void take_entry(StepReport<Dim>& report);
+    bool can_lead() const;
+    void capture_lead(LeadGraph& graph, const StepScales<Dim>& step, const Columns<Real, Dim>& columns);
+    std::vector<LeadLaunch> lead_launches() const;
+    std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const StepScales<Dim>& step) const;
     HaloSleepers halo_sleepers() const;
     RecordLayout records() const { return record_layout(particles_.view(), particles_.rest()); }
     std::size_t tile_quads() const {
@@ -123,6 +139,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void refresh();
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
+    const Report<Dim>& last_report() const;
     void take_census();
     int blocks_of(int part) const { return part == 0 ? boundary_blocks_ : interior_blocks(); }
     Chosen chosen_of(int part) const { return part == 0 ? lists_.boundary() : lists_.interior(); }
@@ -185,6 +202,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
+    std::unique_ptr<Lead<Dim>> lead_;                      ///< null: the host makes dt
+    const Report<Dim>* told_ = nullptr;                    ///< the last report, where the device made it by itself
+    const Columns<Real, Dim>* columns_of_lead_ = nullptr;  ///< those that a graph is captured for
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting
 
     Census census_;
@@ -197,6 +217,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::uint64_t faulty_id_ = 0;
     bool moving_ = false;              ///< the last step's moves are not binned
     bool summed_ = false;              ///< P2G of this round is queued, the nodes are not
+    bool unreported_ = false;          ///< the last step is binned, but not reported: the device has led
+    std::uint64_t layout_ = 0;         ///< serial of what else launches depend on: tables, memory
     bool timed_ = false;               ///< the watch runs since binning
     bool report_is_of_epoch_ = false;  ///< no epoch has begun since the report was made
 };

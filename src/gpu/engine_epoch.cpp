@@ -21,6 +21,7 @@ void copy_tiles(const Array<T>& from, const Array<T>& to, std::size_t n) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tile_capacity_ = tiles;
+    ++layout_;
     ghost_capacity_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
     tiles_.release();
     tiles_.resize((tiles + ghost_capacity_) * tile_quads());
@@ -70,6 +71,7 @@ void DeviceEngine<Real, Dim>::take_tables(EpochTables<Dim> tables) {
 /// a few blocks more in every epoch.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::open_epoch() {
+    ++layout_;
     const std::size_t ghosts = epoch_.ghost.size(), node_blocks = epoch_.node_key.size();
     if (node_blocks > node_of_.size()) {
         std::vector<std::int32_t> every(node_blocks + node_blocks / 4);
@@ -149,6 +151,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::renew(EpochTables<Dim> tables) {
     pending_ = std::move(tables);
     if (moving_) return;
+    report_lead();
     take_census();
     change_tables();
     count_boundary();
@@ -187,6 +190,7 @@ void DeviceEngine<Real, Dim>::bound_cells() {
 template <class Real, int Dim>
 BlockMoveCount DeviceEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
     if (moving_) throw std::logic_error("blocks move in the binned state alone");
+    report_lead();
     take_census();
     stream_.wait();
     if (!exchange_) {  // alone: all stays
@@ -256,6 +260,7 @@ Patch<Host, Real, Dim>& DeviceEngine<Real, Dim>::share() {
 
 template <class Real, int Dim>
 BlockCounts DeviceEngine<Real, Dim>::block_counts(bool with_cells) {
+    report_lead();
     reported_.wait();  // the lists of the last binning are there, and stay until the next
     const std::vector<std::uint32_t> first = lists_.first(reading_);
     const std::vector<std::uint8_t> asleep = sleepers_ ? sleepers_->binned(reading_) : std::vector<std::uint8_t>{};
@@ -309,6 +314,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::refresh_and_grow(std::size_t most) {
     refresh();
     stream_.wait();
+    ++layout_;
     most += most / 16;
     particles_.grow(static_cast<std::size_t>(census_.particles), most);
     lists_.grow(most);

@@ -10,9 +10,6 @@ namespace moraine::gpu {
 
 namespace {
 
-/// Steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md).
-constexpr int refresh_interval = 12;
-
 template <int Dim>
 Budget<Dim> budget_of(const Account<Dim>& a) {
     Budget<Dim> l;
@@ -32,6 +29,7 @@ Budget<Dim> budget_of(const Account<Dim>& a) {
 /// Incoming particles, then the next lists; the report of the step before goes to the host.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::bin() {
+    report_lead();
     if (!moving_) return;
     if (exchange_) {
         exchange_->migration.post();
@@ -58,8 +56,7 @@ void DeviceEngine<Real, Dim>::bin() {
 /// former_first: the lists' bounds before, for sleepers.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
-    const ReportWork<Dim> work{accounts_.data(),        lists_.particles(), lists_.occupied(),
-                               lists_.in_guard_layer(), counters_.data(),   report_.device()};
+    const ReportWork<Dim> work = report_work(report_.device());
     if (sleepers_) {
         sleepers_->find(view(), particles_.rest(), former_first, stream_);
         sleepers_->report(work, stream_);
@@ -67,6 +64,7 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
         fold_report(work, stream_);
     }
     reported_.record(stream_);
+    told_ = nullptr;
 }
 
 template <class Real, int Dim>
@@ -285,23 +283,29 @@ std::vector<FaultRecord<Dim>> DeviceEngine<Real, Dim>::fault_records() {
     return {{faulty_id_, faults_, {}}};
 }
 
+/// Of the last step that is binned; waits for it.
+template <class Real, int Dim>
+const Report<Dim>& DeviceEngine<Real, Dim>::last_report() const {
+    if (told_) return *told_;
+    reported_.wait();
+    return *report_;
+}
+
 /// What the last binning counted, unless an epoch has begun since and knows better.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_census() {
-    reported_.wait();
+    const Report<Dim>& last = last_report();
     if (sleepers_) census_.asleep = sleepers_->particles();
     if (!report_is_of_epoch_) return;
-    census_ = {report_->particles,
-               report_->occupied(),
-               {report_->migration_bound[0], report_->migration_bound[1]},
-               census_.asleep};
-    boundary_blocks_ = static_cast<int>(report_->boundary);
-    stored_ = report_->stored;
+    census_ = {last.particles, last.occupied(), {last.migration_bound[0], last.migration_bound[1]}, census_.asleep};
+    boundary_blocks_ = static_cast<int>(last.boundary);
+    stored_ = last.stored;
 }
 
 template <class Real, int Dim>
 StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
-    const Account<Dim>& account = report_->account;
+    const Report<Dim>& last = last_report();
+    const Account<Dim>& account = last.account;
     take_census();
     faults_ = account.faults;
     faulty_id_ = account.faulty_id;
@@ -310,14 +314,20 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     report.moved = std::bit_cast<double>(account.moved);
     report.square_speed = std::bit_cast<double>(account.square_speed);
     report.faults = account.faults;
-    report.in_guard_layer = report_->in_guard_layer != 0;
+    report.in_guard_layer = last.in_guard_layer != 0;
     report.clamped = account.clamped;
     report.budget = budget_of(account);
     if (sleepers_) sleepers_->add_taken(report.budget);
     report.felt = structures_.take();
     report.seconds = watch_.take();
+    ++steps_since_refresh_;
+    if (lead_) lead_->note_timed(report.seconds);
+    if (lead_ && lead_->is_under_way()) {
+        take_entry(report);
+        return report;
+    }
     if (static_cast<std::size_t>(census_.blocks) > tile_capacity_) grow_tiles();
-    if (++steps_since_refresh_ >= refresh_interval) refresh();
+    if (steps_since_refresh_ >= refresh_interval) refresh();
     return report;
 }
 

@@ -34,6 +34,7 @@ class HazardMaps {
 
     /// Whether a sample is to be taken now. The same on all ranks.
     bool is_due(double time) const { return time >= next_; }
+    double next_look() const { return next_; }  ///< from when on one is [s]
     /// Takes a sample. Binned state only. Collective.
     template <class Real>
     void sample(const Simulation<Real, 3>& sim);

@@ -18,8 +18,13 @@ constexpr std::size_t head = 7;                                // words of store
 }  // namespace
 
 template <int Dim>
+double RestWatch<Dim>::next_look() const {
+    return followed_ == 0 ? 0 : begun_ + rest_interval(scene_);
+}
+
+template <int Dim>
 bool RestWatch<Dim>::is_due(double time) const {
-    return followed_ == 0 || time >= begun_ + rest_interval(scene_);
+    return followed_ == 0 || time >= next_look();
 }
 
 /// Of all ranks, ids ascending. Collective.

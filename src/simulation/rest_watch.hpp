@@ -27,6 +27,8 @@ class RestWatch {
 
     /// Whether an interval ends now, or none has begun. The same on all ranks.
     bool is_due(double time) const;
+    /// From when on it is due [s].
+    double next_look() const;
     /// Where that is so, ends the interval, if one has begun, and begins the next. Collective.
     template <class Real>
     void look(Simulation<Real, Dim>& sim);

@@ -12,7 +12,8 @@
 //   * time and structures go on by dt
 //
 // The work is the engine's (comm/engine.hpp); here are the order, dt, and what all must agree on. A device queues the
-// work and is waited for once, where the agreement starts. Balancing is between steps: simulation_epoch.cpp.
+// work and is waited for once, where the agreement starts; where it makes steps by itself, the host follows them
+// (follow(), comm/lead_rule.hpp). Balancing is between steps: simulation_epoch.cpp.
 
 #include "simulation/simulation.hpp"
 
@@ -20,6 +21,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <utility>
 
 #include "core/sleep.hpp"
 #include "simulation/diagnostics.hpp"
@@ -28,6 +31,8 @@ namespace moraine {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
+    follows_ = engine_leads();
+    if (follows_) return follow();
     bin();  // incoming particles of the last step; each block's list is binned by cell
     check_sleep();
     apply_body_force();
@@ -55,6 +60,40 @@ void Simulation<Real, Dim>::step() {
     ++clock_.step;
 }
 
+/// Whether a device makes this step by itself; begins to let it where nobody needs the particles for some steps.
+template <class Real, int Dim>
+bool Simulation<Real, Dim>::engine_leads() {
+    bool leads = false;
+    phases_.time(Phase::agree, [&] { leads = engine_->leads(); });
+    if (leads || !report_pending_ || asked_ != 0 || body_force_ || scene_.sleep.on || scene_.substeps != 1)
+        return leads;
+    if (clock_.step >= alone_until_step_ || clock_.time >= alone_until_) return false;
+    if (epoch_.state() == EpochLifetime::State::unbinned || rebalance_.is_under_way() ||
+        scene_.balance.trigger == Trigger::every)  // counts steps
+        return false;
+    LeadRule<Dim> rule{
+        scene_.dt, courant_number(scene_) * scene_.cell, scene_.end, std::min(alone_until_, supply_.next()), {}};
+    LeadClock<Dim> clock{clock_.time, clock_.dt, {}, epoch_.in_guard_layer(), alone_until_step_ - clock_.step};
+    std::copy_n(scene_.gravity.begin(), Dim, rule.gravity);
+    std::copy_n(clock_.gravity_impulse.begin(), Dim, clock.gravity_impulse);
+    phases_.time(Phase::agree, [&] { leads = engine_->take_lead(rule, clock, scales()) && engine_->leads(); });
+    return leads;
+}
+
+/// A step that a device makes by itself: what it tells of the one before is agreed on as in any other.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::follow() {
+    const std::uint32_t asked = std::exchange(asked_, 0);  // for when the device stands still
+    start_agreement();
+    agree_on_dt();
+    if (clock_.dt != led_dt_) throw std::logic_error("a device and its host differ in dt");
+    asked_ = asked;
+    ++counts_.exchanges;
+    report_pending_ = true;
+    clock_.time += clock_.dt;
+    ++clock_.step;
+}
+
 /// Pressures of cells and velocities of nodes, while the particles wait (core/grid_pressure.hpp).
 template <class Real, int Dim>
 void Simulation<Real, Dim>::make_substeps() {
@@ -72,6 +111,7 @@ void Simulation<Real, Dim>::make_substeps() {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::bin() {
+    if (engine_->leads()) throw std::logic_error("somebody looks at particles that were to be left alone");
     phases_.time(Phase::migrate, [&] { engine_->bin(); });
 }
 
@@ -120,6 +160,7 @@ void Simulation<Real, Dim>::record_step() {
     own_.moved = report.moved;
     own_.faults = report.faults;
     own_.in_guard_layer = report.in_guard_layer;
+    led_dt_ = report.next_dt;
     own_.seconds = phases_.computing() - computed_;
     computed_ = phases_.computing();
     counts_.clamped_boxes += report.clamped;

@@ -55,6 +55,10 @@ class Simulation {
     void restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts, const RunClock<Dim>& clock,
                  const Budget<Dim>& budget, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
 
+    /// Nobody looks at the particles before the first step at or past this time, nor before that step: until then a
+    /// device may lead (comm/lead_rule.hpp), and go on to steps that the clock has not come to. Without it none does.
+    void leave_alone_until(double time, std::int64_t step) { alone_until_ = time, alone_until_step_ = step; }
+
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
     /// Who is due comes in; an imbalance check if one is due now, and a new epoch if the old one is used up.
@@ -87,6 +91,8 @@ class Simulation {
     const HostOfRank& hosts() const { return hosts_; }
     const Partitioner& partitioner() const { return *partitioner_; }
     const RepartitionTrigger& trigger() const { return trigger_; }
+    /// Whether the last step was one that a device made by itself.
+    bool follows() const { return follows_; }
     const RunClock<Dim>& clock() const { return clock_; }
     const Budget<Dim>& budget() const { return budget_; }
     const Agreement& agreement() const { return agreed_; }
@@ -130,6 +136,8 @@ class Simulation {
 
   private:
     // simulation.cpp: the parts of a step
+    bool engine_leads();
+    void follow();
     void start_agreement();
     void record_step();
     void agree_on_dt();
@@ -195,6 +203,10 @@ class Simulation {
     double computed_ = 0;                               ///< computing time up to the last step [s]
     std::uint32_t asked_ = 0;
     bool writing_ = false;
+    double alone_until_ = -1;  ///< [s]
+    std::int64_t alone_until_step_ = -1;
+    bool follows_ = false;         ///< in this step
+    double led_dt_ = 0;            ///< that the engine took by itself [s]
     bool report_pending_ = false;  ///< a step's report is still with the engine
 };
 

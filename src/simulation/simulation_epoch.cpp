@@ -12,6 +12,7 @@ namespace moraine {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::balance() {
+    if (engine_->leads()) return;  // until it stands still
     const bool some_come = supply_.next() <= clock_.time;
     rebalance_.want(clock_.step);
     if (!some_come && rebalance_.is_to_begin(clock_.step, epoch_, agreed_.moved)) begin_check();

@@ -21,7 +21,7 @@ struct Report {
     std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp)
     std::uint32_t in_guard_layer;      ///< 1: some particle is in a cell of the guard layer
 
-    std::uint32_t occupied() const { return boundary + interior; }
+    MORAINE_HD std::uint32_t occupied() const { return boundary + interior; }
 };
 
 /// What a report is made of, and where it goes.

@@ -62,6 +62,7 @@ class Pinned {
         check(cudaHostGetDevicePointer(&seen, data_, 0), "Mapping pinned memory");
         return seen;
     }
+    T& host() { return *data_; }
     const T& operator*() const { return *data_; }
     const T* operator->() const { return data_; }
 

@@ -117,8 +117,7 @@ Binning<Dim> Lists<Dim>::binning(const BlockTable<Dim>& table) const {
 template <int Dim>
 void Lists<Dim>::make(const BlockTable<Dim>& table, cudaStream_t stream) {
     make_lists(binning(table), stream);
-    first_.swap(next_first_);
-    slot_.swap(next_slot_);
+    turn();
 }
 
 template class Lists<2>;

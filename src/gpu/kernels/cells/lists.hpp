@@ -66,6 +66,8 @@ class Lists {
         collect_outgoing(binning(table), part, blocks, stream);
     }
     void make(const BlockTable<Dim>& table, cudaStream_t stream);
+    /// The lists are those that make() would have left: others made them.
+    void turn() { first_.swap(next_first_), slot_.swap(next_slot_); }
 
   private:
     void reserve(const EpochTables<Dim>& tables, cudaStream_t stream);

@@ -1,3 +1,4 @@
+#include "gpu/kernels/lead/dt_places.hpp"
 #include "gpu/kernels/nodes/nodes.cuh"
 
 namespace moraine::gpu {
@@ -10,6 +11,12 @@ void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const Node
                                    quantum, marks, contact ? *contact : NodeContact<Dim>{}};
     marks.of ? run_nodes<Real, Dim, true, false>(work, stencil.width, contact != nullptr, stream)
              : run_nodes<Real, Dim, false, false>(work, stencil.width, contact != nullptr, stream);
+}
+
+template <class Real, int Dim>
+DtPlace dt_of_nodes() {
+    using Work = NodeWork<Real, Dim>;
+    return {offsetof(Work, round) + offsetof(decltype(Work::round), dt), sizeof(Work)};
 }
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
@@ -47,6 +54,10 @@ std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
     return {felt_, felt_ + count_};
 }
 
+template DtPlace dt_of_nodes<float, 2>();
+template DtPlace dt_of_nodes<float, 3>();
+template DtPlace dt_of_nodes<double, 2>();
+template DtPlace dt_of_nodes<double, 3>();
 template class DeviceStructures<2>;
 template class DeviceStructures<3>;
 template void solve_nodes(const View<float, 2>&, const Stencil&, const NodeRound<float, 2>&, const Quantum&,

@@ -1,0 +1,60 @@
+#pragma once
+// Steps that an engine makes by itself, ahead of what the simulation has heard of them: how each dt is made, and when
+// it must stop, because somebody wants to look at the particles, or has to decide.
+//
+//   dt = C h / (c + |v|), or what the scene says;   t += dt;   integral of gravity += g dt
+//
+// These are the operations of Simulation::agree_on_dt() and EpochLifetime::step(), in their order, so that an engine
+// that leads and the simulation that follows agree to the bit: products are not contracted on a device either. One
+// function for both, that knows no memory: what stops a device is tested on the host.
+
+#include <cstdint>
+
+#include "comm/epoch_lifetime.hpp"
+#include "core/rounded_product.hpp"
+
+namespace moraine {
+
+template <int Dim>
+struct LeadRule {
+    double dt;     ///< that the scene says [s]; 0: by the signal
+    double reach;  ///< C h [m]
+    double end;    ///< of the run [s]
+    double until;  ///< nobody looks before the first step at or past it [s]
+    double gravity[Dim];
+};
+
+/// Where the run stands, between two steps.
+template <int Dim>
+struct LeadClock {
+    double time;
+    double dt;  ///< of the next step, once goes_on() says that there is one [s]
+    double gravity_impulse[Dim];
+    double in_guard_layer;  ///< as EpochLifetime counts it [cells]
+    std::int64_t steps;     ///< that may still be made
+};
+
+/// What the report of the last step says.
+struct LeadReport {
+    double signal, moved;
+    bool in_guard_layer;
+    bool stops;  ///< a fault, or more blocks than there is space for
+};
+
+/// Whether the next step is made, by what the last one told. If so the clock is that of the step's end.
+template <int Dim>
+MORAINE_HD bool goes_on(const LeadRule<Dim>& rule, const LeadReport& last, LeadClock<Dim>& clock) {
+    clock.in_guard_layer = last.in_guard_layer ? clock.in_guard_layer + last.moved : 0;
+    if (last.stops || clock.steps <= 0 || clock.in_guard_layer > EpochLifetime::reach) return false;
+    if (clock.time >= rule.until || clock.time >= rule.end) return false;
+    if (!(rule.dt > 0 || last.signal > 0)) return false;
+    const double dt = rule.dt > 0 ? rule.dt : rule.reach / last.signal;
+    if (!(rounded_product(dt, 1e12) >= rule.end - clock.time)) return false;  // Simulation::check_step()
+    clock.dt = dt;
+    for (int a = 0; a < Dim; ++a) clock.gravity_impulse[a] += rounded_product(rule.gravity[a], dt);
+    clock.time += dt;
+    --clock.steps;
+    return true;
+}
+
+}  // namespace moraine

@@ -1,0 +1,107 @@
+#pragma once
+// What an engine that leads (comm/lead_rule.hpp) keeps: graphs of steps, and what the device tells of each.
+//
+// Entry k of a lead holds the report of the step before its step k, and whether that one is made. An entry is read once
+// its serial is there; the stream is not waited for.
+
+#include <array>
+
+#include "gpu/lead_graph.hpp"
+
+namespace moraine::gpu {
+
+template <int Dim>
+struct LeadEntries {
+    LeadEntry<Dim> entry[lead_entries];
+};
+
+template <int Dim>
+class Lead {
+  public:
+    Lead() {
+        entries_.host() = {};
+        state_.resize(1);
+    }
+
+    LeadState<Dim>* state() const { return state_.data(); }
+    cudaStream_t capturing() const { return capturing_; }
+    LeadGraph& graph() { return graph_[now_]; }
+    LeadGraph& next_graph() { return graph_[1 - now_]; }
+    void take_next_graph() { now_ = 1 - now_; }
+
+    /// Begins a lead of at most so many steps, behind what `stream` has; a step is made only if graph() has been
+    /// launched for it.
+    void begin(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, std::uint32_t tiles, int entries,
+               cudaStream_t stream) {
+        begin_lead(state(), {rule, clock, entries_.device()->entry, serial_, tiles}, graph().nodes(),
+                   graph().node_count(), stream);
+        begun_ = entries;
+        taken_ = 0;
+    }
+    /// The decision, and beside it sum(), which waits for no dt; both are captured on capturing().
+    template <class F>
+    void decide_beside(const ReportWork<Dim>& work, const LeadNodes& behind, int real_bytes, const F& sum) {
+        before_.record(capturing_);
+        deciding_.wait_for(before_);
+        decide(work, state(), behind, real_bytes, deciding_);
+        sum();
+        decided_.record(deciding_);
+        capturing_.wait_for(decided_);
+    }
+    bool is_under_way() const { return begun_ > 0; }
+    bool is_used_up() const { return taken_ == begun_; }
+    int taken() const { return taken_; }
+    void end() {
+        serial_ += static_cast<std::uint32_t>(begun_);
+        begun_ = taken_ = 0;
+    }
+
+    /// The next entry; waits for it.
+    const LeadEntry<Dim>& next(cudaStream_t stream) const {
+        const LeadEntry<Dim>& entry = entries_->entry[taken_];
+        const std::uint32_t serial = serial_ + static_cast<std::uint32_t>(taken_) + 1;
+        const auto is_there = [&] { return __atomic_load_n(&entry.serial, __ATOMIC_ACQUIRE) == serial; };
+        for (unsigned asked = 1; !is_there(); ++asked) {
+            if (asked % 4096 != 0) continue;
+            const cudaError_t state = cudaStreamQuery(stream);
+            if (state == cudaErrorNotReady) continue;
+            check(state, "A step on the device");
+            if (!is_there()) throw MachineError("A step on the device told nothing. Is the device in order?");
+        }
+        return entry;
+    }
+    void take(const LeadEntry<Dim>& entry) {
+        ++taken_;
+        last_clock_ = entry.clock;
+    }
+
+    /// The parts' times of the step that the entry reports, by the device's clock and the shares that the stopwatch
+    /// last found; zeros where the step before was not of a lead.
+    using Seconds = std::array<double, Stopwatch::parts>;
+    Seconds seconds_until(const LeadEntry<Dim>& entry) const {
+        const double all = last_clock_ > 0 ? 1e-9 * static_cast<double>(entry.clock - last_clock_) : 0;
+        const double timed = timed_[0] + timed_[1] + timed_[2];
+        Seconds parts{};
+        for (std::size_t k = 0; k < parts.size() && timed > 0; ++k) parts[k] = all * timed_[k] / timed;
+        return parts;
+    }
+    void note_timed(const Seconds& seconds) {
+        if (seconds[0] > 0) timed_ = seconds;
+    }
+    /// The step under way is not of a lead.
+    void forget_clock() { last_clock_ = 0; }
+
+  private:
+    Stream capturing_{Stream::Rank::apart}, deciding_{Stream::Rank::apart};
+    Event before_, decided_;
+    LeadGraph graph_[2];
+    int now_ = 0;
+    Array<LeadState<Dim>> state_;
+    Pinned<LeadEntries<Dim>> entries_;
+    std::uint32_t serial_ = 0;  ///< of the last entry of the leads before
+    int begun_ = 0, taken_ = 0;
+    std::uint64_t last_clock_ = 0;  ///< of the entry taken last [ns]; 0: a step since was the host's
+    Seconds timed_{};
+};
+
+}  // namespace moraine::gpu

@@ -1,0 +1,160 @@
+#include "gpu/engine_pair.hpp"
+
+using namespace moraine;
+using namespace moraine::test;
+
+// A device that leads (comm/lead_rule.hpp) gives the answer of one whose dt the host makes, to the bit; it stops where
+// somebody looks, and where a step went wrong.
+
+namespace {
+
+enum class DtBy { host, device };
+
+/// Steps of the device, how many of them it made by itself, and what the run came to.
+template <class Real, int Dim>
+struct Led {
+    std::uint64_t hash = 0;
+    double time = 0;
+    std::int64_t step = 0, led = 0, epochs = 0;
+    std::vector<double> told;  ///< budget and counts
+    std::string fault;
+};
+
+template <class Real, int Dim>
+void advance_until(Simulation<Real, Dim>& sim, double time, std::int64_t step, DtBy by, Led<Real, Dim>& out) {
+    if (by == DtBy::device) sim.leave_alone_until(time, step);
+    while (sim.clock().time < time && sim.clock().step < step) {
+        sim.step();
+        out.led += sim.follows() ? 1 : 0;
+        sim.balance();
+    }
+    sim.conclude();
+}
+
+/// Looks every `interval` seconds, and at the end.
+template <class Real, int Dim>
+Led<Real, Dim> run_by(const Scene& scene, std::int64_t steps, DtBy by, double interval = 1e9) {
+    const Comm comm(MPI_COMM_WORLD);
+    const DeviceChoice device = choose_device("cuda", comm);
+    Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, device));
+    Led<Real, Dim> out;
+    try {
+        sim.seed();
+        for (double look = interval; sim.clock().step < steps && sim.clock().time < scene.end; look += interval) {
+            advance_until(sim, std::min(look, scene.end), steps, by, out);
+            out.told.push_back(static_cast<double>(state_hash(sim) >> 12));
+        }
+    } catch (const PhysicsError& e) {
+        out.fault = e.what();
+        sim.bin();
+    }
+    out.hash = state_hash(sim, true);
+    out.time = sim.clock().time;
+    out.step = sim.clock().step;
+    out.epochs = sim.counts_so_far().epochs;
+    const Budget<Dim>& budget = sim.budget();
+    for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
+                              budget.lost_momentum[0], budget.lost_gravity_impulse[1]})
+        out.told.push_back(sim.quantum().value(s));
+    const RunCounts counts = sim.counts_so_far();
+    for (std::int64_t n : {budget.lost_count, counts.steps, counts.exchanges, counts.clamped_boxes})
+        out.told.push_back(static_cast<double>(n));
+    out.told.push_back(counts.particle_steps);
+    return out;
+}
+
+template <class Real, int Dim>
+Led<Real, Dim> compare_dims(const Scene& scene, std::int64_t steps, double interval) {
+    const Led<Real, Dim> host = run_by<Real, Dim>(scene, steps, DtBy::host, interval);
+    const Led<Real, Dim> device = run_by<Real, Dim>(scene, steps, DtBy::device, interval);
+    CAPTURE(scene.name);
+    CHECK(host.led == 0);
+    CHECK(device.hash == host.hash);
+    CHECK(device.time == host.time);
+    CHECK(device.step == host.step);
+    CHECK(device.told == host.told);
+    CHECK(device.fault == host.fault);
+    MESSAGE(scene.name << ": " << device.led << " of " << device.step << " steps by the device, epochs "
+                       << device.epochs << " and " << host.epochs);
+    return device;
+}
+
+/// Returns how many steps the device made by itself.
+std::int64_t compare_leads(const Scene& scene, std::int64_t steps, double interval = 1e9) {
+    const bool single = scene.precision == Precision::single_;
+    if (scene.dimensions == 2)
+        return single ? compare_dims<float, 2>(scene, steps, interval).led
+                      : compare_dims<double, 2>(scene, steps, interval).led;
+    return single ? compare_dims<float, 3>(scene, steps, interval).led
+                  : compare_dims<double, 3>(scene, steps, interval).led;
+}
+
+}  // namespace
+
+TEST_CASE("a device that leads gives the same state, budget, times and counts to the bit") {
+    for (const char* name : {"slurry_runout", "granular_column", "elastic_bar"})
+        for (const char* precision : {"single", "double"})
+            CHECK(compare_leads(input(name, {std::string("numerics.precision=") + precision}), 400) > 300);
+    CHECK(compare_leads(input("slurry_runout_3d", {"domain.cell=0.2"}), 300) > 200);
+}
+
+TEST_CASE("an open wall, two materials, friction and damping do not hinder it") {
+    for (Transfer transfer : {Transfer::flip, Transfer::apic})
+        for (Scene scene : {test::slurry(), test::column()}) {
+            scene.transfer = transfer;
+            scene.end = 100;
+            CHECK(compare_leads(scene, 500) > 300);
+        }
+}
+
+TEST_CASE("shapes, means of cells and a dt that the scene says do not hinder it") {
+    for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::quadratic, Shape::cubic}) {
+        Scene scene = test::column();
+        scene.shape = shape;
+        scene.cfl = 0.2;
+        scene.end = 100;
+        CHECK(compare_leads(scene, 40) > 20);
+        scene.materials[0].volumetric = Volumetric::cell;
+        CHECK(compare_leads(scene, 40) > 20);
+        scene.dt = 0.002;
+        CHECK(compare_leads(scene, 40) > 20);
+    }
+}
+
+TEST_CASE("a flow that spreads over many epochs, and needs more tiles, gives the same state") {
+    const Scene scene = input("slurry_runout", {"domain.cell=0.02", "time.end=0.6"});
+    CHECK(compare_leads(scene, 100000) > 500);
+}
+
+TEST_CASE("it stops after the first step at or past the time at which somebody looks") {
+    Scene scene = test::slurry();
+    scene.end = 0.2;
+    CHECK(compare_leads(scene, 100000, 0.003) > 20);
+    CHECK(compare_leads(scene, 101, 0.011) > 10);
+}
+
+TEST_CASE("a step that goes wrong is named as where the host makes dt, and the particles stay as it left them") {
+    Scene scene = test::slurry();
+    scene.end = 10;
+    scene.dt = 8e-3;  // too long: some particle is turned inside out, or goes more than a cell
+    const auto host = run_by<double, 2>(scene, 4000, DtBy::host);
+    const auto device = run_by<double, 2>(scene, 4000, DtBy::device);
+    REQUIRE(!host.fault.empty());
+    MESSAGE(host.fault << ", " << device.led << " steps by the device");
+    CHECK(device.led > 5);
+    CHECK(device.fault == host.fault);
+    CHECK(device.hash == host.hash);
+    CHECK(device.step == host.step);
+    CHECK(device.time == host.time);
+}
+
+TEST_CASE("who looks at particles that were to be left alone is told so") {
+    const Comm comm(MPI_COMM_WORLD);
+    const Scene scene = input("slurry_runout", {});
+    const DeviceChoice device = choose_device("cuda", comm);
+    Simulation<float, 2> sim(scene, comm, device_engine_maker<float, 2>(scene, comm, device));
+    sim.seed();
+    sim.leave_alone_until(scene.end, 1000);
+    for (int k = 0; k < 7; ++k) sim.step(), sim.balance();
+    CHECK_THROWS_AS(sim.conclude(), std::logic_error);
+}
