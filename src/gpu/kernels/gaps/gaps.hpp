@@ -13,6 +13,7 @@
 
 #include "comm/contact_pairs.hpp"
 #include "core/contact.hpp"
+#include "core/place_step.hpp"
 #include "core/shape.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
