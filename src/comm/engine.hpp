@@ -134,8 +134,8 @@ class Engine {
     virtual void refresh_memory(bool always) = 0;
 
     /// Who falls asleep and who wakes (core/sleep.hpp); the `first` of a run puts nobody to sleep. Binned state only.
-    /// Scenes with sleep only. Collective over peers.
-    virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/) {}
+    /// Scenes with sleep only; structures: null where there are none. Collective over peers.
+    virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/, const StructureSet<Dim>* /*structures*/) {}
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
