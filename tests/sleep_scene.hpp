@@ -32,6 +32,25 @@ inline Scene bed(int dimensions) {
     return s;
 }
 
+/// A plate over that bed, which stands until the bed sleeps and then goes down into it.
+inline Scene plate_over_bed(int dimensions) {
+    Scene scene = bed(dimensions);
+    scene.bodies.pop_back();
+    scene.sleep.wake = 2;
+    StructureSpec plate;
+    plate.name = "plate";
+    plate.shape = StructureShape::box;
+    plate.law = InterfaceLaw::coulomb, plate.friction = 0.3;
+    plate.min = {1.9, 0.63, 0}, plate.max = {2.3, 0.9, 0};
+    if (dimensions == 3) plate.min = {1.9, 0.2, 0.63}, plate.max = {2.3, 0.6, 0.9};
+    plate.motion.kind = StructureMotion::table;
+    plate.motion.velocity = {0, 0, 0};
+    plate.motion.velocity[dimensions == 2 ? 1 : 2] = -0.2;
+    plate.motion.times = {0.25, 0.3}, plate.motion.factors = {0, 1};
+    scene.structures.push_back(plate);
+    return scene;
+}
+
 /// The same of mud whose cells bear the pressure.
 inline Scene mud() {
     Scene scene = bed(2);

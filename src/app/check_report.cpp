@@ -126,7 +126,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     if (scene.sleep.on)
         text +=
             fmt::format("sleep      blocks may: less than {:.4g} m in {:.4g} s, and {:.4g} Pa of a density of 1000\n",
-                        scene.sleep.displacement * scene.cell, sleep_interval(scene), 1000 * sleep_rule(scene).weight);
+                        sleep_displacement(scene) * scene.cell, sleep_interval(scene), 1000 * sleep_rule(scene).weight);
     if (run.writes_particles) text += output_line(scene, p);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");

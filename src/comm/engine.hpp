@@ -136,8 +136,8 @@ class Engine {
     virtual void refresh_memory(bool always) = 0;
 
     /// Who falls asleep and who wakes (core/sleep.hpp); the `first` of a run puts nobody to sleep. Binned state only.
-    /// Scenes with sleep only. Collective over peers.
-    virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/) {}
+    /// Scenes with sleep only; structures: null where there are none. Collective over peers.
+    virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/, const StructureSet<Dim>* /*structures*/) {}
 
     /// Begins steps that it makes by itself, dt included (lead_rule.hpp), behind the one under way: at most
     /// clock.steps. Returns whether it does. What `step` says of dt means nothing. Alone only. Not collective.

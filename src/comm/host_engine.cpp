@@ -88,6 +88,12 @@ void HostEngine<Real, Dim>::bin() {
 }
 
 template <class Real, int Dim>
+void HostEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) {
+    const ContactField<Dim> field = structures ? structures->field() : ContactField<Dim>{};
+    sleepers_->check(first, quantum, structures ? &field : nullptr, report_.budget);
+}
+
+template <class Real, int Dim>
 TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std::int32_t> blocks) {
     return {method_.context,
             patch_.particles.view(),
@@ -185,12 +191,11 @@ template <class Real, int Dim>
 template <bool Contact>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact) {
-    if (!sleepers_ || Contact || round.task != NodeTask::solve)
-        return solve<Contact>(round, step, contact, patch_.node_blocks());
-    if (sleepers_->find_still_nodes()) {
+    if (!sleepers_ || round.task != NodeTask::solve) return solve<Contact>(round, step, contact, patch_.node_blocks());
+    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr)) {
         NodeRound<Real, Dim> second = round;
         second.dt = Real(1);
-        solve<Contact>(second, step, contact, sleepers_->still_nodes());
+        solve<false>(second, step, {}, sleepers_->still_nodes());
         sleepers_->keep_still_nodes(impulse_.data(), step.quantum);
     }
     solve<Contact>(round, step, contact, sleepers_->other_nodes());
@@ -230,7 +235,8 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<Dim>& step) {
-    sleepers_->wake_by_nodes(step.dt, step.quantum, report_.budget);
+    const ContactField<Dim> field = step.structures ? step.structures->field() : ContactField<Dim>{};
+    sleepers_->wake_by_nodes(step.dt, step.quantum, step.structures ? &field : nullptr, report_.budget);
     if (sleepers_->woken_nodes().empty()) return;
     Host::Array<ExactSum> counted;
     counted.swap(impulse_);

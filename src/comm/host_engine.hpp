@@ -39,7 +39,7 @@ class HostEngine final : public Engine<Real, Dim> {
     std::vector<NearParticle> particles_near(const PlanLines& lines) override;
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
-    void check_sleep(bool first, const Quantum& quantum) override { sleepers_->check(first, quantum, report_.budget); }
+    void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
     void find_gaps(const StructureSet<Dim>& structures) override;
     void sum_boundary() override { sum(patch_.boundary(), pairs_.boundary()); }

@@ -1,6 +1,7 @@
 #include "comm/sleepers.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace moraine {
 
@@ -108,8 +109,11 @@ void Sleepers<Real, Dim>::wake_entered() {
 }
 
 template <class Real, int Dim>
-double Sleepers<Real, Dim>::activity(int block) const {
+double Sleepers<Real, Dim>::activity(int block, Structures structures) const {
     double most = 0;
+    if (structures && !slots(block).empty() &&
+        is_kept_awake(*structures, rule_.interval, share_.table().position[block]))
+        return std::numeric_limits<double>::infinity();
     if (is_asleep(block)) return most;
     const ParticleView<Real, Dim> p = share_.particles.view();
     for (const std::uint32_t s : slots(block)) most = std::max(most, activity_of<Real, Dim>(rule_, p, s));
@@ -161,9 +165,9 @@ void Sleepers<Real, Dim>::mark(int block) {
 }
 
 template <class Real, int Dim>
-void Sleepers<Real, Dim>::check(bool first, const Quantum& quantum, Budget<Dim>& budget) {
+void Sleepers<Real, Dim>::check(bool first, const Quantum& quantum, Structures structures, Budget<Dim>& budget) {
     activity_.assign(asleep_.size(), 0);
-    Host::launch(share_.own(), [&](int b) { activity_[static_cast<std::size_t>(b)] = activity(b); });
+    Host::launch(share_.own(), [&](int b) { activity_[static_cast<std::size_t>(b)] = activity(b, structures); });
     exchange_activity(messages_, share_.tables(), activity_);
     for (int b = 0; b < share_.own() && !first; ++b) {
         if (slots(b).empty()) continue;
@@ -208,12 +212,14 @@ void Sleepers<Real, Dim>::keep_masses() {
 
 /// What sleeps now has done so since the last sleep check at least, or these are found anew.
 template <class Real, int Dim>
-bool Sleepers<Real, Dim>::find_still_nodes() {
+bool Sleepers<Real, Dim>::find_still_nodes(Structures structures) {
     const auto count = static_cast<std::size_t>(share_.table().node_blocks);
     std::vector<std::uint8_t> now(count);
     Host::launch(static_cast<std::int64_t>(count), [&](int c) {
         now[static_cast<std::size_t>(c)] =
-            has_tiles_of_sleepers_alone(share_.table(), share_.tile_of(), asleep_.data(), c);
+            has_tiles_of_sleepers_alone(share_.table(), share_.tile_of(), asleep_.data(), c) &&
+            (!structures ||
+             is_free_of_structures(*structures, method_.stencil.origin, share_.table().node_position[c]));
     });
     if (still_known_ && now == is_still_) return false;
     is_still_.swap(now);
@@ -275,12 +281,14 @@ void Sleepers<Real, Dim>::list_still_nodes_of(int block) {
 }
 
 template <class Real, int Dim>
-void Sleepers<Real, Dim>::wake_by_nodes(double dt, const Quantum& quantum, Budget<Dim>& budget) {
+void Sleepers<Real, Dim>::wake_by_nodes(double dt, const Quantum& quantum, Structures structures, Budget<Dim>& budget) {
     const std::vector<std::int32_t> blocks = sleepers();
     held_.resize(blocks.size());
     Host::launch(static_cast<std::int64_t>(blocks.size()), [&](int k) {
         const auto i = static_cast<std::size_t>(k);
         held_[i] = held_by_nodes(blocks[i], false);
+        if (structures && is_kept_awake(*structures, rule_.interval, share_.table().position[blocks[i]]))
+            held_[i].fast = true;
     });
     const auto take = [&](const HeldByNodes<Dim>& held, double scale) {
         budget.slept_kinetic.add(quantum.of(held.kinetic * scale * scale));

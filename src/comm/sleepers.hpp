@@ -13,7 +13,7 @@
 #include "comm/point_to_point.hpp"
 #include "core/host.hpp"
 #include "core/method.hpp"
-#include "core/sleep.hpp"
+#include "core/sleep_contact.hpp"
 #include "core/totals.hpp"
 
 namespace moraine {
@@ -35,8 +35,11 @@ class Sleepers {
     void begin_epoch();
     /// Wakes the blocks that a binning has brought particles to. Not collective.
     void wake_entered();
+    /// Structures as the kernels see them; null: there are none.
+    using Structures = const ContactField<Dim>*;
+
     /// A sleep check; the first of a run puts nobody to sleep. Collective over peers.
-    void check(bool first, const Quantum& quantum, Budget<Dim>& budget);
+    void check(bool first, const Quantum& quantum, Structures structures, Budget<Dim>& budget);
 
     /// Those of `blocks` whose tiles a P2G with this mean has to make: the awake ones, and where a tile is not right.
     /// They count as made. Holds until it is called again. Not collective.
@@ -47,17 +50,18 @@ class Sleepers {
     void forget_tiles() { ++forgotten_; }
 
     /// Once ghosts have told whether they sleep: splits the node blocks into those whose tiles are all of sleepers,
-    /// which are not solved, and the others. Returns whether keep_still_nodes() has to follow. Not collective.
-    bool find_still_nodes();
+    /// which are not solved, and the others; near structures none is still. Returns whether keep_still_nodes() has to
+    /// follow. Not collective.
+    bool find_still_nodes(Structures structures);
     std::span<const std::int32_t> still_nodes() const { return still_; }
     std::span<const std::int32_t> other_nodes() const { return other_; }
     /// The still nodes hold what a step of 1 s makes of them, impulses too: all is in proportion to dt, since they have
     /// no momentum. Not collective.
     void keep_still_nodes(const ExactSum* impulse, const Quantum& quantum);
 
-    /// Between nodes and gather: wakes who has a fast node, and takes what the nodes would have given the others into
-    /// the budget. Not collective.
-    void wake_by_nodes(double dt, const Quantum& quantum, Budget<Dim>& budget);
+    /// Between nodes and gather: wakes who has a fast node or a structure that moves near, and takes what the nodes
+    /// would have given the others into the budget. Not collective.
+    void wake_by_nodes(double dt, const Quantum& quantum, Structures structures, Budget<Dim>& budget);
     /// The still nodes of who woke: they have to be solved for the gather after all; their impulses are counted.
     std::span<const std::int32_t> woken_nodes() const { return woken_nodes_; }
     /// Own blocks that are awake, empty ones too. Not collective.
@@ -78,7 +82,7 @@ class Sleepers {
         bool operator==(const TileMark&) const = default;
     };
 
-    double activity(int block) const;
+    double activity(int block, Structures structures) const;
     double activity_around(int block) const;
     void put_to_sleep(int block, const Quantum& quantum, Budget<Dim>& budget);
     void wake(int block);

@@ -145,7 +145,6 @@ void StructureSet<Dim>::begin_step(double time, double dt, std::span<const Struc
                 state.velocity[a] = (there[i] - here[i]) / dt;
             }
         }
-        values_[k].velocity = state.velocity;
     }
     place();
 }
@@ -192,7 +191,10 @@ ContactField<Dim> StructureSet<Dim>::field() const {
 
 template <int Dim>
 void StructureSet<Dim>::place() {
-    for (std::size_t k = 0; k < values_.size(); ++k) values_[k].at = start_[k] - (-1.0) * states_[k].displacement;
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        values_[k].at = start_[k] - (-1.0) * states_[k].displacement;
+        values_[k].velocity = states_[k].velocity;
+    }
 }
 
 template class StructureSet<2>;

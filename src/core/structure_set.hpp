@@ -53,7 +53,7 @@ class StructureSet {
     std::vector<StructureState<Dim>>& states() { return states_; }
     double reported_time = 0;  ///< of the last row of the records [s]
 
-    /// Places at the start of a step, from which its gaps are taken.
+    /// Places at the start of a step, from which its gaps are taken, and velocities of the step before.
     void place();
     /// Velocities of the step that begins at `time`; `pending` are sums over all ranks (free structures only).
     void begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum);

@@ -41,6 +41,7 @@ SleepView<Dim> DeviceSleepers<Real, Dim>::state(const RestWords& rest) const {
     s.asleep = asleep_.data(), s.binned = binned_.data(), s.kept = kept_.data();
     s.activity = activity_.data(), s.wave = wave_.data();
     s.made = marks_.data();
+    s.kept_awake = kept_awake_.size() > 0 ? kept_awake_.data() : nullptr;
     s.accounts = accounts_.data();
     return s;
 }
@@ -51,6 +52,12 @@ void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, const
                                      cudaStream_t stream) {
     find_sleepers(view, state(rest), former_first, stream);
     if (!waves_known_) find_waves(view, stream);
+}
+
+template <class Real, int Dim>
+void DeviceSleepers<Real, Dim>::keep_awake(const V& view, const ContactField<Dim>& structures, cudaStream_t stream) {
+    kept_awake_.resize(own_);
+    find_kept_awake(view.table, structures, rule_.interval, kept_awake_.data(), stream);
 }
 
 template <class Real, int Dim>
@@ -101,14 +108,14 @@ void DeviceSleepers<Real, Dim>::summed(const V& view, const RestWords& rest, cud
     if (method_.grid_bulk()) keep_masses(view, state(rest), method_.stencil.width, masses_.data(), stream);
 }
 
-/// Where structures are, and where substeps are, all nodes wake.
+/// Where substeps are, all nodes wake.
 template <class Real, int Dim>
-void DeviceSleepers<Real, Dim>::hold(const V& view, const RestWords& rest, bool contact, const Quantum& quantum,
-                                     const std::uint8_t* boundary, cudaStream_t stream) {
+void DeviceSleepers<Real, Dim>::hold(const V& view, const RestWords& rest, const std::uint8_t* near,
+                                     const Quantum& quantum, const std::uint8_t* boundary, cudaStream_t stream) {
     const bool substeps = method_.grid_bulk() != nullptr;
-    hold_sleepers<Real, Dim>(
-        view, state(rest), {method_.stencil.width, !contact && !substeps, substeps ? masses_.data() : nullptr, quantum},
-        {boundary, {list(2), list(3)}}, stream);
+    hold_sleepers<Real, Dim>(view, state(rest),
+                             {method_.stencil.width, !substeps, near, substeps ? masses_.data() : nullptr, quantum},
+                             {boundary, {list(2), list(3)}}, stream);
     empty_[0] = empty_[1] = true;
 }
 

@@ -43,6 +43,8 @@ class DeviceSleepers {
     void report(const ReportWork<Dim>& step, cudaStream_t stream) {
         fold_reports(step, accounts_.data(), report_.device(), stream);
     }
+    /// Of structures that move, in a sleep check and in every step: who is kept awake by them.
+    void keep_awake(const V& view, const ContactField<Dim>& structures, cudaStream_t stream);
     /// A sleep check: first what the blocks do, then, once that of ghosts is there, who falls asleep and who wakes.
     void find_activity(const V& view, const RestWords& rest, cudaStream_t stream) {
         gpu::find_activity(view, state(rest), stream);
@@ -56,10 +58,10 @@ class DeviceSleepers {
                   const Launch& launch);
     /// P2G has made all of them.
     void summed(const V& view, const RestWords& rest, cudaStream_t stream);
-    /// Between nodes and gather, once a step; contact: there are structures; boundary: 1 where some peer needs the
-    /// block.
-    void hold(const V& view, const RestWords& rest, bool contact, const Quantum& quantum, const std::uint8_t* boundary,
-              cudaStream_t stream);
+    /// Between nodes and gather, once a step; near: by node block, some structure is near, null: there is none;
+    /// boundary: 1 where some peer needs the block.
+    void hold(const V& view, const RestWords& rest, const std::uint8_t* near, const Quantum& quantum,
+              const std::uint8_t* boundary, cudaStream_t stream);
     /// Who is awake after hold().
     Chosen awake(int part) const { return chosen(2 + part); }
 
@@ -83,6 +85,7 @@ class DeviceSleepers {
     const SleepRule rule_;
     std::vector<std::unique_ptr<WaveKernel<Real, Dim>>> waves_;  ///< by material
     Array<std::uint8_t> asleep_, binned_, kept_;
+    Array<std::uint8_t> kept_awake_;  ///< own; empty: no structure moves
     Array<double> activity_, wave_;
     Array<TileMark> marks_;
     Array<Real> masses_;  ///< of tiles, where substeps write to them

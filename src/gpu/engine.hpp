@@ -69,7 +69,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool take_lead(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, const StepScales<Dim>& step) override;
     bool leads() override;
 
-    void check_sleep(bool first, const Quantum& quantum) override;
+    void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
     void find_gaps(const StructureSet<Dim>& structures) override;
     void sum_mean(NodeMean mean) override { mean_ = mean; }
@@ -195,9 +195,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     DeviceStructures<Dim> structures_;
     DeviceGaps<Dim> gaps_;
     DeviceNearBlocks<Dim> near_blocks_;
-    ContactField<Dim> contact_{};  ///< of this step's gaps
-    bool finding_ = false;         ///< gaps, in this round
-    bool limiting_ = false;        ///< depths, once a step: the sums may be made twice
+    ContactField<Dim> contact_{};      ///< of this step's gaps
+    NodeContact<Dim> node_contact_{};  ///< of this step's nodes
+    bool finding_ = false;             ///< gaps, in this round
+    bool limiting_ = false;            ///< depths, once a step: the sums may be made twice
     DeviceSamples samples_;
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
     Array<Counters> counters_;

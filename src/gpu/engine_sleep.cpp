@@ -18,8 +18,10 @@ void DeviceEngine<Real, Dim>::find_sleepers() {
 /// The host passes on what blocks of the boundary do, where there are others; else it does not wait. Its counts come
 /// with the report of the last binning, its accounts with that of the next.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum) {
+void DeviceEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) {
     const RestWords rest = particles_.rest();
+    if (structures && structures->any_moves())
+        sleepers_->keep_awake(view(), structures_.place(*structures, stream_), stream_);
     sleepers_->find_activity(view(), rest, stream_);
     if (exchange_) {
         stream_.wait();
@@ -32,10 +34,12 @@ void DeviceEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum) {
     share_is_of_now_ = false;
 }
 
-/// Who has a fast node wakes; the lists of the gather are of those that are awake.
+/// Who has a fast node or a structure that moves near wakes; the lists of the gather are of those that are awake.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::hold_sleepers(const StepScales<Dim>& step) {
-    sleepers_->hold(view(), particles_.rest(), step.structures != nullptr, step.quantum, lists_.is_boundary(), stream_);
+    if (step.structures && step.structures->any_moves()) sleepers_->keep_awake(view(), node_contact_.field, stream_);
+    sleepers_->hold(view(), particles_.rest(), step.structures ? node_contact_.near.mark : nullptr, step.quantum,
+                    lists_.is_boundary(), stream_);
 }
 
 template <class Real, int Dim>

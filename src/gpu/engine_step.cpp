@@ -178,8 +178,9 @@ template <class Real, int Dim>
 NodeContact<Dim> DeviceEngine<Real, Dim>::node_contact(const StructureSet<Dim>& structures) {
     ContactField<Dim> field = structures_.place(structures, stream_);
     field.ground = contact_.ground;
-    return {field, gaps_.view(),
-            near_blocks_.find(tables_.view(), field, method_.stencil.origin, structures.any_moves(), stream_)};
+    node_contact_ = {field, gaps_.view(),
+                     near_blocks_.find(tables_.view(), field, method_.stencil.origin, structures.any_moves(), stream_)};
+    return node_contact_;
 }
 
 template <class Real, int Dim>

@@ -24,7 +24,8 @@ struct Machine {
 /// stands in a nested group (Slurm, systemd). `membership`: /proc/self/cgroup; `mount`: /sys/fs/cgroup. Not collective.
 double control_group_memory(const std::string& membership, const std::string& mount);
 
-/// Memory of this host, or what its control group allows [B]; 0: not known. Not collective.
+/// Memory of this host, or what its control group allows [B]; 0: not known. For tests the environment variable
+/// MORAINE_PRETEND_MEMORY says it. Not collective.
 double host_memory();
 
 /// As predict(), without going through the particles: their number, blocks and nothing else. Not collective.

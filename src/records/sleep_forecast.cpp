@@ -11,6 +11,8 @@
 namespace moraine {
 namespace {
 
+constexpr double never = std::numeric_limits<double>::infinity();  // activity of what does not fall asleep
+
 template <class T>
 void append(std::vector<std::byte>& bytes, const T& row) {
     const auto part = std::as_bytes(std::span(&row, 1));
@@ -29,7 +31,7 @@ void append_rows(std::vector<T>& rows, const std::vector<std::byte>& bytes) {
 /// As Simulation::check_sleep().
 template <class Real, int Dim>
 bool SleepForecast<Real, Dim>::is_due(const RunClock<Dim>& clock) const {
-    return step_ < 0 || (clock.time >= time_ + interval_ && clock.step >= step_ + least_sleep_steps);
+    return step_ < 0 || (clock.time >= time_ + rule_.interval && clock.step >= step_ + least_sleep_steps);
 }
 
 template <class Real, int Dim>
@@ -76,16 +78,19 @@ template <class Real, int Dim>
 typename SleepForecast<Real, Dim>::Activities SleepForecast<Real, Dim>::activities(const Simulation<Real, Dim>& sim,
                                                                                    bool due) const {
     Activities mine;
+    const ContactField<Dim> structures = sim.structures().field();
     sim.each_piece({}, [&](const SharePiece<Real, Dim>& piece) {
         for (int b = piece.begin; b < piece.end; ++b) {
-            Activity block{piece.tables.own[static_cast<std::size_t>(b)], 0, 0, false};
+            const auto i = static_cast<std::size_t>(b);
+            Activity block{piece.tables.own[i], 0, 0, false};
+            if (is_kept_awake(structures, rule_.interval, piece.tables.position[i])) block.u = block.speed = never;
             for (const std::uint32_t s : piece.slots(b)) {
                 block.speed = std::max(block.speed, activity_by_speed(rule_, piece.p.velocity[s]));
                 if (!due) continue;
                 const auto at = std::lower_bound(rests_.begin(), rests_.end(), Rest{piece.p.id[s], 0, 0});
                 const bool known = at != rests_.end() && at->id == piece.p.id[s];
-                block.u = std::max(block.u, known ? activity_since<Real, Dim>(rule_, piece.p, s, at->place, at->stress)
-                                                  : std::numeric_limits<double>::infinity());
+                block.u = std::max(block.u,
+                                   known ? activity_since<Real, Dim>(rule_, piece.p, s, at->place, at->stress) : never);
             }
             if (!piece.slots(b).empty()) mine.push_back(block);
         }

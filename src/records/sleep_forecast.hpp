@@ -10,7 +10,7 @@
 
 #include <vector>
 
-#include "core/sleep.hpp"
+#include "core/sleep_contact.hpp"
 #include "scene/scene_check.hpp"
 #include "simulation/simulation.hpp"
 
@@ -20,8 +20,7 @@ template <class Real, int Dim>
 class SleepForecast {
   public:
     /// Both must outlive it. Not collective.
-    SleepForecast(const Scene& scene, const Comm& comm)
-        : comm_(comm), rule_(sleep_rule(scene)), interval_(sleep_interval(scene)), domain_(scene) {}
+    SleepForecast(const Scene& scene, const Comm& comm) : comm_(comm), rule_(sleep_rule(scene)), domain_(scene) {}
 
     /// Keys of the blocks that would sleep now, ascending; the same on all ranks. Binned state, host. Collective.
     const std::vector<Key>& look(const Simulation<Real, Dim>& sim);
@@ -36,7 +35,7 @@ class SleepForecast {
         Key key;
         double u;      ///< of core/sleep.hpp
         double speed;  ///< the part of u that is of speeds alone
-        bool stays;    ///< asleep, and its speeds do not wake it: its u is 0
+        bool stays;    ///< asleep, and neither its speeds nor a structure wake it: its u is 0
     };
     using Activities = std::vector<Activity>;
 
@@ -48,7 +47,6 @@ class SleepForecast {
 
     const Comm& comm_;
     const SleepRule rule_;
-    const double interval_;  ///< [s]
     const DomainBlocks<Dim> domain_;
     std::vector<Rest> rests_;  ///< of this rank's particles, by id
     std::vector<Key> asleep_;

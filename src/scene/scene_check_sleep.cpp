@@ -20,10 +20,6 @@ std::optional<Hindrance> sleep_hindered_by(const Scene& scene) {
     if (scene.stress_update != StressUpdate::usl)
         return Hindrance{"numerics.sleep", "with this numerics.stress_update",
                          "sleepers take part in one round of a step", "Use stress_update = \"usl\"?"};
-    for (const StructureSpec& s : scene.structures)
-        if (s.motion.kind != StructureMotion::fixed)
-            return Hindrance{"numerics.sleep", fmt::format("with structure.{}, which moves", s.name),
-                             "sleepers do not see it come", "Remove it, or leave sleep off?"};
     return std::nullopt;
 }
 

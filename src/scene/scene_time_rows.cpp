@@ -74,7 +74,8 @@ const std::vector<KeyRow<Scene>> rows{
       .unit = "cells",
       .standard = "0.005",
       .range = {1e-4, 0.5},
-      .meaning = "A block falls asleep where it and its neighbours have moved less from one sleep check to the next."},
+      .meaning = "A block falls asleep where it and its neighbours have moved less from one sleep check to the next. "
+                 "Less is taken where a structure moves slowly: sleepers wake at a twentieth of its speed."},
      [](S& s, const V& v) { s.sleep.displacement = v.real; }},
     {{.table = "sleep",
       .name = "stress",

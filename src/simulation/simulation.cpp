@@ -133,7 +133,9 @@ void Simulation<Real, Dim>::check_sleep() {
     if (!first && (clock_.time < clock_.sleep_check + sleep_interval(scene_) ||
                    clock_.step < clock_.sleep_step + least_sleep_steps))
         return;
-    phases_.time(Phase::migrate, [&] { engine_->check_sleep(first, quantum()); });
+    structures_.place();
+    phases_.time(Phase::migrate,
+                 [&] { engine_->check_sleep(first, quantum(), structures_.empty() ? nullptr : &structures_); });
     clock_.sleep_check = clock_.time;
     clock_.sleep_step = clock_.step;
 }

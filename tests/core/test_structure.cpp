@@ -220,4 +220,8 @@ TEST_CASE("a free structure falls by gravity and its force, feels the last impul
     CHECK(set.state(0).carried[1] == doctest::Approx(2));
     CHECK(set.state(0).displacement[0] == doctest::Approx(0.06));
     CHECK(set.state(0).velocity[1] == doctest::Approx(2 + (12 - 12 * (1.25 - 0)) / 4));  // J* = J' - K (V* - V*')
+    StructureSet<2> restarted(scene);
+    restarted.states() = set.states();
+    restarted.place();
+    CHECK(restarted.field().structure[0].velocity[1] == set.state(0).velocity[1]);
 }

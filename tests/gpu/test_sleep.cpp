@@ -110,6 +110,15 @@ TEST_CASE("so it does where a post stands on it, and where two materials meet") 
     compare_asleep<double, 2>(two, 400, 1e-10);
 }
 
+TEST_CASE("so it does where a plate goes down into it") {
+    compare_asleep<double, 2>(plate_over_bed(2), 600, 1e-10);
+    compare_asleep<double, 3>(plate_over_bed(3), 500, 1e-10);
+}
+
+TEST_CASE("so it does in single precision, the same blocks at the same steps") {
+    compare_asleep<float, 2>(bed(2), 400, 1e-3);
+}
+
 TEST_CASE("so does mud whose cells bear the pressure, with and without substeps") {
     for (int substeps : {1, 10}) {
         Scene scene = mud();

@@ -1,6 +1,7 @@
 """Ranks of several hosts, pretended on one machine: the same answer, what crosses hosts is counted, and neighbours
 along the curve are on one host."""
 import os
+import re
 
 import moraine
 from moraine import INPUTS, sets, summary, table
@@ -12,6 +13,7 @@ KEYS = sets(time__end=0.1 if moraine.SLOW else 0.4, balance__interval=10)
 class PretendedHosts(moraine.ProgramTest):
     def tearDown(self):
         os.environ.pop("MORAINE_PRETEND_HOSTS", None)
+        os.environ.pop("MORAINE_PRETEND_MEMORY", None)
         super().tearDown()
 
     def run_on(self, hosts, *words, ranks=4):
@@ -52,6 +54,20 @@ class PretendedHosts(moraine.ProgramTest):
                     self.assertLess(3 * found["blocks_between_hosts_mean"], shuffled["blocks_between_hosts_mean"])
                 if ranks == 4:  # hosts of two ranks each: the same cut under other names
                     self.assertEqual(in_turn["blocks_between_hosts_mean"], cut["blocks_between_hosts_mean"])
+
+    def test_where_no_other_owners_fit_the_memory_of_all_it_is_said_once_and_the_answer_is_the_same(self):
+        words = [SCENE, *KEYS, *sets(balance__trigger="every")]
+        alone = self.run_scene(*words[:1], "alone", *words[1:])
+        os.environ["MORAINE_PRETEND_HOSTS"] = "2"
+        os.environ["MORAINE_PRETEND_MEMORY"] = "1e6"
+        refused = self.assert_one_problem(moraine.call("run", *words, "--output", self.folder / "refused", ranks=4))
+        need = float(re.search(r"need ([0-9.e-]+) GB of memory for 4 ranks", refused)[1])
+        os.environ["MORAINE_PRETEND_MEMORY"] = str(1.005e9 * need)  # none may hold more than half a per cent over the mean
+        ended = moraine.call("run", *words, "--output", self.folder / "full", ranks=4)
+        self.assertEqual(ended.code, 0, ended)
+        self.assertEqual(ended.err.count("no other owners of blocks fit the memory of all ranks"), 1, ended.err)
+        self.assertIn("memory", [row["reason"] for row in table(self.folder / "full", "balance.csv")])
+        self.assertEqual(summary(self.folder / "full")["state_hash"], summary(alone)["state_hash"])
 
     def test_a_number_of_hosts_that_is_none_is_refused(self):
         os.environ["MORAINE_PRETEND_HOSTS"] = "some"

@@ -209,6 +209,15 @@ class ReplayOfSleep(moraine.ProgramTest):
         self.assertEqual(float(without["asleep_share"]), 0)
         self.assertLess(float(without["imbalance_max"]), 1.1)
 
+    def test_near_a_structure_that_moves_nobody_would_sleep(self):
+        hovers = '[[structure]]\nname = "hand"\nshape = "box"\nmin = [0.05, 0.06]\nmax = [0.1, 0.09]\nmotion = { kind = "velocity", velocity = [0.1, 0.0] }\n'
+        scene = self.write(BED.read_text() + hovers)
+        would, slept = (sleepers(self.run_scene(scene, sleep, *sets(**COARSE, numerics__sleep=sleep))) for sleep in ("off", "on"))
+        shares = [(awake_share(a), awake_share(b)) for a, b in zip(would, slept)]
+        self.assertGreater(shares[-1][1], 0.3)
+        self.assertLess(shares[-1][1], 0.6)
+        self.assertLess(sum(abs(a - b) for a, b in shares) / len(shares), 0.03)
+
     def test_who_would_sleep_is_the_same_on_any_ranks_and_changes_no_run(self):
         keys = dict(time__end=0.12, balance__trigger="every")
         alone = self.record("alone", "off", **keys)

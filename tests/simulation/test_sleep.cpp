@@ -5,7 +5,7 @@
 #include "sleep_scene.hpp"
 
 using namespace moraine;
-using test::bed, test::material, test::mud;
+using test::bed, test::material, test::mud, test::plate_over_bed;
 
 // Blocks that rest are left out of the step, and wake; who sleeps when is the same on any ranks, to the bit.
 
@@ -25,7 +25,9 @@ double unexplained_momentum(Simulation<Real, Dim>& sim) {
     double worst = 0;
     for (std::size_t a = 0; a < Dim; ++a) {
         const double gained = now.momentum[a] - clock.start_momentum[a] + sum_of(sim, sim.budget().slept_momentum[a]);
-        const double left = gained - now.mass * clock.gravity_impulse[a] - sum_of(sim, sim.budget().impulse[a]);
+        double left = gained - now.mass * clock.gravity_impulse[a] - sum_of(sim, sim.budget().impulse[a]);
+        for (std::size_t k = 0; k < sim.structures().size(); ++k)
+            left += sum_of(sim, sim.structures().state(k).felt.sum[a]);
         worst = std::max(worst, std::fabs(left));
     }
     return worst / (clock.start_mass * clock.signal);
@@ -84,6 +86,41 @@ TEST_CASE("so does mud whose cells bear the pressure, with and without substeps"
         CHECK(struck.most_asleep > struck.asleep + 100);
         CHECK(struck.asleep > 100);
     }
+}
+
+TEST_CASE("a structure that begins to move wakes the bed under it, the same on any number of ranks") {
+    for (const Result& moved :
+         {same_on_all_ranks<double, 2>(plate_over_bed(2), 0.4), same_on_all_ranks<float, 3>(plate_over_bed(3), 0.35)}) {
+        CHECK(moved.asleep > 100);
+        CHECK(moved.most_asleep > moved.asleep + 50);
+    }
+}
+
+TEST_CASE("near a structure that stands blocks sleep, and near one that moves none does in any step") {
+    const Scene scene = plate_over_bed(2);
+    const StructureSet<2> at_start(scene);
+    const ContactField<2> field = at_start.field();
+    const Comm self(MPI_COMM_SELF);
+    Simulation<double, 2> sim(scene, self);
+    sim.seed();
+    std::int64_t most_while_it_stood = 0, while_it_moved = 0;
+    while (sim.clock().time < 0.4) {
+        sim.step();
+        sim.conclude();
+        const Vec<double, 2> gone = sim.structures().state(0).displacement;
+        std::int64_t near = 0;
+        each_particle(sim, [&](std::uint32_t s, const std::array<double, 2>& x) {
+            const double d =
+                surface_of_body(field.structure[0], field.corners, {{x[0] - gone[0], x[1] - gone[1]}}).distance;
+            near += d < 1.5 * scene.cell && (sim.patch().particles.view().rest_place[s] & rest_word::asleep) != 0;
+        });
+        if (gone[1] == 0)
+            most_while_it_stood = std::max(most_while_it_stood, near);
+        else
+            while_it_moved += near;
+    }
+    CHECK(most_while_it_stood > 10);
+    CHECK(while_it_moved == 0);
 }
 
 TEST_CASE("what falls from rest is not taken for what rests, however small its steps are") {

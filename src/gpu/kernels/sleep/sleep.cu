@@ -1,5 +1,5 @@
 #include "gpu/kernels/launch.cuh"
-#include "gpu/kernels/sleep/sleep.cuh"
+#include "gpu/kernels/sleep/hold.cuh"
 
 namespace moraine::gpu {
 
@@ -73,6 +73,15 @@ void hold_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, con
 }
 
 template <int Dim>
+void find_kept_awake(const BlockTable<Dim>& table, const ContactField<Dim>& field, double window,
+                     std::uint8_t* kept_awake, cudaStream_t stream) {
+    if (table.own == 0) return;
+    kept_awake_kernel<Dim>
+        <<<thread_blocks(table.own, sleep_threads), sleep_threads, 0, stream>>>(table, field, window, kept_awake);
+    check(cudaGetLastError(), "Looking for structures that move");
+}
+
+template <int Dim>
 void count_sleepers(SleepAccount<Dim>* accounts, SleepAccount<Dim>* report, cudaStream_t stream) {
     count_sleepers_kernel<<<1, 32, 0, stream>>>(accounts, report);
     check(cudaGetLastError(), "Counting sleepers");
@@ -85,6 +94,8 @@ void fold_reports(const ReportWork<Dim>& step, SleepAccount<Dim>* accounts, Slee
     check(cudaGetLastError(), "Folding the reports");
 }
 
+template void find_kept_awake(const BlockTable<2>&, const ContactField<2>&, double, std::uint8_t*, cudaStream_t);
+template void find_kept_awake(const BlockTable<3>&, const ContactField<3>&, double, std::uint8_t*, cudaStream_t);
 template void count_sleepers(SleepAccount<2>*, SleepAccount<2>*, cudaStream_t);
 template void count_sleepers(SleepAccount<3>*, SleepAccount<3>*, cudaStream_t);
 template void fold_reports(const ReportWork<2>&, SleepAccount<2>*, SleepAccount<2>*, cudaStream_t);

@@ -8,7 +8,7 @@
 
 #include <cuda_runtime.h>
 
-#include "core/sleep.hpp"
+#include "core/sleep_contact.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/rest_words.hpp"
@@ -32,12 +32,13 @@ template <int Dim>
 struct SleepView {
     RestWords rest;
     SleepRule rule;
-    std::uint8_t* asleep;  ///< own, then ghosts
-    std::uint8_t* binned;  ///< own: as it was after the last binning; null: this is no binning
-    double* activity;      ///< own, then ghosts
-    double* wave;          ///< own: of sleepers [m/s]
-    TileMark* made;        ///< own
-    std::uint8_t* kept;    ///< own: the tile is that of the step before
+    std::uint8_t* asleep;            ///< own, then ghosts
+    std::uint8_t* binned;            ///< own: as it was after the last binning; null: this is no binning
+    double* activity;                ///< own, then ghosts
+    double* wave;                    ///< own: of sleepers [m/s]
+    TileMark* made;                  ///< own
+    std::uint8_t* kept;              ///< own: the tile is that of the step before
+    const std::uint8_t* kept_awake;  ///< own: a structure that moves is near (core/sleep_contact.hpp); null: none moves
     SleepAccount<Dim>* accounts;
 };
 
@@ -83,9 +84,10 @@ void keep_masses(const View<Real, Dim>& view, const SleepView<Dim>& sleep, int w
 /// How sleepers are held by their nodes.
 template <class Real>
 struct HoldArgs {
-    int width;           ///< of the shape
-    bool still_nodes;    ///< node blocks of sleepers alone wake nobody: all there is to them is a part of their weight
-    const Real* masses;  ///< [tile][node]; null: the tiles have them yet
+    int width;         ///< of the shape
+    bool still_nodes;  ///< node blocks of sleepers alone wake nobody: all there is to them is a part of their weight
+    const std::uint8_t* near;  ///< node blocks near structures, which are none of those; null: there are none
+    const Real* masses;        ///< [tile][node]; null: the tiles have them yet
     Quantum quantum;
 };
 
@@ -95,8 +97,14 @@ struct AwakeLists {
     ListToMake of[2];              ///< of the boundary, of the interior
 };
 
-/// Between nodes and gather: wakes the sleepers that have a fast node, lists all that are awake, and does for the
-/// others what a gather would leave: all stay, their waves count, and what the nodes would have given them is taken.
+/// kept_awake[b], of own blocks: a structure that moves is near. window: T [s].
+template <int Dim>
+void find_kept_awake(const BlockTable<Dim>& table, const ContactField<Dim>& field, double window,
+                     std::uint8_t* kept_awake, cudaStream_t stream);
+
+/// Between nodes and gather: wakes the sleepers that are kept awake or have a fast node, lists all that are awake, and
+/// does for the others what a gather would leave: all stay, their waves count, and what the nodes would have given them
+/// is taken.
 template <class Real, int Dim>
 void hold_sleepers(const View<Real, Dim>& view, const SleepView<Dim>& sleep, const HoldArgs<Real>& args,
                    const AwakeLists& lists, cudaStream_t stream);
