@@ -158,7 +158,8 @@ class EnergyBudget(moraine.ProgramTest):
         self.assertGreater(last["wall_impulse_y_kg_m_s"], 0.19 * 9.81 * last["mass_kg"])
         self.assertAlmostEqual(last["wall_J"] / last["potential_J"], 0, delta=1e-6)
 
-    def test_a_shift_lifts_mass_and_nothing_else_moves_places_without_velocities(self):
+    def test_a_shift_moves_mass_and_nothing_else_moves_places_without_velocities(self):
+        """Upwards where it makes space, downwards where it fills the bed."""
         for words in (("numerics__stress_update", "musl"), ("numerics__stress_update", "usf"), ("numerics__transfer", "aflip"), ("numerics__shape", "cubic")):
             with self.subTest(words=words):
                 first, *_, last = self.history(COLUMN, *sets(**dict([words]), time__end=0.3), output=words[1])
@@ -167,6 +168,9 @@ class EnergyBudget(moraine.ProgramTest):
         first, *_, last = self.history(COLUMN, *CURED, *still, *sets(time__end=0.5), output="still")
         self.assertAlmostEqual(last["shift_J"] / moved(last, first), 0, delta=1e-10)
         first, *_, last = self.history(COLUMN, *CURED, *sets(time__end=0.5), output="shifted")
+        self.assertGreater(last["shift_J"], 1e-3 * moved(last, first))
+        floor = '[[structure]]\nname = "floor"\nshape = "box"\nmin = [-1.0, -1.0]\nmax = [5.0, 0.0]\n'  # not a bed that is filled
+        first, *_, last = self.history(COLUMN + floor, *CURED, *sets(time__end=0.5), output="floor")
         self.assertLess(last["shift_J"], -1e-4 * moved(last, first))
         first, *_, last = self.history(COLUMN, *sets(time__end=0.3, numerics__precision="single"), output="single")
         self.assertAlmostEqual(last["shift_J"] / moved(last, first), 0, delta=1e-4)
@@ -198,7 +202,7 @@ class EnergyBudget(moraine.ProgramTest):
         last = table(alone, "history.csv")[-1]
         for part in ("transfer_J", "wall_J", "contact_J", "lost_J"):
             self.assertGreater(last[part], 0, part)
-        self.assertLess(last["shift_J"], 0)
+        self.assertNotEqual(last["shift_J"], 0)
         for ranks, words in ((2, ()), (3, ("--partitioner", "shuffle")), (4, ("--partitioner", "slabs"))):
             with self.subTest(ranks=ranks):
                 found = self.run_scene(scene, f"on-{ranks}", *keys, *words, *sets(balance__trigger="every", balance__interval=10), ranks=ranks)
