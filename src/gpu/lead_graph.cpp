@@ -53,8 +53,8 @@ bool LeadGraph::is_possible() {
 }
 
 void LeadGraph::forget() {
+    if (old_.size() >= most_old) bury();  // the last step of the present one may be under way
     if (graph_) old_.emplace_back(graph_, run_);
-    if (old_.size() >= most_old) bury();
     run_ = nullptr;
     graph_ = nullptr;
     key_.clear();
@@ -69,9 +69,7 @@ void LeadGraph::bury() {
 }
 
 LeadNodes LeadGraph::behind(int step, const std::vector<LeadLaunch>& launches) const {
-    const int targets = targets_of(launches);
-    const auto nodes = static_cast<int>(
-        std::count_if(launches.begin(), launches.end(), [](const LeadLaunch& l) { return !l.beside; }));
+    const int targets = targets_of(launches), nodes = static_cast<int>(launches.size());
     return {targets_.data() + step * targets, targets, nodes_.data() + step * nodes, nodes};
 }
 
@@ -91,18 +89,22 @@ void LeadGraph::capture(const std::vector<LeadLaunch>& launches, cudaStream_t st
     std::vector<cudaGraphNode_t> all(count);
     check(cudaGraphGetNodes(graph_, all.data(), &count), "Capturing steps");  // in the order of their capture
     std::vector<LeadTarget> targets;
-    std::vector<cudaGraphDeviceNode_t> nodes;
+    std::vector<cudaGraphDeviceNode_t> switched[steps];  // off by the decision of each
     for (std::size_t i = 0; i < count; ++i) {
         if (i % each == 0) continue;
+        const std::size_t of = i / each;
         const LeadLaunch& launch = launches[i % each - 1];
-        if (launch.beside) continue;
-        nodes.push_back(handle_of(all[i]));
+        const cudaGraphDeviceNode_t node = handle_of(all[i]);
+        switched[launch.beside ? 1 - of : of].push_back(node);
         if (launch.dt_parameter < 0) continue;
         const std::size_t at = place_of(all[i], launch);
-        targets.push_back({nodes.back(), at + launch.dt, LeadTarget::Value::dt});
+        targets.push_back({node, at + launch.dt, LeadTarget::Value::dt});
         if (launch.gravity_impulse > 0)
-            targets.push_back({nodes.back(), at + launch.gravity_impulse, LeadTarget::Value::gravity_impulse});
+            targets.push_back({node, at + launch.gravity_impulse, LeadTarget::Value::gravity_impulse});
     }
+    std::vector<cudaGraphDeviceNode_t> nodes;
+    for (const std::vector<cudaGraphDeviceNode_t>& of_step : switched)
+        nodes.insert(nodes.end(), of_step.begin(), of_step.end());
     node_count_ = static_cast<int>(nodes.size());
     targets_.assign(targets, stream);
     nodes_.assign(nodes, stream);

@@ -19,7 +19,7 @@ namespace moraine::gpu {
 
 /// A launch in a step and what it takes. In order.
 struct LeadLaunch {
-    bool beside = false;              ///< the decision: it is never switched off, and does no harm where others are
+    bool beside = false;              ///< the decision of its step: that of the step before switches it off
     int dt_parameter = -1;            ///< the parameter that dt is in; -1: it takes none
     std::size_t dt = 0;               ///< where in it [bytes]
     std::size_t gravity_impulse = 0;  ///< the same; 0: it takes none

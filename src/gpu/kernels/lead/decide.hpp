@@ -50,11 +50,11 @@ struct LeadTarget {
     Value value;
 };
 
-/// The kernels of one step behind the decision.
+/// The kernels behind the decision of one step.
 struct LeadNodes {
     const LeadTarget* target;
     int targets;
-    const cudaGraphDeviceNode_t* node;  ///< to be switched off where the lead ends
+    const cudaGraphDeviceNode_t* node;  ///< to be switched off where the lead ends: with P2G of the step after
     int nodes;
 };
 
