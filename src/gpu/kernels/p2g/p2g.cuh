@@ -23,7 +23,7 @@ struct Lists {
     std::uint32_t most[Case::cells / 32];                       ///< in the fullest cell of each warp
     std::uint32_t group;                                        ///< of `blocks` chosen blocks
     int block[Case::blocks];                                    ///< or -1
-    bool border[Case::blocks];                                  ///< the tile's ghosts are to be folded
+    bool border[Case::blocks];                                  ///< ghosts are to be folded
     std::uint16_t ghosts[Case::affine ? Case::cells : 1];       ///< of each cell's stencil, 3 bits per axis
     typename Case::Real resting[Case::mean ? Case::cells : 1];  ///< rho g.x of each cell's stencil [Pa]
 
@@ -72,7 +72,6 @@ __device__ __forceinline__ Found<typename Case::Real> find_cell(const View<typen
                                  cell_coordinate<Case::dim>(int(c), a);
                 f.ghosts |= v.context.walls.ghosts(a, base, Case::width) << (3 * a);
             }
-            f.border = false;
         }
         if constexpr (Case::mean) {
 #pragma unroll
@@ -106,6 +105,8 @@ struct Pass {
     using Real = typename Case::Real;
     using R = Record<Case, Momentum, Force>;
     static constexpr int parts = int(Momentum) + int(Force);
+    /// The particles of a round one after the other in the code: where there are two passes registers are left for it.
+    static constexpr bool unrolled = parts == 1;
     static constexpr int record_bytes = Stages * R::round_units * 16;
 
     /// Sends for the first rounds of this thread's slice. A round of which it has none is an empty group of copies.
@@ -118,16 +119,39 @@ struct Pass {
                 slot[r] = v.list.slot[list.begin + l];
 #pragma unroll
         for (int r = 0; r < Stages - 1; ++r) {
-            if (Case::width * r + t / Case::cells < list.count) R::start(v, slot[r], shared + r * R::round_units + t);
+            if (Case::width * r + t / Case::cells < list.count) R::start(v, slot[r], shared + r * R::round_units, t);
             commit_async();
         }
     }
 
-    /// Sums all rounds, the first of which were started; ends with a barrier, after which `shared` is free.
+    /// Sums all rounds, the first of which were started; ends with a barrier, after which `shared` is free. Away from
+    /// walls by a loop of its own: to ask each particle for ghosts takes a quarter of the instructions.
     static __device__ __forceinline__ void sum(const View<Real, Case::dim>& v, const Lists<Case>& lists,
                                                const typename Case::Scale& h, uint4* shared, SliceSums<Case>& sums) {
         each_sum(sums, [](auto& s) { clear(s); });
-        const SliceWeight<Case> slice(int(thread_now() / Case::cells));
+        if (Case::folds_weights && lists.any_border())
+            sum_rounds<Case::folds_weights>(v, lists, h, shared, sums);
+        else
+            sum_rounds<false>(v, lists, h, shared, sums);
+        __syncthreads();
+        if constexpr (Case::middle_is_rest) each_sum(sums, [](auto& s) { take_outer_from_middle<Case>(s); });
+    }
+    static __device__ __forceinline__ void combine(const SliceSums<Case>& sums, Real* planes) {
+        const unsigned t = thread_now();
+        add_to_planes<Case, Momentum, Force>(sums, int(t / Case::cells), int(t % Case::cells), planes);
+    }
+    static __device__ __forceinline__ void write(const View<Real, Case::dim>& v, const Lists<Case>& lists,
+                                                 Real* planes) {
+        write_tiles<Case, Momentum ? 0 : 1, parts>(v, lists.block, !Case::folds_weights && lists.any_border(), planes,
+                                                   planes + parts * Planes<Case>::part);
+    }
+
+  private:
+    template <bool Folded>
+    static __device__ __forceinline__ void sum_rounds(const View<Real, Case::dim>& v, const Lists<Case>& lists,
+                                                      const typename Case::Scale& h, uint4* shared,
+                                                      SliceSums<Case>& sums) {
+        const SliceWeight<Case, Folded> slice(int(thread_now() / Case::cells));
 #pragma unroll 1
         for (unsigned r = 0; Case::width * r < lists.fullest(); ++r) {
             const unsigned t = thread_now(), k = t / Case::cells, cell = t % Case::cells, stage = r % Stages;
@@ -139,29 +163,25 @@ struct Pass {
             // What is sent for now comes where the round before this one was.
             if (const std::uint32_t l = Case::width * (r + Stages - 1) + k; l < list.count)
                 R::start(v, v.list.slot[list.begin + l],
-                         shared + (stage == 0 ? Stages - 1 : stage - 1) * R::round_units + t);
+                         shared + (stage == 0 ? Stages - 1 : stage - 1) * R::round_units, t);
             commit_async();
             const int left = min(int(list.count - Case::width * r), Case::width);
-            const uint4* end = round + int(cell) + left * Case::cells;
+            const auto add = [&](const uint4* record) {
+                add_particle<Case, Momentum, Force, Folded>(R::read(round, record), slice,
+                                                            Folded ? lists.ghosts[cell] : 0, v.context, h,
+                                                            lists.resting[Case::mean ? cell : 0], sums);
+            };
+            if constexpr (unrolled && !Folded) {
+#pragma unroll
+                for (int i = 0; i < Case::width; ++i)
+                    if (i < left) add(round + int(cell) + i * Case::cells);
+            } else {
+                const uint4* end = round + int(cell) + left * Case::cells;
 #pragma unroll 1
-            for (const uint4* at = round + cell; at < end; at += Case::cells)
-                add_particle<Case, Momentum, Force>(R::read(at), slice, Case::affine ? lists.ghosts[cell] : 0,
-                                                    v.context, h, lists.resting[Case::mean ? cell : 0], sums);
+                for (const uint4* record = round + cell; record < end; record += Case::cells) add(record);
+            }
         }
-        __syncthreads();
-        if constexpr (Case::middle_is_rest) each_sum(sums, [](auto& s) { take_outer_from_middle<Case>(s); });
     }
-    static __device__ __forceinline__ void combine(const SliceSums<Case>& sums, Real* planes) {
-        const unsigned t = thread_now();
-        add_to_planes<Case, Momentum, Force>(sums, int(t / Case::cells), int(t % Case::cells), planes);
-    }
-    static __device__ __forceinline__ void write(const View<Real, Case::dim>& v, const Lists<Case>& lists,
-                                                 Real* planes) {
-        write_tiles<Case, Momentum ? 0 : 1, parts>(v, lists.block, lists.any_border(), planes,
-                                                   planes + parts * Planes<Case>::part);
-    }
-
-  private:
     template <class F>
     static __device__ __forceinline__ void each_sum(SliceSums<Case>& sums, const F& f) {
         if (Momentum) f(sums.mass);

@@ -32,6 +32,8 @@ struct P2gCase {
     /// more, so that no rounding becomes a mass; and it saves a sixth of the instructions.
     static constexpr bool middle_is_rest = width == 3;
     static constexpr bool is_rest(int i) { return middle_is_rest && i == 1; }
+    /// Ghosts behind walls are folded particle by particle, not in tiles (folded_slopes()).
+    static constexpr bool folds_weights = affine && width > 2;
 };
 
 template <class Real>
@@ -86,13 +88,13 @@ __device__ __forceinline__ Axis<Case> slopes_of(typename Case::Real f, typename 
     return a;
 }
 
-/// Weights and slopes where ghosts behind walls are folded (core/walls.hpp): for momentum with C, which a ghost must
-/// not be given first. ghosts: 3 bits per axis; without C tiles are folded, and nothing is done here.
-template <class Case>
+/// Weights and slopes; Folded: where ghosts behind walls are folded (core/walls.hpp), for momentum with C, which a
+/// ghost must not be given first. ghosts: 3 bits per axis. Without C tiles are folded, and nothing is done here.
+template <class Case, bool Folded>
 __device__ __forceinline__ Axis<Case> folded_slopes(int axis, unsigned ghosts, typename Case::Real f,
                                                     typename Case::Real half, typename Case::Real quarter) {
     Axis<Case> a = slopes_of<Case>(f, half, quarter);
-    if constexpr (Case::affine && Case::width > 2) {
+    if constexpr (Folded) {
         const unsigned mine = ghosts >> (3 * axis) & 7;
         if (mine) fold_weights<Case::width>(mine, a.w, a.d);
     }
@@ -100,14 +102,14 @@ __device__ __forceinline__ Axis<Case> folded_slopes(int axis, unsigned ghosts, t
 }
 
 /// Weight and slope of slice k on its axis; k is known at run time.
-template <class Case>
+template <class Case, bool Folded>
 struct SliceWeight {
     using Real = typename Case::Real;
     int k;
 
     __device__ explicit SliceWeight(int slice) : k(slice) {}
     __device__ void get(unsigned ghosts, Real f, Real half, Real quarter, Real& w, Real& d) const {
-        const Axis<Case> a = folded_slopes<Case>(Case::dim - 1, ghosts, f, half, quarter);
+        const Axis<Case> a = folded_slopes<Case, Folded>(Case::dim - 1, ghosts, f, half, quarter);
         w = a.w[0], d = a.d[0];
 #pragma unroll
         for (int i = 1; i < Case::width; ++i)
@@ -119,15 +121,16 @@ struct SliceWeight {
     }
 };
 
-/// Quadratic: all three weights are a t^2 + e with t = f - c. Saves 7 of 158 instructions per particle; only this case
-/// has registers for three numbers more.
-template <int D>
-struct SliceWeight<P2gCase<float, D, Quadratic, false>> {
+/// Quadratic: all three weights are a t^2 + e with t = f - c. Saves 7 of 158 instructions per particle; only these
+/// cases have registers for three numbers more.
+template <int D, bool Affine>
+struct SliceWeight<P2gCase<float, D, Quadratic, Affine>, false> {
     using R = float;
     R a, c, e;
 
     __device__ explicit SliceWeight(int k)
         : a(k == 1 ? R(-1) : R(0.5)), c(R(1) - R(0.5) * R(k)), e(k == 1 ? R(0.75) : R(0)) {}
+    __device__ R distance(R f) const { return R(1.5) - R(2) * c - f; }
     __device__ void get(unsigned, R f, R, R, R& w, R& d) const {
         const R t = f - c;
         w = a * t * t + e;

@@ -22,8 +22,8 @@ constexpr P2gPlan p2g_plan() {
     constexpr bool heavy = (many && !halved) || (Case::Shape::sized && !single);
     constexpr int resident[2][2][3][2] = {
         // width 2, 3, 4: light and heavy
-        {{{8, 8}, {7, 5}, {5, 4}}, {{6, 6}, {5, 3}, {3, 2}}},  // 2-D: single, double
-        {{{8, 8}, {3, 2}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
+        {{{8, 8}, {7, 5}, {5, 4}}, {{6, 6}, {5, 3}, {3, 2}}},               // 2-D: single, double
+        {{{8, 8}, {halved ? 4 : 3, 2}, {2, 2}}, {{5, 3}, {3, 2}, {1, 1}}},  // 3-D
     };
     const bool two = halved || (!flat && (Case::width == 4 || (Case::width == 3 && !single)));
     const bool deep = !flat && (single ? Case::width == 3 && !many : Case::width == 4);

@@ -41,8 +41,8 @@ struct Record {
         if (row >= first_affine) return Case::affine && Momentum;
         return row == Core::place || (row == Core::motion ? Momentum : Force);
     }
-    /// 3-D: the volume is in the motion row; where no other of that row is needed it comes in place of the mass.
-    static constexpr bool volume_for_mass = Case::dim == 3 && !Momentum && !Case::mean;
+    /// 3-D: the volume is in the motion row; where no other of that row is needed it comes alone.
+    static constexpr bool volume_apart = Case::dim == 3 && !Momentum && !Case::mean;
     /// Or of the scalar of history, where the mass is needed too.
     static constexpr bool volume_for_history = Case::dim == 3 && !Momentum && Case::mean;
     /// Needed rows before this one.
@@ -51,16 +51,19 @@ struct Record {
         for (int r = 0; r < row; ++r) n += needed(r);
         return n;
     }
-    static constexpr int per_row = 4 * int(sizeof(Real)) / 16;  ///< units of a row
-    static constexpr int stride = Case::threads;                ///< units from one of a record to the next
-    static constexpr int round_units = place_of(all) * per_row * stride;
+    static constexpr int per_row = 4 * int(sizeof(Real)) / 16;           ///< units of a row
+    static constexpr int stride = Case::threads;                         ///< units from one of a record to the next
+    static constexpr int volumes_at = place_of(all) * per_row * stride;  ///< units
+    static constexpr int round_units = volumes_at + (volume_apart ? stride * int(sizeof(Real)) / 16 : 0);
 
-    /// Copies the particle in slot s; `to` is this thread's record.
-    static __device__ __forceinline__ void start(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {
-        if constexpr (volume_for_mass)
-            copy_place(v, s, to);
-        else
-            copy_row<Core::place>(v.p.core[Core::place], s, to);
+    /// Copies the particle in slot s into record `number` of a round.
+    static __device__ __forceinline__ void start(const View<Real, Case::dim>& v, std::uint32_t s, uint4* round,
+                                                 unsigned number) {
+        uint4* to = round + number;
+        copy_row<Core::place>(v.p.core[Core::place], s, to);
+        if constexpr (volume_apart)
+            copy_async<int(sizeof(Real))>(reinterpret_cast<Real*>(round + volumes_at) + number,
+                                          v.p.core[Core::motion][s].e + 3);
         each_row<1, first_affine>([&](auto r) {
             if constexpr (volume_for_history && r == Core::shear)
                 copy_shear(v, s, to);
@@ -93,10 +96,11 @@ struct Record {
         }
     }
 
-    static __device__ __forceinline__ Particle<Case> read(const uint4* from) {
+    /// from: a record of the round.
+    static __device__ __forceinline__ Particle<Case> read(const uint4* round, const uint4* from) {
         Particle<Case> p;
         each_row<0, first_affine>([&](auto r) { p.core.row[r] = read_row<r>(from); });
-        if constexpr (volume_for_mass) p.core.volume() = p.core.mass();
+        if constexpr (volume_apart) p.core.volume() = reinterpret_cast<const Real*>(round + volumes_at)[from - round];
         if constexpr (volume_for_history) p.core.volume() = p.core.history();
         each_row<first_affine, half>([&](auto r) { p.affine[r - first_affine] = read_row<r>(from); });
         each_row<half, half + 1>([&](auto r) { p.half = read_row<r>(from); });
@@ -115,15 +119,6 @@ struct Record {
             if constexpr (needed(From)) f(std::integral_constant<int, From>{});
             each_row<From + 1, To>(f);
         }
-    }
-
-    static __device__ __forceinline__ void copy_place(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {
-        constexpr int size = int(sizeof(Real)), last = 2 * size / 16 * stride;  // unit of the third and fourth number
-        const Real* from = v.p.core[Core::place][s].e;
-        Real* end = reinterpret_cast<Real*>(to + last) + (size == 4 ? 2 : 0);
-        copy_async<2 * size>(to, from);
-        copy_async<size>(end, from + 2);
-        copy_async<size>(end + 1, v.p.core[Core::motion][s].e + 3);
     }
 
     static __device__ __forceinline__ void copy_shear(const View<Real, Case::dim>& v, std::uint32_t s, uint4* to) {

@@ -45,9 +45,10 @@ __device__ void fold_tiles(const View<typename Case::Real, Case::dim>& v, const 
 
 /// Shared memory to fold `Parts` parts in.
 template <class Case, int Parts>
-inline constexpr int fold_bytes = (Case::width == 2 ? 0
-                                                    : Parts * Case::blocks * Case::tile_nodes * quad *
-                                                          int(sizeof(typename Case::Real)));
+inline constexpr int fold_bytes = (Case::width == 2 || Case::folds_weights
+                                       ? 0
+                                       : Parts * Case::blocks * Case::tile_nodes * quad *
+                                             int(sizeof(typename Case::Real)));
 
 /// Stores quad i of a part of the thread block's tiles.
 template <class Case>
