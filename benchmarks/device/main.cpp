@@ -2,11 +2,13 @@
 //
 //   benchmark_device [CASE ...] [--warm-up N] [--steps N] [--runs N] [--list]
 //                    [--transport NAME] [--partitioner NAME] [--weight NAME] [--trigger NAME] [--free] [--led]
+//                    [--refresh N]
 //
 // CASE as --list names them; default: all. Clocks swing for some seconds once a power limit is reached: --warm-up.
-// --free: light nodes are not limited. --led: the host makes dt of every step, and the device does not lead. One JSON
-// line per case; runs are stretches of consecutive steps of one simulation, and end with the device idle. Under mpirun,
-// with one rank per device, the same cases in parts; those named weak grow with the number of ranks.
+// --free: light nodes are not limited. --led: the host makes dt of every step, and the device does not lead. --refresh:
+// steps between memory refreshes, whatever the particles take. One JSON line per case; runs are stretches of
+// consecutive steps of one simulation, and end with the device idle. Under mpirun, with one rank per device, the same
+// cases in parts; those named weak grow with the number of ranks.
 
 #include <cuda_runtime.h>
 #include <fmt/format.h>
@@ -14,6 +16,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <stdexcept>
 
 #include "app/device.hpp"
@@ -36,6 +39,7 @@ struct Runs {
     std::string trigger = "threshold";
     bool free = false;  ///< light nodes
     bool led = false;   ///< by the host
+    int refresh = 0;    ///< 0: by what the particles take
 };
 
 Trigger trigger_of(const std::string& name) {
@@ -70,7 +74,8 @@ Device this_device() {
 template <class Real, int Dim>
 void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const Comm comm(MPI_COMM_WORLD);
-    const DeviceChoice choice = choose_device("cuda", comm, plan.transport);
+    DeviceChoice choice = choose_device("cuda", comm, plan.transport);
+    choice.refresh_interval = plan.refresh;
     Scene scene = c.scene;
     if (!plan.partitioner.empty()) scene.balance.partitioner = plan.partitioner;
     if (!plan.weight.empty()) scene.balance.weight = plan.weight;
@@ -114,7 +119,7 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     if (!comm.is_root()) return;
     fmt::print(
         "{{\"case\": \"{}\", \"ranks\": {}, \"transport\": \"{}\", \"partitioner\": \"{}\", \"weight\": \"{}\", "
-        "\"trigger\": \"{}\", \"light_nodes\": \"{}\", \"dt_by\": \"{}\", "
+        "\"trigger\": \"{}\", \"light_nodes\": \"{}\", \"dt_by\": \"{}\", \"refresh\": {}, "
         "\"device\": \"{}\", "
         "\"driver\": {}, \"runtime\": {}, {}, \"particles\": {:.0f}, "
         "\"blocks\": {:.0f}, \"warm_up\": {}, \"steps\": {}, \"runs\": {}, \"ms_per_step\": {:.4f}, \"deviation_ms\": "
@@ -126,9 +131,9 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
         c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
-        plan.free ? "free" : "limited", plan.led || comm.size() > 1 ? "host" : "device", device.name, device.driver,
-        device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up, plan.steps, plan.runs,
-        1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        plan.free ? "free" : "limited", plan.led || comm.size() > 1 ? "host" : "device", plan.refresh, device.name,
+        device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up, plan.steps,
+        plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
         counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);
@@ -145,6 +150,8 @@ void run(const DeviceCase& c, const Runs& plan, const Device& device) {
 
 void benchmark(int argc, char** argv) {
     Runs plan;
+    const std::map<std::string, int*> numbers{
+        {"--steps", &plan.steps}, {"--runs", &plan.runs}, {"--warm-up", &plan.warm_up}, {"--refresh", &plan.refresh}};
     std::vector<std::string> wanted;
     bool list = false;
     for (int i = 1; i < argc; ++i) {
@@ -159,8 +166,8 @@ void benchmark(int argc, char** argv) {
             (key == "--weight" ? plan.weight : plan.trigger) = argv[++i];
         else if ((key == "--transport" || key == "--partitioner") && i + 1 < argc)
             (key == "--transport" ? plan.transport : plan.partitioner) = argv[++i];
-        else if ((key == "--steps" || key == "--runs" || key == "--warm-up") && i + 1 < argc)
-            (key == "--steps" ? plan.steps : key == "--runs" ? plan.runs : plan.warm_up) = std::stoi(argv[++i]);
+        else if (const auto number = numbers.find(key); number != numbers.end() && i + 1 < argc)
+            *number->second = std::stoi(argv[++i]);
         else
             wanted.push_back(key);
     }

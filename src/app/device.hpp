@@ -19,6 +19,7 @@ struct DeviceChoice {
     std::string message;                                      ///< for the user: what was chosen, and why
     std::shared_ptr<const gpu::TransportFactory> transports;  ///< between devices; none: one rank, or the host
     std::string transport = "host";
+    int refresh_interval = 0;  ///< of a device's memory [steps]; 0: by what the particles take
 };
 
 /// Whether choose_device() would take CUDA: says so before anything is tried. Collective.

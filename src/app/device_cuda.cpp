@@ -79,8 +79,9 @@ void check_device_memory(double bytes, const Comm& comm) {
 
 template <class Real, int Dim>
 DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene& scene, const Comm& comm, const DeviceChoice& choice) {
-    return [&scene, &comm, transports = choice.transports](const Method<Host, Real, Dim>& method) {
-        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, comm, method, transports.get());
+    return [&scene, &comm, transports = choice.transports,
+            interval = choice.refresh_interval](const Method<Host, Real, Dim>& method) {
+        return std::make_unique<gpu::DeviceEngine<Real, Dim>>(scene, comm, method, transports.get(), interval);
     };
 }
 

@@ -18,13 +18,15 @@ cudaDeviceProp properties_of_device() {
 
 template <class Real, int Dim>
 DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
-                                      const TransportFactory* transports)
+                                      const TransportFactory* transports, int refresh_interval)
     : scene_(scene),
       method_(method),
       name_(properties_of_device().name),
       memory_(properties_of_device().totalGlobalMem),
       share_(method.needs, method.stencil.width),
-      particles_(method.needs) {
+      particles_(method.needs),
+      refresh_clock_(refresh_interval),
+      cache_(static_cast<std::size_t>(properties_of_device().l2CacheSize)) {
     check(cudaGetDevice(&device_), "Asking for the device");
     choose_kernels();
     half_size_.assign(method.context.half_size, scene.bodies.size());

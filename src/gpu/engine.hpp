@@ -27,12 +27,10 @@
 #include "gpu/lead.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
+#include "gpu/memory/refresh_clock.hpp"
 #include "gpu/memory/stream.hpp"
 
 namespace moraine::gpu {
-
-/// Steps between memory refreshes: 8 to 16 are equally good (benchmarks/device/results.md).
-inline constexpr int refresh_interval = 12;
 
 template <class Real, int Dim>
 class DeviceEngine final : public Engine<Real, Dim> {
@@ -40,9 +38,9 @@ class DeviceEngine final : public Engine<Real, Dim> {
     using Share = Patch<Host, Real, Dim>;
 
     /// On the current device. transports: needed where there are several ranks. All but transports must outlive it.
-    /// Collective.
+    /// refresh_interval: steps between memory refreshes; 0: by what the particles take. Collective.
     DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
-                 const TransportFactory* transports);
+                 const TransportFactory* transports, int refresh_interval = 0);
 
     std::string device() const override { return name_; }
     bool leaves_host_free() const override { return true; }
@@ -120,6 +118,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void report_lead();
     void take_entry(StepReport<Dim>& report);
     bool can_lead() const;
+    void queue_lead();
     void capture_lead(LeadGraph& graph, const StepScales<Dim>& step, const Columns<Real, Dim>& columns);
     std::vector<LeadLaunch> lead_launches() const;
     std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const StepScales<Dim>& step) const;
@@ -204,6 +203,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<Counters> counters_;
     Pinned<Report<Dim>> report_;
     std::unique_ptr<Lead<Dim>> lead_;                      ///< null: the host makes dt
+    StepScales<Dim> lead_scales_{};                        ///< of the lead under way, but for dt
     const Report<Dim>* told_ = nullptr;                    ///< the last report, where the device made it by itself
     const Columns<Real, Dim>* columns_of_lead_ = nullptr;  ///< those that a graph is captured for
     Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting
@@ -213,7 +213,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::size_t tile_capacity_ = 0;
     std::size_t ghost_capacity_ = 0;
     std::size_t stored_ = 0;  ///< slots in use when the last report was made
-    int steps_since_refresh_ = 0;
+    RefreshClock refresh_clock_;
+    std::size_t cache_;         ///< of the device [bytes]
     std::uint32_t faults_ = 0;  ///< of the last report
     std::uint64_t faulty_id_ = 0;
     bool moving_ = false;              ///< the last step's moves are not binned

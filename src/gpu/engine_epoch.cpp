@@ -84,6 +84,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
         limited_.resize(epoch_.own.size());
         limited_blocks_.resize(2 * LimitedBlocks::lists * epoch_.own.size());
     }
+    refresh_clock_.fit(static_cast<std::size_t>(census_.particles) * records().bytes(), cache_);
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
@@ -143,7 +144,7 @@ void DeviceEngine<Real, Dim>::begin(std::size_t particles, std::size_t blocks, s
     count_boundary();
     find_sleepers();
     stream_.wait();
-    steps_since_refresh_ = 0;
+    refresh_clock_.begin_again();
 }
 
 /// While a step is under way its moves are binned by the old tables, and nobody waits.
@@ -300,7 +301,7 @@ void DeviceEngine<Real, Dim>::refresh() {
     particles_.refresh(lists_.slots(), n, stream_);
     count_up(static_cast<std::uint32_t>(n), lists_.slots(), stream_);
     set_stored(n);
-    steps_since_refresh_ = 0;
+    refresh_clock_.begin_again();
 }
 
 /// Slots from n on are free.

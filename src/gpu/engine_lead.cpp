@@ -92,13 +92,13 @@ void DeviceEngine<Real, Dim>::capture_lead(LeadGraph& graph, const StepScales<Di
     graph.set_key(lead_key(columns, step));
 }
 
-/// A graph for after the next refresh is made while the device is busy with the steps before it.
+/// In an epoch whose guard layer nobody is in, a lead goes on to the next refresh; else the host must come by, to make
+/// the next one.
 template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock,
                                         const StepScales<Dim>& step) {
     if (!can_lead() || (!moving_ && !unreported_)) return false;
-    const int steps = static_cast<int>(std::min<std::int64_t>(clock.steps, refresh_interval));
-    if (steps < LeadGraph::steps) return false;
+    if (clock.steps < LeadGraph::steps) return false;
     if (!lead_) lead_ = std::make_unique<Lead<Dim>>();
     if (moving_) {
         lists_.make(tables_.view(), stream_);
@@ -106,20 +106,27 @@ bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClo
         unreported_ = true;
         lead_->forget_clock();
     }
-    if (steps_since_refresh_ + 1 >= refresh_interval) refresh();
+    if (refresh_clock_.left() <= 1) refresh();
     const Columns<Real, Dim> columns = particles_.view();
     if (lead_->next_graph().holds(lead_key(columns, step))) lead_->take_next_graph();
     if (!lead_->graph().holds(lead_key(columns, step))) capture_lead(lead_->graph(), step, columns);
 
-    const int launches = (steps + LeadGraph::steps - 1) / LeadGraph::steps;
     LeadClock<Dim> begins = clock;
-    begins.steps = steps;
-    lead_->begin(rule, begins, static_cast<std::uint32_t>(tile_capacity_), launches * LeadGraph::steps, stream_);
-    for (int k = 0; k < launches; ++k) lead_->graph().launch(stream_);
+    const int most = clock.in_guard_layer > 0 ? steps_ahead : std::max(refresh_clock_.left(), steps_ahead);
+    begins.steps = std::min<std::int64_t>(clock.steps, most);
+    lead_->begin(rule, begins, static_cast<std::uint32_t>(tile_capacity_), stream_);
+    lead_scales_ = step;
     share_is_of_now_ = false;
-    const Columns<Real, Dim> next = particles_.view_after_refresh();
-    if (!lead_->next_graph().holds(lead_key(next, step))) capture_lead(lead_->next_graph(), step, next);
+    queue_lead();
     return true;
+}
+
+/// A graph for after the next refresh is made while the device is busy with the last steps before it.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::queue_lead() {
+    if (!lead_->queue(stream_) || refresh_clock_.left() > lead_->to_come() + 1) return;
+    const Columns<Real, Dim> next = particles_.view_after_refresh();
+    if (!lead_->next_graph().holds(lead_key(next, lead_scales_))) capture_lead(lead_->next_graph(), lead_scales_, next);
 }
 
 template <class Real, int Dim>
@@ -129,6 +136,7 @@ bool DeviceEngine<Real, Dim>::leads() {
         lead_->end();
         return false;
     }
+    queue_lead();
     const LeadEntry<Dim>& entry = lead_->next(stream_);
     told_ = &entry.report;
     report_is_of_epoch_ = true;
@@ -147,6 +155,7 @@ void DeviceEngine<Real, Dim>::take_entry(StepReport<Dim>& report) {
     report.next_dt = entry.dt;
     if (report.seconds[0] == 0) report.seconds = lead_->seconds_until(entry);
     lead_->take(entry);
+    if (entry.report.in_guard_layer) lead_->queue_no_more();
 }
 
 /// Where the device has gone on to the end of its lead, nobody has asked for the last report yet.

@@ -321,14 +321,14 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     if (sleepers_) sleepers_->add_taken(report.budget);
     report.felt = structures_.take();
     report.seconds = watch_.take();
-    ++steps_since_refresh_;
+    refresh_clock_.step();
     if (lead_) lead_->note_timed(report.seconds);
     if (lead_ && lead_->is_under_way()) {
         take_entry(report);
         return report;
     }
     if (static_cast<std::size_t>(census_.blocks) > tile_capacity_) grow_tiles();
-    if (steps_since_refresh_ >= refresh_interval) refresh();
+    if (refresh_clock_.left() <= 0) refresh();
     return report;
 }
 

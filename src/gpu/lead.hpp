@@ -2,7 +2,8 @@
 // What an engine that leads (comm/lead_rule.hpp) keeps: graphs of steps, and what the device tells of each.
 //
 // Entry k of a lead holds the report of the step before its step k, and whether that one is made. An entry is read once
-// its serial is there; the stream is not waited for.
+// its serial is there; the stream is not waited for. A lead may be long: steps are queued a few ahead of those that the
+// host has heard of, so that little has to pass by where it ends, and entries are a ring.
 
 #include <array>
 
@@ -14,6 +15,10 @@ template <int Dim>
 struct LeadEntries {
     LeadEntry<Dim> entry[lead_entries];
 };
+
+/// Steps that a device has before it.
+inline constexpr int steps_ahead = 12;
+static_assert(steps_ahead < lead_entries, "the entry that was taken last is still read");
 
 template <int Dim>
 class Lead {
@@ -29,15 +34,25 @@ class Lead {
     LeadGraph& next_graph() { return graph_[1 - now_]; }
     void take_next_graph() { now_ = 1 - now_; }
 
-    /// Begins a lead of at most so many steps, behind what `stream` has; a step is made only if graph() has been
-    /// launched for it.
-    void begin(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, std::uint32_t tiles, int entries,
-               cudaStream_t stream) {
+    /// Begins a lead of at most clock.steps steps, behind what `stream` has; they are made once queue() has launched
+    /// them.
+    void begin(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, std::uint32_t tiles, cudaStream_t stream) {
         begin_lead(state(), {rule, clock, entries_.device()->entry, serial_, tiles}, graph().nodes(),
                    graph().node_count(), stream);
-        begun_ = entries;
-        taken_ = 0;
+        most_ = static_cast<int>(clock.steps) + static_cast<int>(clock.steps) % LeadGraph::steps;
+        queued_ = taken_ = 0;
     }
+    /// Launches graph() until steps_ahead steps are queued that were not taken. Whether that was the last launch.
+    bool queue(cudaStream_t stream) {
+        if (queued_ == most_) return false;
+        for (; queued_ < most_ && queued_ - taken_ <= steps_ahead - LeadGraph::steps; queued_ += LeadGraph::steps)
+            graph().launch(stream);
+        return queued_ == most_;
+    }
+    /// It ends with what is queued.
+    void queue_no_more() { most_ = queued_; }
+    /// Entries that may still be taken.
+    int to_come() const { return most_ - taken_; }
     /// The decision, and beside it sum(), which waits for no dt; both are captured on capturing().
     template <class F>
     void decide_beside(const ReportWork<Dim>& work, const LeadNodes& behind, int real_bytes, const F& sum) {
@@ -48,17 +63,17 @@ class Lead {
         decided_.record(deciding_);
         capturing_.wait_for(decided_);
     }
-    bool is_under_way() const { return begun_ > 0; }
-    bool is_used_up() const { return taken_ == begun_; }
+    bool is_under_way() const { return most_ > 0; }
+    bool is_used_up() const { return taken_ == most_; }
     int taken() const { return taken_; }
     void end() {
-        serial_ += static_cast<std::uint32_t>(begun_);
-        begun_ = taken_ = 0;
+        serial_ += static_cast<std::uint32_t>(queued_);
+        most_ = queued_ = taken_ = 0;
     }
 
     /// The next entry; waits for it.
     const LeadEntry<Dim>& next(cudaStream_t stream) const {
-        const LeadEntry<Dim>& entry = entries_->entry[taken_];
+        const LeadEntry<Dim>& entry = entries_->entry[taken_ % lead_entries];
         const std::uint32_t serial = serial_ + static_cast<std::uint32_t>(taken_) + 1;
         const auto is_there = [&] { return __atomic_load_n(&entry.serial, __ATOMIC_ACQUIRE) == serial; };
         for (unsigned asked = 1; !is_there(); ++asked) {
@@ -98,9 +113,9 @@ class Lead {
     int now_ = 0;
     Array<LeadState<Dim>> state_;
     Pinned<LeadEntries<Dim>> entries_;
-    std::uint32_t serial_ = 0;  ///< of the last entry of the leads before
-    int begun_ = 0, taken_ = 0;
-    std::uint64_t last_clock_ = 0;  ///< of the entry taken last [ns]; 0: a step since was the host's
+    std::uint32_t serial_ = 0;               ///< of the last entry of the leads before
+    int most_ = 0, queued_ = 0, taken_ = 0;  ///< steps: of the lead, launched, known to the host
+    std::uint64_t last_clock_ = 0;           ///< of the entry taken last [ns]; 0: a step since was the host's
     Seconds timed_{};
 };
 

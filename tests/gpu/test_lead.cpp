@@ -31,11 +31,12 @@ void advance_until(Simulation<Real, Dim>& sim, double time, std::int64_t step, D
     sim.conclude();
 }
 
-/// Looks every `interval` seconds, and at the end.
+/// Looks every `interval` seconds, and at the end. refresh: steps between memory refreshes; 0: as usual.
 template <class Real, int Dim>
-Led<Real, Dim> run_by(const Scene& scene, std::int64_t steps, DtBy by, double interval = 1e9) {
+Led<Real, Dim> run_by(const Scene& scene, std::int64_t steps, DtBy by, double interval = 1e9, int refresh = 0) {
     const Comm comm(MPI_COMM_WORLD);
-    const DeviceChoice device = choose_device("cuda", comm);
+    DeviceChoice device = choose_device("cuda", comm);
+    device.refresh_interval = refresh;
     Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, device));
     Led<Real, Dim> out;
     try {
@@ -124,6 +125,50 @@ TEST_CASE("shapes, means of cells and a dt that the scene says do not hinder it"
 TEST_CASE("a flow that spreads over many epochs, and needs more tiles, gives the same state") {
     const Scene scene = input("slurry_runout", {"domain.cell=0.02", "time.end=0.6"});
     CHECK(compare_leads(scene, 100000) > 500);
+}
+
+TEST_CASE("how often memory is put into list order changes no bit, whoever makes dt") {
+    for (const Scene& scene :
+         {input("slurry_runout", {"domain.cell=0.02", "time.end=0.6"}), input("elastic_bar", {})}) {
+        const auto host = run_by<double, 2>(scene, 1500, DtBy::host, 1e9, 2);
+        for (int refresh : {2, 7, 12, 96, 1000, 0}) {
+            const auto device = run_by<double, 2>(scene, 1500, DtBy::device, 1e9, refresh);
+            CAPTURE(refresh);
+            CHECK(device.hash == host.hash);
+            CHECK(device.told == host.told);
+            CHECK(device.led > host.step / 2);
+        }
+    }
+}
+
+TEST_CASE("a lead goes on to the next refresh of memory where nobody is near the end of the epoch") {
+    const Comm comm(MPI_COMM_WORLD);
+    const Scene scene = input("elastic_bar", {});
+    const auto leads_ended = [&](int refresh) {
+        DeviceChoice device = choose_device("cuda", comm);
+        device.refresh_interval = refresh;
+        const auto make = device_engine_maker<double, 2>(scene, comm, device);
+        Engine<double, 2>* engine = nullptr;
+        Simulation<double, 2> sim(scene, comm, [&](const Method<Host, double, 2>& method) {
+            auto made = make(method);
+            engine = made.get();
+            return made;
+        });
+        sim.seed();
+        sim.leave_alone_until(scene.end, 400);
+        int ended = 0;
+        while (sim.clock().step < 400) {
+            sim.step();
+            if (!engine->leads()) ++ended;
+            if (sim.clock().step % 10 == 0) engine->synchronize();  // the host may hear of all that is queued late
+            sim.balance();
+        }
+        sim.conclude();
+        return ended;
+    };
+    CHECK(leads_ended(12) > 30);
+    CHECK(leads_ended(100) < 10);
+    CHECK(leads_ended(1000) < 4);
 }
 
 TEST_CASE("it stops after the first step at or past the time at which somebody looks") {

@@ -9,6 +9,7 @@
 #include "gpu/device_sample.cuh"
 #include "gpu/memory/packing.hpp"
 #include "gpu/memory/refresh.hpp"
+#include "gpu/memory/refresh_clock.hpp"
 #include "gpu/stopwatch.hpp"
 
 using namespace moraine;
@@ -137,6 +138,21 @@ TEST_CASE("columns that a scene has not are made of no parts") {
     const gpu::Columns<float, 3> none{};
     for (const char* name : {"affine", "left_strain", "log_stretch", "history_1", "unheard-of"})
         CHECK(gpu::parts_of(none, name).empty());
+}
+
+TEST_CASE("memory is refreshed rarely where the particles stay in the cache, or as often as was asked for") {
+    const auto steps_of = [](gpu::RefreshClock clock, std::size_t particles) {
+        clock.fit(particles, 50 << 20);
+        int steps = 0;
+        for (; clock.left() > 0; ++steps) clock.step();
+        clock.begin_again();
+        CHECK(clock.left() == steps);
+        return steps;
+    };
+    CHECK(steps_of(gpu::RefreshClock(0), 20 << 20) == gpu::RefreshClock::rare);
+    CHECK(steps_of(gpu::RefreshClock(0), 51 << 20) == gpu::RefreshClock::usual);
+    CHECK(steps_of(gpu::RefreshClock(7), 20 << 20) == 7);
+    CHECK(steps_of(gpu::RefreshClock(7), 51 << 20) == 7);
 }
 
 TEST_CASE("timing of a refresh, where MORAINE_TIMING asks for it") {

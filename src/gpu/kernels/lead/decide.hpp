@@ -29,7 +29,7 @@ template <int Dim>
 struct LeadBegin {
     LeadRule<Dim> rule;
     LeadClock<Dim> clock;
-    LeadEntry<Dim>* entries;  ///< lead_entries, in pinned memory
+    LeadEntry<Dim>* entries;  ///< lead_entries, in pinned memory: a ring
     std::uint32_t serial;     ///< of the last entry before
     std::uint32_t tiles;      ///< blocks that there is space for
 };
