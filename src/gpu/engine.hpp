@@ -28,6 +28,7 @@
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
 #include "gpu/memory/refresh_clock.hpp"
+#include "gpu/memory/stopwatch.hpp"
 #include "gpu/memory/stream.hpp"
 
 namespace moraine::gpu {

@@ -99,7 +99,10 @@ bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClo
                                         const StepScales<Dim>& step) {
     if (!can_lead() || (!moving_ && !unreported_)) return false;
     if (clock.steps < LeadGraph::steps) return false;
-    if (!lead_) lead_ = std::make_unique<Lead<Dim>>();
+    if (!lead_) {
+        lead_ = std::make_unique<Lead<Dim>>();
+        watch_.time_all();  // of the steps that are left to the host
+    }
     if (moving_) {
         lists_.make(tables_.view(), stream_);
         moving_ = false;

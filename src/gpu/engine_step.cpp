@@ -38,14 +38,14 @@ void DeviceEngine<Real, Dim>::bin() {
         exchange_->arrived.record(exchange_->stream);
         stream_.wait_for(exchange_->arrived);
     }
-    watch_.begin(0, stream_);
+    watch_.begin_step(stream_);
     timed_ = true;
     lists_.make(tables_.view(), stream_);
     const std::uint32_t* former_first = pending_ ? nullptr : lists_.former_first();
     if (pending_) {
         if (sleepers_) sleepers_->wake_entered(view(), particles_.rest(), lists_.former_first(), stream_);
         change_tables();
-        watch_.begin_again(stream_);
+        lead_ ? watch_.begin_again(stream_) : watch_.skip();
     }
     count_migration_bound();
     report(former_first);

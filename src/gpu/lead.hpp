@@ -5,9 +5,8 @@
 // its serial is there; the stream is not waited for. A lead may be long: steps are queued a few ahead of those that the
 // host has heard of, so that little has to pass by where it ends, and entries are a ring.
 
-#include <array>
-
 #include "gpu/lead_graph.hpp"
+#include "gpu/memory/stopwatch.hpp"
 
 namespace moraine::gpu {
 
@@ -92,7 +91,7 @@ class Lead {
 
     /// The parts' times of the step that the entry reports, by the device's clock and the shares that the stopwatch
     /// last found; zeros where the step before was not of a lead.
-    using Seconds = std::array<double, Stopwatch::parts>;
+    using Seconds = Stopwatch::Seconds;
     Seconds seconds_until(const LeadEntry<Dim>& entry) const {
         const double all = last_clock_ > 0 ? 1e-9 * static_cast<double>(entry.clock - last_clock_) : 0;
         const double timed = timed_[0] + timed_[1] + timed_[2];

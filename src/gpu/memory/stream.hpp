@@ -1,9 +1,7 @@
 #pragma once
-// Order and time on a device: a stream, events, memory that both sides see, and a stopwatch for the parts of a step.
+// Order on a device: a stream, events, and memory that both sides see.
 
 #include <cuda_runtime.h>
-
-#include <array>
 
 #include "gpu/memory/array.hpp"
 
@@ -68,48 +66,6 @@ class Pinned {
 
   private:
     T* data_ = nullptr;
-};
-
-/// Times of the three parts of a step, without what lies between them, taken one step late so that nobody waits.
-class Stopwatch {
-  public:
-    static constexpr int parts = 3;
-
-    /// Part 0, 1 or 2 of the step begins here. Part 0 begins a step.
-    void begin(int part, cudaStream_t stream) {
-        if (part == 0) laps_[now_ = 1 - now_].ended = 0;
-        laps_[now_].event[2 * part].record(stream);
-    }
-    /// Part 0 begins here after all.
-    void begin_again(cudaStream_t stream) { laps_[now_].event[0].record(stream); }
-    /// It ends here; of several calls the last counts.
-    void end(int part, cudaStream_t stream) {
-        laps_[now_].event[2 * part + 1].record(stream);
-        laps_[now_].ended = part + 1;
-    }
-    /// Seconds of the parts of the last step that ended, once; its work must be done.
-    std::array<double, parts> take() {
-        std::array<double, parts> seconds{};
-        Lap& lap = laps_[laps_[now_].ended == parts ? now_ : 1 - now_];
-        for (std::size_t k = 0; k < parts && lap.ended == parts; ++k) {
-            float ms = 0;
-            check(cudaEventElapsedTime(&ms, lap.event[2 * k], lap.event[2 * k + 1]), "Reading the time of a step");
-            seconds[k] = 1e-3 * static_cast<double>(ms);
-        }
-        lap.ended = 0;
-        return seconds;
-    }
-
-  private:
-    struct TimedEvent : Event {
-        TimedEvent() : Event(cudaEventDefault) {}
-    };
-    struct Lap {
-        TimedEvent event[2 * parts];
-        int ended = 0;
-    };
-    Lap laps_[2];
-    int now_ = 0;
 };
 
 }  // namespace moraine::gpu
