@@ -18,9 +18,9 @@ DeviceSleepers<Real, Dim>::DeviceSleepers(const Scene& scene, const Method<Host,
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::open(std::size_t own, std::size_t ghosts, cudaStream_t stream) {
     own_ = own;
-    asleep_.resize(own + ghosts), activity_.resize(own + ghosts);
-    binned_.resize(own), kept_.resize(own), wave_.resize(own), marks_.resize(own);
-    lists_.resize(4 * own);
+    asleep_.resize(own + ghosts, stream), activity_.resize(own + ghosts, stream);
+    binned_.resize(own, stream), kept_.resize(own, stream), wave_.resize(own, stream), marks_.resize(own, stream);
+    lists_.resize(4 * own, stream);
     if (own + ghosts > 0) gpu::check(cudaMemsetAsync(asleep_.data(), 0, own + ghosts, stream), "Clearing sleepers");
     if (own > 0) gpu::check(cudaMemsetAsync(marks_.data(), 0xff, own * sizeof(TileMark), stream), "Clearing sleepers");
     forget_tiles();
@@ -28,9 +28,9 @@ void DeviceSleepers<Real, Dim>::open(std::size_t own, std::size_t ghosts, cudaSt
 }
 
 template <class Real, int Dim>
-void DeviceSleepers<Real, Dim>::resize_tiles(std::size_t tiles) {
+void DeviceSleepers<Real, Dim>::resize_tiles(std::size_t tiles, cudaStream_t stream) {
     if (method_.grid_bulk())
-        masses_.resize(tiles * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
+        masses_.resize(tiles * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))), stream);
     forget_tiles();
 }
 
@@ -56,7 +56,7 @@ void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, const
 
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::keep_awake(const V& view, const ContactField<Dim>& structures, cudaStream_t stream) {
-    kept_awake_.resize(own_);
+    kept_awake_.resize(own_, stream);
     find_kept_awake(view.table, structures, rule_.interval, kept_awake_.data(), stream);
 }
 

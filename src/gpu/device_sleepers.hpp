@@ -11,7 +11,7 @@
 #include "core/totals.hpp"
 #include "gpu/kernels/sleep/sleep.hpp"
 #include "gpu/kernels/sleep/waves.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 #include "gpu/memory/stream.hpp"
 
 namespace moraine::gpu {
@@ -29,7 +29,7 @@ class DeviceSleepers {
     /// All tiles are lost, or have been written by others.
     void forget_tiles() { ++made_; }
     /// There are so many tiles now.
-    void resize_tiles(std::size_t tiles);
+    void resize_tiles(std::size_t tiles, cudaStream_t stream);
 
     /// Once the lists are made, by tables that change now: former_first are the lists' bounds of before.
     void wake_entered(const V& view, const RestWords& rest, const std::uint32_t* former_first, cudaStream_t stream) {
@@ -50,7 +50,7 @@ class DeviceSleepers {
         gpu::find_activity(view, state(rest), stream);
     }
     std::vector<double> activity(cudaStream_t stream) const { return activity_.host(stream); }
-    void set_activity(const std::vector<double>& of_blocks) { activity_.assign(of_blocks); }
+    void set_activity(const std::vector<double>& of_blocks) { activity_.assign(of_blocks, nullptr); }
     void change(const V& view, const RestWords& rest, bool first, const Quantum& quantum, cudaStream_t stream);
 
     /// part: 0 is the boundary, 1 the interior. Those of `chosen` whose tiles P2G has to make.
@@ -84,14 +84,14 @@ class DeviceSleepers {
     const std::uint16_t* material_of_;
     const SleepRule rule_;
     std::vector<std::unique_ptr<WaveKernel<Real, Dim>>> waves_;  ///< by material
-    Array<std::uint8_t> asleep_, binned_, kept_;
-    Array<std::uint8_t> kept_awake_;  ///< own; empty: no structure moves
-    Array<double> activity_, wave_;
-    Array<TileMark> marks_;
-    Array<Real> masses_;  ///< of tiles, where substeps write to them
+    PoolArray<std::uint8_t> asleep_, binned_, kept_;
+    PoolArray<std::uint8_t> kept_awake_;  ///< own; empty: no structure moves
+    PoolArray<double> activity_, wave_;
+    PoolArray<TileMark> marks_;
+    PoolArray<Real> masses_;  ///< of tiles, where substeps write to them
     Array<SleepAccount<Dim>> accounts_;
-    Array<std::int32_t> lists_;    ///< of blocks to sum, then awake: boundary and interior each
-    Array<std::uint32_t> counts_;  ///< likewise
+    PoolArray<std::int32_t> lists_;  ///< of blocks to sum, then awake: boundary and interior each
+    Array<std::uint32_t> counts_;    ///< likewise
     Pinned<SleepAccount<Dim>> report_;
     std::size_t own_ = 0;
     std::int32_t made_ = 0;     ///< number of what makes tiles

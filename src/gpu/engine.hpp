@@ -179,17 +179,17 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
     Lists<Dim> lists_;
     DeviceParticles<Real, Dim> particles_;
-    Array<Quad<Real>> tiles_, nodes_;
-    Array<std::int32_t> node_of_;
+    PoolArray<Quad<Real>> tiles_, nodes_;
+    PoolArray<std::int32_t> node_of_;  ///< 0, 1, 2, ...
     Array<Vec<Real, Dim>> half_size_;
     Array<std::uint16_t> material_of_;
     Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
     FindLimited<Real, Dim> find_limited_ = nullptr;
-    Array<Stiffness<Real>> stiffness_;           ///< by body; empty: nothing is limited
-    Array<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
-    Array<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior
-    Array<std::uint32_t> limited_count_;         ///< of both
-    Real full_mass_ = 0;                         ///< the largest of the bodies' [kg]
+    Array<Stiffness<Real>> stiffness_;               ///< by body; empty: nothing is limited
+    PoolArray<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
+    PoolArray<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior
+    Array<std::uint32_t> limited_count_;             ///< of both
+    Real full_mass_ = 0;                             ///< the largest of the bodies' [kg]
     Array<Real> gradient_;
     Array<Account<Dim>> accounts_;
     DeviceStructures<Dim> structures_;

@@ -1,7 +1,6 @@
 // The engine between steps: epochs, capacity, and whole blocks.
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include "gpu/engine.hpp"
@@ -12,8 +11,10 @@ namespace moraine::gpu {
 namespace {
 
 template <class T>
-void copy_tiles(const Array<T>& from, const Array<T>& to, std::size_t n) {
-    if (n > 0) check(cudaMemcpy(to.data(), from.data(), n * sizeof(T), cudaMemcpyDeviceToDevice), "Copying tiles");
+void copy_tiles(const PoolArray<T>& from, const PoolArray<T>& to, std::size_t n, cudaStream_t stream) {
+    if (n > 0)
+        check(cudaMemcpyAsync(to.data(), from.data(), n * sizeof(T), cudaMemcpyDeviceToDevice, stream),
+              "Copying tiles");
 }
 
 }  // namespace
@@ -23,11 +24,11 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
     tile_capacity_ = tiles;
     ++layout_;
     ghost_capacity_ = epoch_.ghost.size() + epoch_.ghost.size() / 8;
-    tiles_.release();
-    tiles_.resize((tiles + ghost_capacity_) * tile_quads());
+    tiles_.release(stream_);
+    tiles_.resize((tiles + ghost_capacity_) * tile_quads(), stream_);
     lists_.limit_tiles(static_cast<std::uint32_t>(tiles), tables_.view(), stream_);
-    if (sleepers_) sleepers_->resize_tiles(tiles + ghost_capacity_);
-    if (method_.grid_bulk()) pressure_.resize(tiles + ghost_capacity_, epoch_.node_key.size());
+    if (sleepers_) sleepers_->resize_tiles(tiles + ghost_capacity_, stream_);
+    if (method_.grid_bulk()) pressure_.resize(tiles + ghost_capacity_, epoch_.node_key.size(), stream_);
 }
 
 /// All that a particle and its part of a block take, and nine tenths of the memory: the rest is the driver's, the
@@ -46,7 +47,8 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
 }
 
-/// Copies tables during the steps under way.
+/// Copies tables during the steps under way, over those of two epochs before: who read them has passed, because what
+/// asked for new tables was told by a report of the present ones.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::prepare(const EpochTables<Dim>& tables) {
     check(cudaSetDevice(device_), "Choosing the device");
@@ -74,22 +76,22 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     ++layout_;
     const std::size_t ghosts = epoch_.ghost.size(), node_blocks = epoch_.node_key.size();
     if (node_blocks > node_of_.size()) {
-        std::vector<std::int32_t> every(node_blocks + node_blocks / 4);
-        std::iota(every.begin(), every.end(), 0);
-        node_of_.assign(every);
+        const std::size_t most = node_blocks + node_blocks / 4;
+        node_of_.resize(most, stream_);
+        count_up(static_cast<std::uint32_t>(most), reinterpret_cast<std::uint32_t*>(node_of_.data()), stream_);
     }
-    nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells));
+    nodes_.resize(node_blocks * static_cast<std::size_t>(2 * Block<Dim>::cells), stream_);
     if (method_.stiffness()) {
-        light_marks_.resize(node_blocks * light_marks<Dim>);
-        limited_.resize(epoch_.own.size());
-        limited_blocks_.resize(2 * LimitedBlocks::lists * epoch_.own.size());
+        light_marks_.resize(node_blocks * light_marks<Dim>, stream_);
+        limited_.resize(epoch_.own.size(), stream_);
+        limited_blocks_.resize(2 * LimitedBlocks::lists * epoch_.own.size(), stream_);
     }
     refresh_clock_.fit(static_cast<std::size_t>(census_.particles) * records().bytes(), cache_);
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     const std::size_t least = std::min(epoch_.own.size(), blocks + blocks / 64 + 16);
     const std::size_t capacity = std::min(epoch_.own.size(), blocks + blocks / 12 + 32);
     if (least > tile_capacity_ || 2 * capacity < tile_capacity_ || ghosts > ghost_capacity_) make_tiles(capacity);
-    if (method_.grid_bulk()) pressure_.resize(tile_capacity_ + ghost_capacity_, node_blocks);
+    if (method_.grid_bulk()) pressure_.resize(tile_capacity_ + ghost_capacity_, node_blocks, stream_);
     if (sleepers_) sleepers_->open(epoch_.own.size(), ghosts, stream_);
     report_is_of_epoch_ = false;
     gaps_.forget();
@@ -285,11 +287,12 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::grow_tiles() {
     if (exchange_) exchange_->stream.wait();
     stream_.wait();
-    Array<Quad<Real>> ghosts;  // those that sleep do not come again
-    ghosts.resize(sleepers_ ? epoch_.ghost.size() * tile_quads() : 0);
-    copy_tiles(tiles_, ghosts, ghosts.size());
+    PoolArray<Quad<Real>> ghosts;  // those that sleep do not come again
+    ghosts.resize(sleepers_ ? epoch_.ghost.size() * tile_quads() : 0, stream_);
+    copy_tiles(tiles_, ghosts, ghosts.size(), stream_);
     make_tiles(static_cast<std::size_t>(census_.blocks + census_.blocks / 8));
-    copy_tiles(ghosts, tiles_, ghosts.size());
+    copy_tiles(ghosts, tiles_, ghosts.size(), stream_);
+    ghosts.release(stream_);
     if (summed_) sum();
 }
 

@@ -20,7 +20,7 @@ struct Exchange {
 
     /// For an epoch whose routes are there, between two rounds, on the stream of the steps. Collective.
     void open(const EpochTables<Dim>& tables, std::size_t structures, cudaStream_t steps) {
-        halo.open(tables, structures);
+        halo.open(tables, structures, steps);
         migration.begin_epoch(tables, steps);
     }
 

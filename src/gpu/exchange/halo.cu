@@ -201,7 +201,7 @@ __global__ void __launch_bounds__(copy_threads) unpack_kernel(Route route, TileV
 }  // namespace
 
 template <class Real, int Dim>
-void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables, std::size_t structures) {
+void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables, std::size_t structures, cudaStream_t stream) {
     const auto capacity = [&](const TileList& list) {
         const std::size_t tiles = list.block.size(), nodes = list.node.size();
         return (with_mean_ ? bytes_before_gaps<Real, Dim, true>(tiles, nodes)
@@ -215,15 +215,15 @@ void DeviceHalo<Real, Dim>::open(const EpochTables<Dim>& tables, std::size_t str
         tiles_out += peer.send.block.size(), tiles_in += peer.receive.block.size();
     }
     most = std::max(tiles_out, tiles_in);
-    place_.resize(most);
-    if (structures > 0) gap_place_.resize(most);
+    place_.resize(most, stream);
+    if (structures > 0) gap_place_.resize(most, stream);
     transport_->open(peers);
 }
 
 namespace {
 
 template <int Dim>
-GapRoute gap_route(const DeviceGaps<Dim>* gaps, int first_block, const Array<std::uint32_t>& place) {
+GapRoute gap_route(const DeviceGaps<Dim>* gaps, int first_block, const PoolArray<std::uint32_t>& place) {
     if (!gaps) return {};
     return {gaps->view(), gaps->tiles(), first_block, place.data()};
 }

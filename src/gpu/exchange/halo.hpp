@@ -31,8 +31,9 @@ class DeviceHalo {
     DeviceHalo(std::unique_ptr<Transport> transport, bool with_mean)
         : transport_(std::move(transport)), with_mean_(with_mean) {}
 
-    /// For an epoch, with capacity for gaps to that many structures. Collective.
-    void open(const EpochTables<Dim>& tables, std::size_t structures);
+    /// For an epoch, with capacity for gaps to that many structures; between two rounds of the stream of the steps.
+    /// Collective.
+    void open(const EpochTables<Dim>& tables, std::size_t structures, cudaStream_t stream);
 
     /// gaps: null in rounds without. tile_side: nodes of a tile along an axis. Counts the bytes. On one stream;
     /// asynchronous but for what the transport waits for.
@@ -53,8 +54,8 @@ class DeviceHalo {
 
     std::unique_ptr<Transport> transport_;
     bool with_mean_;
-    Array<std::uint32_t> place_;      ///< by tile of the way under work: nodes before it in its message
-    Array<std::uint32_t> gap_place_;  ///< gaps before those of the tile
+    PoolArray<std::uint32_t> place_;      ///< by tile of the way under work: nodes before it in its message
+    PoolArray<std::uint32_t> gap_place_;  ///< gaps before those of the tile
 };
 
 }  // namespace moraine::gpu

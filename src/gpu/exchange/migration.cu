@@ -223,8 +223,8 @@ void DeviceMigration<Dim>::begin_epoch(const EpochTables<Dim>& tables, cudaStrea
         peers_.push_back({peer.rank, peer.send.block.size(), peer.receive.block.size()});
         tiles += peer.send.block.size();
     }
-    place_.resize(tiles);
-    facing_.resize(peers_.size());
+    place_.resize(tiles, stream);
+    facing_.resize(peers_.size(), stream);
     if (!peers_.empty())
         check(cudaMemsetAsync(facing_.data(), 0, peers_.size() * sizeof(std::uint32_t), stream), "Beginning an epoch");
     const std::size_t record = std::exchange(record_, 0);

@@ -52,9 +52,9 @@ class DeviceMigration {
 
     std::unique_ptr<Transport> transport_;
     std::vector<Peer> peers_;
-    Array<std::uint32_t> place_;      ///< by tile: outgoing particles of this peer before its own
-    Array<std::uint32_t> facing_;     ///< by peer: particles that can leave to it; zeros before they are counted
-    MigrationBound migration_bound_;  ///< what the capacities are made for; 0: there are none yet
+    PoolArray<std::uint32_t> place_;   ///< by tile: outgoing particles of this peer before its own
+    PoolArray<std::uint32_t> facing_;  ///< by peer: particles that can leave to it; zeros before they are counted
+    MigrationBound migration_bound_;   ///< what the capacities are made for; 0: there are none yet
     std::size_t record_ = 0;
     std::size_t most_incoming_ = 0;
 };

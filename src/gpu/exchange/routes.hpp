@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "comm/epoch.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
 
@@ -45,9 +45,9 @@ class Routes {
   private:
     struct Way {
         std::size_t peers = 0, tiles = 0;
-        Array<std::uint32_t> peer_first, node_first;
-        Array<std::int32_t> peer, block;
-        Array<std::uint16_t> node;
+        PoolArray<std::uint32_t> peer_first, node_first;
+        PoolArray<std::int32_t> peer, block;
+        PoolArray<std::uint16_t> node;
 
         void swap(Way& other) {
             std::swap(peers, other.peers);
@@ -90,7 +90,7 @@ class Routes {
     };
 
     Way send_, receive_;
-    Array<std::int32_t> ghost_first_;
+    PoolArray<std::int32_t> ghost_first_;
 };
 
 /// What ranks have sent, and what the next messages need; on the device, added to by kernels.

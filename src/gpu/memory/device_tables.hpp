@@ -7,7 +7,7 @@
 
 #include "comm/epoch.hpp"
 #include "core/grid_views.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
 
@@ -58,9 +58,9 @@ class Tables {
 
   private:
     int own_ = 0, ghosts_ = 0, node_blocks_ = 0;
-    Array<Vec<std::int32_t, Dim>> position_, node_position_;
-    Array<std::int32_t> neighbour_, node_block_, source_;
-    Array<std::uint8_t> border_, node_border_;
+    PoolArray<Vec<std::int32_t, Dim>> position_, node_position_;
+    PoolArray<std::int32_t> neighbour_, node_block_, source_;
+    PoolArray<std::uint8_t> border_, node_border_;
 };
 
 }  // namespace moraine::gpu

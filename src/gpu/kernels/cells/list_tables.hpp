@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "comm/epoch.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
 
 struct ListTables {
-    Array<std::uint8_t> is_boundary;   ///< own: 1 where some peer needs the block
-    Array<std::uint64_t> guard_layer;  ///< own: bit per cell (comm/guard_layer.hpp)
-    Array<std::int32_t> from;          ///< own + 1: how many own blocks of the tables before have smaller keys
-    Array<std::int32_t> same;          ///< own: the same block in the tables before; -1: it was not there
+    PoolArray<std::uint8_t> is_boundary;   ///< own: 1 where some peer needs the block
+    PoolArray<std::uint64_t> guard_layer;  ///< own: bit per cell (comm/guard_layer.hpp)
+    PoolArray<std::int32_t> from;          ///< own + 1: how many own blocks of the tables before have smaller keys
+    PoolArray<std::int32_t> same;          ///< own: the same block in the tables before; -1: it was not there
 
     /// There when the stream has been waited for; before: own blocks of the tables before.
     template <int Dim>

@@ -11,26 +11,26 @@ template <int Dim>
 void Lists<Dim>::reserve(const EpochTables<Dim>& tables, cudaStream_t stream) {
     own_ = tables.own.size();
     const std::size_t ghosts = tables.ghost.size();
-    tile_of_.resize(own_ + ghosts);
-    boundary_.resize(own_);
-    interior_.resize(own_);
+    tile_of_.resize(own_ + ghosts, stream);
+    boundary_.resize(own_, stream);
+    interior_.resize(own_, stream);
     occupied_.resize(5);
-    cell_first_.resize(own_ * bounds);
-    next_first_.resize(own_ + 1);
-    outgoing_count_.resize(own_ + ghosts);
-    outgoing_bound_.resize((own_ + ghosts) * outgoing_bounds<Dim>);
+    cell_first_.resize(own_ * bounds, stream);
+    next_first_.resize(own_ + 1, stream);
+    outgoing_count_.resize(own_ + ghosts, stream);
+    outgoing_bound_.resize((own_ + ghosts) * outgoing_bounds<Dim>, stream);
     // read, and multiplied by nothing, where no particle leaves
     check(cudaMemsetAsync(outgoing_bound_.data(), 0, outgoing_bound_.size() * sizeof(std::uint32_t), stream),
           "Clearing lists");
-    ghost_start_.resize(ghosts);
-    tally_.resize(static_cast<std::size_t>(binning_chunks(static_cast<int>(own_))));
+    ghost_start_.resize(ghosts, stream);
+    tally_.resize(static_cast<std::size_t>(binning_chunks(static_cast<int>(own_))), stream);
 }
 
 template <int Dim>
-void Lists<Dim>::reserve(std::size_t most) {
+void Lists<Dim>::reserve(std::size_t most, cudaStream_t stream) {
     next_slot_.resize(most);
     moves_.resize(most);
-    changed_.resize(most / 32 + own_ + 1);
+    changed_.resize(most / 32 + own_ + 1, stream);
     outgoing_slot_.resize(most);
     outgoing_cell_.resize(most);
 }
@@ -38,7 +38,7 @@ void Lists<Dim>::reserve(std::size_t most) {
 template <int Dim>
 void Lists<Dim>::grow(std::size_t most) {
     slot_.resize(most);
-    reserve(most);
+    reserve(most, nullptr);
     count_up(static_cast<std::uint32_t>(most), slot_.data(), nullptr);
     check(cudaDeviceSynchronize(), "Growing the storage of particles");
 }
@@ -47,7 +47,7 @@ template <int Dim>
 void Lists<Dim>::install(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                          std::size_t most) {
     reserve(tables, nullptr);
-    first_.assign(first_of(tables, binned));
+    first_.assign(first_of(tables, binned), nullptr);
     grow(most);
     number_blocks(binning(table), nullptr);
     check(cudaDeviceSynchronize(), "Taking lists in");
@@ -57,7 +57,7 @@ template <int Dim>
 void Lists<Dim>::rearrange(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, const BinnedBlocks& binned,
                            const std::vector<ListRange>& blocks, cudaStream_t stream) {
     reserve(tables, stream);
-    reserve(slot_.size());
+    reserve(slot_.size(), stream);
     first_.assign(first_of(tables, binned), stream);
     list_ranges(blocks, slot_.data(), copies_, next_slot_.data(), stream);
     slot_.swap(next_slot_);
@@ -80,11 +80,11 @@ template <int Dim>
 void Lists<Dim>::renew(const EpochTables<Dim>& tables, const BlockTable<Dim>& table, cudaStream_t stream) {
     old_cell_first_.swap(cell_first_);
     reserve(tables, stream);
-    reserve(slot_.size());
+    reserve(slot_.size(), stream);
     const auto own = static_cast<std::uint32_t>(own_);
     renumber(own + 1, 1, tables_.from.data(), first_.data(), next_first_.data(), stream);
     first_.swap(next_first_);
-    next_first_.resize(own_ + 1);
+    next_first_.resize(own_ + 1, stream);
     renumber(own, bounds, tables_.same.data(), old_cell_first_.data(), cell_first_.data(), stream);
     number_blocks(binning(table), stream);
 }

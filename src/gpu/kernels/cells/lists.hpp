@@ -12,7 +12,7 @@
 #include "gpu/kernels/cells/binning.hpp"
 #include "gpu/kernels/cells/list_tables.hpp"
 #include "gpu/kernels/view.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
 
@@ -71,18 +71,22 @@ class Lists {
 
   private:
     void reserve(const EpochTables<Dim>& tables, cudaStream_t stream);
-    void reserve(std::size_t most);
+    void reserve(std::size_t most, cudaStream_t stream);
     std::vector<std::uint32_t> first_of(const EpochTables<Dim>& tables, const BinnedBlocks& binned) const;
 
     std::size_t own_ = 0;
     std::uint32_t tiles_ = ~0u;
     ListTables tables_;
-    Array<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, slot_, next_slot_, changed_, occupied_;
-    Array<std::int32_t> tile_of_, boundary_, interior_;
+    // by particles
+    Array<std::uint32_t> slot_, next_slot_, outgoing_slot_;
     Array<std::uint8_t> outgoing_cell_;
     Array<std::uint16_t> moves_;
-    Array<std::uint32_t> outgoing_slot_, outgoing_count_, outgoing_bound_, ghost_start_;
-    Array<Tally> tally_;
+    // by blocks, in every epoch others
+    PoolArray<std::uint32_t> first_, next_first_, cell_first_, old_cell_first_, changed_;
+    PoolArray<std::int32_t> tile_of_, boundary_, interior_;
+    PoolArray<std::uint32_t> outgoing_count_, outgoing_bound_, ghost_start_;
+    PoolArray<Tally> tally_;
+    Array<std::uint32_t> occupied_;
     Array<ListCopy> copies_;
 };
 

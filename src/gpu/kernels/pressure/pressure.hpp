@@ -14,7 +14,7 @@
 #include "core/structure_set.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/view.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
 
@@ -41,13 +41,13 @@ class PressureState {
     /// bulk: by body.
     void start(const Real* bulk, std::size_t bodies);
     /// Capacity for an epoch.
-    void resize(std::size_t tiles, std::size_t node_blocks);
+    void resize(std::size_t tiles, std::size_t node_blocks, cudaStream_t stream);
     PressureView<Real, Dim> view() const;
 
   private:
-    Array<CellPressure<Real>> cell_;
-    Array<CellMoments<Real, Dim>> moments_;
-    Array<HeldNode<Real, Dim>> held_;
+    PoolArray<CellPressure<Real>> cell_;
+    PoolArray<CellMoments<Real, Dim>> moments_;
+    PoolArray<HeldNode<Real, Dim>> held_;
     Array<Real> bulk_;
 };
 
