@@ -137,7 +137,6 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
                                              const typename Case::Scale& scales, const typename Case::Real& resting,
                                              SliceSums<Case>& s) {
     using Real = typename Case::Real;
-    using S = Sym<Real, Case::dim>;
     constexpr int last = Case::dim - 1;
     const Axis<Case> x = folded_slopes<Case, Folded>(0, ghosts, p.fraction(0), p.half.e[0], p.quarter.e[0]);
     const Axis<Case> y =
@@ -168,7 +167,7 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
             if (scales.of_grid) less = mean;
         }
         const auto stress = [&](int a, int b) {
-            const Real whole = p.core.stress(S::index(a, b));
+            const Real whole = p.core.stress(Sym<Real, Case::dim>::index(a, b));
             return Case::mean && a == b ? whole - less : whole;
         };
 #pragma unroll
