@@ -35,28 +35,43 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args,
                                           const Launch& launch) {
     const Chosen chosen = awake_of(part);
-    const View<Real, Dim> v = view();
-    if (limits(round) && !epoch_.own.empty()) {
+    const bool limiting = limits(round) && !epoch_.own.empty();
+    LimitedBlocks found{};
+    if (materials_) materials_->sort(part, view(), chosen, limiting, launch);
+    if (limiting) {
         const std::size_t most = epoch_.own.size();
         std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(LimitedBlocks::lists * part) * most;
-        const LimitedBlocks found{blocks, blocks + most, limited_count_.data() + part};
-        find_limited_(v, chosen, args, found, launch);
-        gather_->run(v, chosen, args, launch);
-        gather_->run_limited(v, {found.limited, found.count}, args, launch);
-    } else {
-        gather_->run(v, chosen, args, launch);
+        found = {blocks, blocks + most, limited_count_.data() + part};
+        find_limited_(view(), chosen, args, found, launch);
     }
+    const Chosen of_limited{found.limited, found.count};
+    const Chosen* limited = limiting ? &of_limited : nullptr;
+    if (!materials_) return gather_blocks(chosen, limited, round, args, {launch, launch});
+    const auto rest = materials_->gather(part, view(), args, limited, launch);
+    gather_blocks(rest.chosen, limited, round, args, rest.lanes);
+    materials_->finish(part, launch.stream);
+}
+
+/// limited: those of the chosen blocks with light nodes; null: there are none.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::gather_blocks(const Chosen& chosen, const Chosen* limited, const Round& round,
+                                            const FluidGatherArgs<Real, Dim>& args, const Lanes& lanes) {
+    const View<Real, Dim> v = view();
+    gather_->run(v, chosen, args, lanes[0]);
+    if (limited) gather_->run_limited(v, *limited, args, lanes[1]);
     if (!(round.gather & gather_gradient)) return;
+    if (materials_) materials_->meet(lanes);
     StressArgs<Real, Dim> stress{
         args.dt, args.quantum, args.gradient, args.gradient_stride, stress_.size() > 1 ? material_of_.data() : nullptr,
         0};
     for (; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, launch);
+        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, lanes[0]);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     watch_.begin(2, stream_);
+    if (materials_ && materials_->choose_grids()) ++layout_;
     const FluidGatherArgs<Real, Dim> args = gather_args(round, step);
     if (sleepers_) hold_sleepers(step);
     if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
