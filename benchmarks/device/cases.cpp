@@ -43,10 +43,50 @@ Scene bar(const ColumnOptions& o, double particles, int ranks) {
     return s;
 }
 
+/// A column of layers, each `thickness` cells high and of the next of these laws; all of them begin alike.
+Scene layers(ColumnOptions o, double particles, const std::vector<const char*>& laws, double thickness) {
+    Scene s;
+    std::vector<MaterialSpec> materials;
+    for (const char* law : laws) {
+        o.law = law;
+        s = lasting(column_case(o, particles).scene);
+        materials.push_back(s.materials.front());
+    }
+    s.materials = materials;
+    BodySpec layer = s.bodies.front();
+    const auto up = static_cast<std::size_t>(o.dimensions - 1);
+    const double top = layer.max[up];
+    s.bodies.clear();
+    for (double z = layer.min[up]; z < top; z = layer.max[up]) {
+        layer.min[up] = z, layer.max[up] = std::min(z + thickness, top);
+        layer.material = static_cast<int>(s.bodies.size() % laws.size());
+        s.bodies.push_back(layer);
+    }
+    return s;
+}
+
 struct Size {
     const char* name;
     double particles;
 };
+
+/// Two materials, each alone, in two layers, and in layers so thin that every block has both.
+void add_materials(std::vector<DeviceCase>& cases, ColumnOptions o, const std::string& tail) {
+    for (const Size& size : {Size{"8M", 100.0 * 100 * 100 * 8}, Size{"200k", 29.0 * 29 * 29 * 8}})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+            o.transfer = transfer;
+            const double half = std::ceil(0.5 * std::cbrt(size.particles / 8));
+            const auto add = [&](const char* kind, const std::vector<const char*>& laws, double thickness) {
+                cases.push_back({std::string("materials-") + size.name + "-" + kind +
+                                     (transfer == Transfer::apic ? "-apic-" : "-flip-") + tail,
+                                 layers(o, size.particles, laws, thickness), false});
+            };
+            add("clay", {"von-mises"}, 1e6);
+            add("sand", {"drucker-prager"}, 1e6);
+            add("layers", {"drucker-prager", "von-mises"}, half);
+            add("thin", {"drucker-prager", "von-mises"}, 2);
+        }
+}
 
 }  // namespace
 
@@ -72,6 +112,7 @@ std::vector<DeviceCase> device_cases(int ranks) {
         }
         for (const Case& c : all_cases(96.0 * 96 * 96 * 8))
             if (c.scene.precision == precision) cases.push_back({"7M-" + c.name, lasting(c.scene), false});
+        add_materials(cases, o, tail);
     }
     return cases;
 }

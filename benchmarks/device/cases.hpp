@@ -1,6 +1,6 @@
 #pragma once
 // The scenes of the device's benchmark: the columns of step/scenes.hpp at the sizes of the targets, a thin deposit, one
-// of each method and law, and columns that grow along one axis with the number of ranks.
+// of each method and law, columns of two materials, and columns that grow along one axis with the number of ranks.
 
 #include "step/scenes.hpp"
 

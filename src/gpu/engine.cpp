@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "comm/fused_blocks.hpp"
+
 namespace moraine::gpu {
 
 namespace {
@@ -33,6 +35,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     std::vector<std::uint16_t> materials;
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
+    if (fuses_by_block(scene))
+        materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, method.needs.affine, material_of_.data());
     take_fluids();
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
     if (method.stiffness()) {

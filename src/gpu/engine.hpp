@@ -25,6 +25,7 @@
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/lead.hpp"
+#include "gpu/material_gathers.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/particles.hpp"
 #include "gpu/memory/refresh_clock.hpp"
@@ -136,6 +137,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     FluidArgs<Real> fluid_args() const;
     FluidGatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
     void gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args, const Launch& launch);
+    void gather_blocks(const Chosen& chosen, const Chosen* limited, const Round& round,
+                       const FluidGatherArgs<Real, Dim>& args, const Lanes& lanes);
     void refresh();
     void refresh_and_grow(std::size_t most);
     void set_stored(std::size_t n);
@@ -165,6 +168,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<ExactSum> volumes_;  ///< of NodeVolumes
     std::unique_ptr<GatherKernel<Real, Dim>> gather_;
     std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
+    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;         ///< of blocks of one material; null: none is apart
 
     Share share_;  ///< the host's
     bool share_is_of_now_ = true;

@@ -42,6 +42,7 @@ std::int64_t DeviceEngine<Real, Dim>::capacity() const {
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
         4.0 * (Lists<Dim>::bounds + outgoing_bounds<Dim> + 2 * Block<Dim>::offsets);
     if (method_.grid_bulk()) block += pressure_bytes<Real, Dim>();
+    if (materials_) block += 4.0 * (exchange_ ? 2 : 1) * static_cast<double>(stress_.size() + 1) + 2;
     const double each =
         rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
@@ -75,6 +76,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::open_epoch() {
     ++layout_;
     const std::size_t ghosts = epoch_.ghost.size(), node_blocks = epoch_.node_key.size();
+    if (materials_) materials_->open(epoch_.own.size(), exchange_ ? 2 : 1, stream_);
     if (node_blocks > node_of_.size()) {
         const std::size_t most = node_blocks + node_blocks / 4;
         node_of_.resize(most, stream_);

@@ -16,7 +16,7 @@ namespace {
 
 /// Launches for outgoing particles and lists.
 constexpr int binning_launches = 4;
-/// With a stress kernel each; a graph has space for that.
+/// With a stress kernel each, and a gather; a graph has space for that.
 constexpr std::size_t most_materials = 16;
 /// Where steps are long the host is not waited for, and the end of a lead costs what its pauses saved: one NVIDIA H200,
 /// single precision, 2.1 million particles 3 to 4 % faster, 16.8 and 64 million 2 and 1 % slower.
@@ -43,11 +43,13 @@ std::vector<LeadLaunch> DeviceEngine<Real, Dim>::lead_launches() const {
     const LeadLaunch other{}, sums{true}, nodes{false, 0, of_nodes.offset, 0, of_nodes.size};
     const LeadLaunch gather{false, 2, offsetof(Args, dt), offsetof(Args, gravity_impulse), sizeof(Args)};
     const LeadLaunch stress{false, 2, offsetof(Stress, dt), 0, sizeof(Stress)};
+    const bool limiting = limits(method_.rounds.front());
     std::vector<LeadLaunch> launches{sums, nodes};
-    if (limits(method_.rounds.front()))
-        launches.insert(launches.end(), {other, gather, gather, gather});
-    else
-        launches.push_back(gather);
+    if (materials_) launches.push_back(other);
+    if (limiting) launches.insert(launches.end(), {other, gather});
+    if (materials_) launches.insert(launches.end(), stress_.size(), gather);
+    if (materials_ && limiting) launches.push_back(other);
+    launches.insert(launches.end(), limiting ? 2 : 1, gather);
     launches.insert(launches.end(), stress_.size(), stress);
     launches.insert(launches.end(), binning_launches, other);
     return launches;
@@ -110,6 +112,7 @@ bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClo
         lead_->forget_clock();
     }
     if (refresh_clock_.left() <= 1) refresh();
+    if (materials_ && materials_->choose_grids()) ++layout_;
     const Columns<Real, Dim> columns = particles_.view();
     if (lead_->next_graph().holds(lead_key(columns, step))) lead_->take_next_graph();
     if (!lead_->graph().holds(lead_key(columns, step))) capture_lead(lead_->graph(), step, columns);

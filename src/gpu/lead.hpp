@@ -106,7 +106,7 @@ class Lead {
     void forget_clock() { last_clock_ = 0; }
 
   private:
-    Stream capturing_{Stream::Rank::apart}, deciding_{Stream::Rank::apart};
+    Stream capturing_{Stream::Rank::apart_usual}, deciding_{Stream::Rank::apart_usual};
     Event before_, decided_;
     LeadGraph graph_[2];
     int now_ = 0;

@@ -7,7 +7,7 @@ namespace moraine::gpu {
 
 namespace {
 
-constexpr std::size_t most_nodes = 64, most_targets = 64;  ///< of both steps
+constexpr std::size_t most_nodes = 96, most_targets = 112;  ///< of both steps
 constexpr std::size_t most_old = 64;
 
 int targets_of(const std::vector<LeadLaunch>& launches) {

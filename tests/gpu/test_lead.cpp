@@ -1,4 +1,5 @@
 #include "gpu/engine_pair.hpp"
+#include "material_scenes.hpp"
 
 using namespace moraine;
 using namespace moraine::test;
@@ -106,6 +107,26 @@ TEST_CASE("an open wall, two materials, friction and damping do not hinder it") 
             scene.end = 100;
             CHECK(compare_leads(scene, 500) > 300);
         }
+}
+
+TEST_CASE("layers of three materials, whose blocks go to four gathers, do not hinder it") {
+    for (int dimensions : {2, 3})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic})
+            for (bool limits : {true, false}) {
+                Scene scene = test::soils(dimensions, 3);
+                scene.transfer = transfer;
+                scene.limits_light_nodes = limits;
+                scene.end = 100;
+                CHECK(compare_leads(scene, 200) > 100);
+            }
+}
+
+TEST_CASE("sixteen materials are not too many for it") {
+    Scene scene = test::soils(2, 3);
+    for (int m = 3; m < 16; ++m) scene.materials.push_back(scene.materials[static_cast<std::size_t>(m % 3)]);
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) scene.bodies[b].material += 3 * static_cast<int>(b % 4);
+    scene.end = 100;
+    CHECK(compare_leads(scene, 200) > 100);
 }
 
 TEST_CASE("shapes, means of cells and a dt that the scene says do not hinder it") {

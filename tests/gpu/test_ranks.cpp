@@ -5,6 +5,7 @@
 #include "app/device.hpp"
 #include "comm/transport_names.hpp"
 #include "gpu/transport/transport.hpp"
+#include "material_scenes.hpp"
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
 #include "sleep_scene.hpp"
@@ -116,6 +117,17 @@ TEST_CASE("two soils in 3-D with a periodic axis end with the same bits on any n
         scene.precision = precision;
         compare<3>(scene, 40);
     }
+}
+
+TEST_CASE("layers of two and three materials end with the same bits on any number of devices") {
+    for (int materials : {2, 3})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+            Scene plane = test::soils(2, materials), space = test::soils(3, materials);
+            plane.transfer = space.transfer = transfer;
+            space.precision = Precision::single_;
+            compare<2>(plane, 80);
+            compare<3>(space, 40);
+        }
 }
 
 TEST_CASE("columns that only some scenes have travel too: affine fields, boxes, stretches, two rounds") {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "comm/fused_blocks.hpp"
 #include "comm/fused_gather.hpp"
 #include "core/material/laws.hpp"
 #include "core/shape.hpp"
@@ -106,6 +107,34 @@ TEST_CASE("what the grid gives clay is gathered apart from the stress, and what 
         CHECK_FALSE(fused(law, Volumetric::particle, 0, 0.1));
     }
     CHECK(fused("bingham", Volumetric::grid, 0.2, 0.1));
+}
+
+TEST_CASE("several materials have their blocks apart where each alone is fused and none takes more of the grid") {
+    Scene scene =
+        scene_of({.name = "clay", .edge = 8, .height = 8, .single = 0, .double_precision = 0}, Precision::double_);
+    CHECK_FALSE(fuses_by_block(scene));
+    scene.materials.push_back(scene.materials.front());
+    for (Transfer transfer : {Transfer::flip, Transfer::pic, Transfer::apic, Transfer::tpic, Transfer::aflip}) {
+        scene.transfer = transfer;
+        CHECK(fuses_by_block(scene) == (transfer != Transfer::aflip));
+    }
+    CHECK_FALSE(fuses(scene));
+    scene.transfer = Transfer::flip;
+    scene.materials[1].volumetric = Volumetric::cell;
+    CHECK(fuses_by_block(scene));
+    scene.materials[1].volumetric = Volumetric::grid;
+    CHECK_FALSE(fuses_by_block(scene));
+    scene.materials[1].volumetric = Volumetric::particle;
+    scene.materials[1].law = "bingham";
+    CHECK(fuses_by_block(scene));
+    scene.materials[1].pressure_smoothing = 0.2;
+    CHECK_FALSE(fuses_by_block(scene));
+    scene.materials[1].pressure_smoothing = 0;
+    scene.shape = Shape::cubic;
+    CHECK_FALSE(fuses_by_block(scene));
+    scene.shape = Shape::quadratic;
+    scene.stress_update = StressUpdate::musl;
+    CHECK_FALSE(fuses_by_block(scene));
 }
 
 TEST_CASE("device memory is predicted within a fiftieth of what was measured, of small scenes within a tenth") {

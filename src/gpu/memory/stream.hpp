@@ -9,14 +9,17 @@ namespace moraine::gpu {
 
 class Stream {
   public:
-    /// ahead: its kernels are taken first where both have some; apart: copies of another thread, which others need not
-    /// wait for, nor it for them.
-    enum class Rank { usual, ahead, apart };
+    /// ahead: its kernels are taken first where both have some; apart: copies of another thread, what is captured, or
+    /// what comes after the usual: others need not wait for it, nor it for them.
+    enum class Rank { usual, ahead, apart, apart_usual, apart_ahead };
     explicit Stream(Rank rank = Rank::usual) {
         int lowest = 0, highest = 0;
         check(cudaDeviceGetStreamPriorityRange(&lowest, &highest), "Making a stream");
-        check(cudaStreamCreateWithPriority(&stream_, rank == Rank::apart ? cudaStreamNonBlocking : cudaStreamDefault,
-                                           rank == Rank::ahead ? highest : lowest),
+        const bool waits = rank == Rank::usual || rank == Rank::ahead;
+        const bool ahead = rank == Rank::ahead || rank == Rank::apart_ahead;
+        const int usual = highest < lowest ? lowest - 1 : lowest;  // a lower number comes first
+        const int priority = ahead ? highest : (rank == Rank::apart ? lowest : usual);
+        check(cudaStreamCreateWithPriority(&stream_, waits ? cudaStreamDefault : cudaStreamNonBlocking, priority),
               "Making a stream");
     }
     Stream(const Stream&) = delete;

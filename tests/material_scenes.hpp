@@ -1,0 +1,73 @@
+#pragma once
+// Scenes of several materials, for who treats blocks of one material and blocks of several apart.
+
+#include "sample_scenes.hpp"
+
+namespace moraine::test {
+
+/// Layers of soils, each higher than a block: sand, clay on it that slides and hangs over, a film on the clay, droplets
+/// of other materials, and a particle alone within the clay. Two materials, or three.
+inline Scene soils(int dimensions, int materials) {
+    Scene s = column();
+    s.dimensions = dimensions;
+    s.max = dimensions == 3 ? Triple{20, 8, 20} : Triple{24, 20, 0};
+    const auto up = static_cast<std::size_t>(dimensions - 1);
+    s.gravity = {0, 0, 0};
+    s.gravity[up] = -9.81;
+    s.periodic[1] = dimensions == 3;
+    for (std::size_t a = 0; a <= up; ++a)
+        s.walls[a][0].kind = s.walls[a][1].kind = s.periodic[a] ? WallKind::periodic : WallKind::free_slip;
+    s.walls[up][0] = {WallKind::friction, 0.3};
+    s.damping = 0;
+    s.cfl = 0.65;  // at 0.5 the film's light nodes can bear all of it
+    s.materials = {
+        material("drucker-prager", 1800, {{"young", 2e6}, {"poisson", 0.3}, {"friction_angle", 30}, {"cohesion", 100}}),
+        material("von-mises", 1500, {{"young", 1e6}, {"poisson", 0.4}, {"su", 2000}})};
+    if (materials > 2) s.materials.push_back(material("neo-hookean", 1200, {{"young", 5e5}, {"poisson", 0.3}}));
+    s.bodies.clear();
+    const int other = materials > 2 ? 2 : 0;
+    const auto put = [&](double x, double z, double length, double height, double width, int of_material) {
+        Triple min = {x, 2, 0}, max = {x + length, 2 + width, 0};
+        min[up] = z, max[up] = z + height;
+        s.bodies.push_back(box(min, max, of_material));
+        s.bodies.back().name = std::to_string(s.bodies.size());
+    };
+    put(0, 0, 11, 6, 6, 0);
+    put(1, 6, 11, 7, 6, 1);
+    put(1, 13, 9, 0.5, 6, other);
+    put(14, 3, 0.5, 0.5, 0.5, 1);
+    put(14, 4, 0.5, 0.5, 0.5, other);
+    put(16, 1, 2, 2, 2, other);
+    put(5.75, 9.75, 0.5, 0.5, 0.5, other);
+    for (BodySpec& b : s.bodies) b.velocity = {b.material == 1 ? 2.0 : 0.5, 0, 0}, b.velocity[up] = -1;
+    return s;
+}
+
+/// spray() of three materials, at a step that is too large for its light nodes.
+inline Scene three_sprays(int dimensions) {
+    Scene s = spray(dimensions);
+    s.cfl = 0.65;
+    s.materials.push_back(material("neo-hookean", 1200, {{"young", 5e5}, {"poisson", 0.3}}));
+    s.bodies[3].material = 2;
+    return s;
+}
+
+/// Two boxes of a clay that no block has both of. apart: each is of a material of its own, with the same numbers.
+inline Scene twins(int dimensions, bool apart) {
+    Scene s = soils(dimensions, 2);
+    s.max[0] = 36;
+    s.limits_light_nodes = false;
+    s.materials.erase(s.materials.begin());
+    if (apart) s.materials.push_back(s.materials.front());
+    const auto up = static_cast<std::size_t>(dimensions - 1);
+    Triple min = {2, 1, 0}, max = {9, 6, 0};
+    min[up] = 0, max[up] = 5;
+    s.bodies = {box(min, max, 0)};
+    min[0] += 20, max[0] += 20;
+    s.bodies.push_back(box(min, max, apart ? 1 : 0));
+    for (BodySpec& b : s.bodies) b.wave.velocity[up] = 1, b.wave.wavelength = 8;
+    s.bodies[0].velocity = {1, 0, 0}, s.bodies[1].velocity = {-1, 0, 0};
+    return s;
+}
+
+}  // namespace moraine::test
