@@ -36,7 +36,7 @@ void DeviceEngine<Real, Dim>::make_tiles(std::size_t tiles) {
 template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;
-    const double rows = static_cast<double>(records().bytes() + sizeof(Row<Real>) + 10);
+    const double rows = static_cast<double>(records().bytes() + sizeof(Row<Real>));
     const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
     double block =
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +

@@ -104,8 +104,8 @@ namespace {
 /// Reals of a particle on the device: its rows and a spare one, further scalars and their spare.
 int device_reals(const Scene& scene) {
     const ParticleSize size = size_of(scene);
-    const int d = scene.dimensions, scalars = size.scalars > 0 ? size.scalars + 1 : 0;
-    return 4 * (size.rows + 1) + scalars + (fuses(scene) ? 0 : d * d);
+    const int d = scene.dimensions;
+    return 4 * (size.rows + 1) + size.scalars + (fuses(scene) ? 0 : d * d);
 }
 
 /// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
@@ -121,7 +121,7 @@ double device_tables(const Scene& scene, const Prediction& p) {
 
 double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
-    const double ids = 2 * (8 + 2), lists = 2 * 4 + 2 + 4 + 1 + 0.125;
+    const double ids = 8 + 2, lists = 2 * 4 + 2 + 4 + 1 + 0.125;
     const double words = scene.sleep.on ? 16 : 0;
     const double particle = device_reals(scene) * real_bytes(scene) + ids + words + lists;
     const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()

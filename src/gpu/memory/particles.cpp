@@ -12,10 +12,11 @@ namespace {
 
 constexpr std::size_t chunk_rows = 1 << 20;  ///< that travel at once
 
-template <class T>
-void take_order(Array<T>& column, Array<T>& spare, const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
+template <class T, class Spare>
+void order(const Array<T>& column, const Array<Spare>& spare, const std::uint32_t* slot, std::size_t n,
+           cudaStream_t stream) {
+    static_assert(sizeof(T) <= sizeof(Spare));
     permute(static_cast<std::uint32_t>(n), slot, column.data(), spare.data(), sizeof(T), stream);
-    column.swap(spare);
 }
 
 }  // namespace
@@ -82,10 +83,10 @@ void DeviceParticles<Real, Dim>::resize(std::size_t n) {
         row.resize(n);
         check(cudaMemset(row.data(), 0, n * sizeof(Row<Real>)), "Clearing particles");
     });
-    each_scalar([&](Array<Real>& column) { column.resize(n), spare_scalar_.resize(n); });
+    each_scalar([&](Array<Real>& column) { column.resize(n); });
     each_word([&](Array<std::uint64_t>& column) { column.resize(n); });
     id_.resize(n), body_.resize(n + n % 2);  // P2G reads bodies in pairs
-    spare_.resize(n), spare_id_.resize(n), spare_body_.resize(n + n % 2);
+    spare_.resize(n);
 }
 
 template <class Real, int Dim>
@@ -117,12 +118,12 @@ void DeviceParticles<Real, Dim>::grow(std::size_t n, std::size_t most) {
               "Growing the storage of particles");
         column.swap(fresh);
     };
-    spare_.release(), spare_scalar_.release(), spare_id_.release(), spare_body_.release();
+    spare_.release();
     each_row([&](Array<Row<Real>>& row) { longer(row, most); });
-    each_scalar([&](Array<Real>& column) { longer(column, most), spare_scalar_.resize(most); });
+    each_scalar([&](Array<Real>& column) { longer(column, most); });
     each_word([&](Array<std::uint64_t>& column) { longer(column, most); });
     longer(id_, most), longer(body_, most + most % 2);
-    spare_.resize(most), spare_id_.resize(most), spare_body_.resize(most + most % 2);
+    spare_.resize(most);
 }
 
 template <class Real, int Dim>
@@ -157,45 +158,39 @@ void DeviceParticles<Real, Dim>::download(const std::vector<ColumnBytes>& column
         });
 }
 
-/// Columns that have a spare one in common, in their order. Who goes through them forwards and then backwards finds
-/// each column where it was: launches that are kept (gpu/lead_graph.hpp) need two places for each.
+/// Rows take the spare one's place by turns. Who goes through them forwards and then backwards finds each where it was:
+/// launches that are kept (gpu/lead_graph.hpp) need two places for each. Narrower columns go through it and back: some
+/// bytes that are copied once more, every so many steps, instead of spare columns of their own.
 template <class Real, int Dim>
 void DeviceParticles<Real, Dim>::refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream) {
-    const auto take = [&](auto columns, auto& spare) {
-        if (backwards_) std::reverse(columns.begin(), columns.end());
-        for (auto* column : columns) take_order(*column, spare, slot, n, stream);
-    };
     std::vector<Array<Row<Real>>*> rows;
-    std::vector<Array<Real>*> scalars;
-    std::vector<Array<std::uint64_t>*> words;
     each_row([&](Array<Row<Real>>& column) { rows.push_back(&column); });
-    each_scalar([&](Array<Real>& column) { scalars.push_back(&column); });
-    each_word([&](Array<std::uint64_t>& column) { words.push_back(&column); });
-    words.push_back(&id_);
-    take(rows, spare_);
-    take(scalars, spare_scalar_);
-    take(words, spare_id_);
-    take_order(body_, spare_body_, slot, n, stream);
+    if (backwards_) std::reverse(rows.begin(), rows.end());
+    for (Array<Row<Real>>* column : rows) {
+        order(*column, spare_, slot, n, stream);
+        column->swap(spare_);
+    }
     backwards_ = !backwards_;
+    const auto through = [&]<class T>(Array<T>& column) {
+        order(column, spare_, slot, n, stream);
+        check(cudaMemcpyAsync(column.data(), spare_.data(), n * sizeof(T), cudaMemcpyDeviceToDevice, stream),
+              "Putting particles in order");
+    };
+    each_scalar(through);
+    each_word(through);
+    through(id_), through(body_);
 }
 
 template <class Real, int Dim>
 Columns<Real, Dim> DeviceParticles<Real, Dim>::view_after_refresh() const {
     Columns<Real, Dim> v = view();
-    const auto take = [&](auto columns, auto* spare) {
-        if (backwards_) std::reverse(columns.begin(), columns.end());
-        for (auto** column : columns) std::swap(*column, spare);
-    };
     std::vector<Row<Real>**> rows;
-    std::vector<Real**> scalars;
     each_row_of<Dim>([&](RowGroup group, int k, int) {
         if (has_rows<Dim>(needs_, group)) rows.push_back(&v.row(group, k));
     });
-    each_present([&](int k) { scalars.push_back(&v.own[k]); });
-    take(rows, spare_.data());
-    take(scalars, spare_scalar_.data());
-    v.id = spare_id_.data();
-    v.body = spare_body_.data();
+    if (backwards_) std::reverse(rows.begin(), rows.end());
+    Row<Real>* spare = spare_.data();
+    for (Row<Real>** column : rows) std::swap(*column, spare);
     return v;
 }
 

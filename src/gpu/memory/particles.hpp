@@ -31,7 +31,7 @@ class DeviceParticles {
     void download(const std::vector<ColumnBytes>& columns, const std::uint32_t* slot, std::size_t n);
     /// Slot k takes what was in slot[k] (on the device). Asynchronous.
     void refresh(const std::uint32_t* slot, std::size_t n, cudaStream_t stream);
-    /// Where columns will be after the next refresh; of scenes without sleep.
+    /// Where columns will be after the next refresh.
     Columns<Real, Dim> view_after_refresh() const;
 
   private:
@@ -50,9 +50,9 @@ class DeviceParticles {
 
     ColumnNeeds needs_;
     Array<Row<Real>> rows_[row_groups][most_group_rows], spare_;  ///< by group and row of it
-    Array<Real> own_[own_columns<Dim>()], spare_scalar_;          ///< reals that are in no row
-    Array<std::uint64_t> id_, spare_id_;
-    Array<std::uint16_t> body_, spare_body_;
+    Array<Real> own_[own_columns<Dim>()];                         ///< reals that are in no row
+    Array<std::uint64_t> id_;
+    Array<std::uint16_t> body_;
     Array<std::uint64_t> rest_place_, rest_stress_;  ///< empty: nobody sleeps in the scene
     bool backwards_ = false;                         ///< the next refresh
     Array<std::uint32_t> place_;                     ///< 0, 1, 2, ...: slots of a chunk

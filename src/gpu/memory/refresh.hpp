@@ -1,7 +1,8 @@
 #pragma once
 // Memory refresh on the device: columns into list order, after which the lists are 0, 1, 2, ...
 //
-// One column at a time, through a spare one that the caller then swaps in: the price is one column of memory.
+// One column at a time, through a spare one that the caller then swaps in or copies back: the price is one column of
+// memory.
 
 #include <cuda_runtime.h>
 
