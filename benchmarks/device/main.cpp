@@ -85,9 +85,14 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
     const double begun = wall_seconds();
     sim.seed();
     const double seeding = wall_seconds() - begun;
+    std::int64_t led = 0;  // steps that the device made by itself
     const auto advance = [&](int steps) {
         if (!plan.led) sim.leave_alone_until(scene.end, sim.clock().step + steps);
-        for (int i = 0; i < steps; ++i) sim.step(), sim.balance();
+        for (int i = 0; i < steps; ++i) {
+            sim.step();
+            led += sim.follows() ? 1 : 0;
+            sim.balance();
+        }
         sim.conclude();
     };
     advance(plan.warm_up);
@@ -131,9 +136,9 @@ void measure(const DeviceCase& c, const Runs& plan, const Device& device) {
         "\"migrated\": {:.0f}, "
         "\"seeding_s\": {:.1f}, \"ms_per_phase\": {{{}}}, \"state_hash\": \"{:016x}\"}}\n",
         c.name, comm.size(), choice.transport, scene.balance.partitioner, scene.balance.weight, plan.trigger,
-        plan.free ? "free" : "limited", plan.led || comm.size() > 1 ? "host" : "device", plan.refresh, device.name,
-        device.driver, device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up, plan.steps,
-        plan.runs, 1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
+        plan.free ? "free" : "limited", led > 0 ? "device" : "host", plan.refresh, device.name, device.driver,
+        device.runtime, machine_json(this_machine()), particles, blocks, plan.warm_up, plan.steps, plan.runs,
+        1e3 * s.median, 1e3 * s.deviation, particles / s.median * 1e-9, used / particles, moved,
         counts.imbalance_sum / static_cast<double>(counts.steps),
         counts.imbalance_time_sum / static_cast<double>(counts.steps), halo, crossed,
         counts.repartitions - counted.repartitions, migrated, seeding, phases, hash);

@@ -101,7 +101,7 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
 
 namespace {
 
-/// Reals of a particle on the device: its rows and a spare one, further scalars and their spare.
+/// Reals of a particle on the device: its rows and a spare one, and further scalars.
 int device_reals(const Scene& scene) {
     const ParticleSize size = size_of(scene);
     const int d = scene.dimensions;
@@ -119,6 +119,14 @@ double device_tables(const Scene& scene, const Prediction& p) {
     return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);
 }
 
+/// What is sized by an epoch's blocks comes from a pool (gpu/memory/pool_array.hpp), which takes pieces of 32 MiB: a
+/// few whole ones, or half of one to spare. What it holds idle, because an array outgrew it, is given back where memory
+/// is short, and not counted.
+double pool_bytes(double blocks) {
+    constexpr double piece = 32.0 * (1 << 20);
+    return blocks < 4 * piece ? piece * std::ceil(blocks / piece) : blocks + piece / 2;
+}
+
 double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 8 + 2, lists = 2 * 4 + 2 + 4 + 1 + 0.125;
@@ -127,9 +135,10 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);
-    const double rounding = 24 * 524288.0;  // some 24 arrays, each rounded up to 2 MB or a share of 2 MB
-    return particles * particle + tiles * (tile_bytes(scene) + pressure_bytes(scene, true)) + device_tables(scene, p) +
-           staging + rounding;
+    const double of_blocks = tiles * (tile_bytes(scene) + pressure_bytes(scene, true)) + device_tables(scene, p);
+    const double rounding = 8 * 524288.0;                // some 8 columns, each rounded up to 2 MB or a share of it
+    const double leading = particles <= 4e6 ? 23e6 : 0;  // graphs of steps (docs/adr/0013-device-leads.md)
+    return particles * particle + pool_bytes(of_blocks) + staging + rounding + leading;
 }
 
 /// Boxes of a transport for messages of so many bytes in all, two for each (the inboxes of gpu/transport).

@@ -23,25 +23,26 @@ struct Measured {
     const char* law = "von-mises";
     StressUpdate scheme = StressUpdate::usl;
     int dimensions = 3;
+    bool outgrown = false;  ///< arrays outgrew what the pool then held on to: it would be given back
 };
 
-// One NVIDIA H200, driver 580.159.04, CUDA 13.0, 210 steps and more; without what the driver takes.
+// One NVIDIA H200, driver 580.159.04, CUDA 13.0, 927b3be, 210 steps; without what the driver takes.
 const Measured measured[] = {
-    {"column-64M", 200, 200, 138.3, 238.9},
-    {"column-16M", 128, 128, 140.9, 243.8},
-    {"column-2M", 64, 64, 159.0, 277.0},
-    {"column-200k", 29, 29, 247.2, 354.7},
-    {"slab-8M", 447, 5, 162.4, 283.1},
-    {"quadratic", 96, 96, 145.5, 251.9},
-    {"linear", 96, 96, 136.0, 233.8, Shape::linear},
-    {"gimp", 96, 96, 181.6, 323.9, Shape::gimp},
-    {"gimp-contiguous", 96, 96, 197.6, 355.9, Shape::gimp_contiguous},
-    {"cubic", 96, 96, 189.9, 339.6, Shape::cubic},
-    {"apic", 96, 96, 195.6, 352.0, Shape::quadratic, Transfer::apic},
-    {"musl", 96, 96, 181.6, 323.9, Shape::quadratic, Transfer::flip, "von-mises", StressUpdate::musl},
-    {"neo-hookean", 96, 96, 177.5, 315.9, Shape::quadratic, Transfer::flip, "neo-hookean"},
-    {"herschel-bulkley", 96, 96, 146.7, 253.3, Shape::quadratic, Transfer::flip, "herschel-bulkley"},
-    {"2-D", 1330, 1330, 136.0, 229.4, Shape::quadratic, Transfer::flip, "von-mises", StressUpdate::usl, 2},
+    {"column-64M", 200, 200, 128.4, 229.2},
+    {"column-16M", 128, 128, 130.9, 234.6},
+    {"column-2M", 64, 64, 161.0, 287.0},
+    {"column-200k", 29, 29, 451.4, 537.4},
+    {"slab-8M", 447, 5, 151.9, 273.4},
+    {"quadratic", 96, 96, 138.7, 241.8},
+    {"linear", 96, 96, 129.2, 227.3, Shape::linear},
+    {"gimp", 96, 96, 175.1, 313.8, Shape::gimp},
+    {"gimp-contiguous", 96, 96, 191.1, 345.8, Shape::gimp_contiguous},
+    {"cubic", 96, 96, 189.3, 342.2, Shape::cubic, Transfer::flip, "von-mises", StressUpdate::usl, 3, true},
+    {"apic", 96, 96, 189.0, 341.6, Shape::quadratic, Transfer::apic},
+    {"musl", 96, 96, 174.8, 313.8, Shape::quadratic, Transfer::flip, "von-mises", StressUpdate::musl},
+    {"neo-hookean", 96, 96, 170.7, 305.8, Shape::quadratic, Transfer::flip, "neo-hookean"},
+    {"herschel-bulkley", 96, 96, 139.0, 241.8, Shape::quadratic, Transfer::flip, "herschel-bulkley"},
+    {"2-D", 1330, 1330, 135.7, 240.1, Shape::quadratic, Transfer::flip, "von-mises", StressUpdate::usl, 2, true},
 };
 
 /// The scenes of benchmarks/device/cases.cpp as far as memory goes: a body on the floor, periodic along x.
@@ -137,7 +138,9 @@ TEST_CASE("several materials have their blocks apart where each alone is fused a
     CHECK_FALSE(fuses_by_block(scene));
 }
 
-TEST_CASE("device memory is predicted within a fiftieth of what was measured, of small scenes within a tenth") {
+TEST_CASE(
+    "device memory is predicted within a fiftieth of what was measured, of small scenes within a tenth, and up to a "
+    "tenth below it where the pool held more than is needed") {
     for (const Measured& m : measured) {
         CAPTURE(std::string(m.name));
         for (Precision precision : {Precision::single_, Precision::double_}) {
@@ -145,20 +148,22 @@ TEST_CASE("device memory is predicted within a fiftieth of what was measured, of
             const Prediction p = prediction_of(s, m);
             const double bytes = bytes_on_device(s, p) / static_cast<double>(p.particles);
             const double found = precision == Precision::single_ ? m.single : m.double_precision;
-            CHECK(bytes == doctest::Approx(found).epsilon(p.particles < 1000000 ? 0.1 : 0.02));
+            CHECK(bytes <= found * (p.particles < 1000000 ? 1.1 : 1.02));
+            CHECK(bytes >= found * (p.particles < 1000000 || m.outgrown ? 0.9 : 0.98));
         }
     }
 }
 
 TEST_CASE(
-    "device memory of two ranks, with capacity for each other's, is predicted within a fifteenth of what was "
-    "measured") {
-    for (const Measured& m : {Measured{"column-64M", 200, 200, 165.8, 0}, {"column-16M", 128, 128, 175.9, 0}}) {
+    "device memory of two ranks, with capacity for each other's, is predicted at most a tenth below what was measured, "
+    "with what the pools hold idle, and not above it") {
+    for (const Measured& m : {Measured{"column-64M", 200, 200, 161.5, 0}, {"column-16M", 128, 128, 176.6, 0}}) {
         CAPTURE(std::string(m.name));
         const Scene s = scene_of(m, Precision::single_);
         const Prediction p = prediction_of(s, m);
         const double bytes = 2 * bytes_on_device(s, p, 2) / static_cast<double>(p.particles);
-        CHECK(bytes == doctest::Approx(m.single).epsilon(1.0 / 15));
+        CHECK(bytes <= 1.01 * m.single);
+        CHECK(bytes >= 0.9 * m.single);
         CHECK(bytes_on_device(s, p, 4) < bytes_on_device(s, p, 2));
         CHECK(4 * bytes_on_device(s, p, 4) > 2 * bytes_on_device(s, p, 2));
     }

@@ -17,6 +17,22 @@ inline void check(cudaError_t e, const char* what) {
         throw MachineError(std::string(what) + " failed (" + cudaGetErrorString(e) + "). Is the device in order?");
 }
 
+/// Gives back what is held idle elsewhere (gpu/memory/pool_array.hpp); null: nothing is.
+inline void (*give_back_idle_memory)() = nullptr;
+
+/// Where there is none left, what is held idle is given back first.
+inline void* take_memory(std::size_t bytes) {
+    void* taken = nullptr;
+    cudaError_t answer = cudaMalloc(&taken, bytes);
+    if (answer == cudaErrorMemoryAllocation && give_back_idle_memory) {
+        cudaGetLastError();
+        give_back_idle_memory();
+        answer = cudaMalloc(&taken, bytes);
+    }
+    check(answer, "Allocating device memory");
+    return taken;
+}
+
 /// Contiguous device memory whose content is not initialised. Grows; content is kept only where a member says so.
 template <class T>
 class Array {
@@ -38,7 +54,7 @@ class Array {
     void reserve(std::size_t n) {
         if (n <= capacity_) return;
         release();
-        check(cudaMalloc(&data_, n * sizeof(T)), "Allocating device memory");
+        data_ = static_cast<T*>(take_memory(n * sizeof(T)));
         capacity_ = n;
     }
     void release() {

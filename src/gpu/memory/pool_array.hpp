@@ -8,28 +8,47 @@
 // there, or has waited for them.
 
 #include <cstdint>
+#include <map>
+#include <mutex>
 
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 
-/// Of the current device; a process has one device.
+inline cudaMemPool_t make_memory_pool(int device) {
+    cudaMemPoolProps props{};
+    props.allocType = cudaMemAllocationTypePinned;
+    props.location.type = cudaMemLocationTypeDevice;
+    props.location.id = device;
+    cudaMemPool_t made = nullptr;
+    check(cudaMemPoolCreate(&made, &props), "Making a pool of device memory");
+    std::uint64_t kept = std::uint64_t(1) << 30;  // [bytes]; of more, what is idle goes back when somebody waits
+    check(cudaMemPoolSetAttribute(made, cudaMemPoolAttrReleaseThreshold, &kept), "Making a pool of device memory");
+    int no = 0;  // nobody who copies tables waits for the stream of the steps
+    check(cudaMemPoolSetAttribute(made, cudaMemPoolReuseAllowInternalDependencies, &no),
+          "Making a pool of device memory");
+    return made;
+}
+
+inline void give_back_idle_pool();
+
+/// Of the current device, for the whole process: one that computed alone may be a rank of several on another device
+/// later. Any thread may ask.
 inline cudaMemPool_t memory_pool() {
-    static const cudaMemPool_t pool = [] {
-        cudaMemPoolProps props{};
-        props.allocType = cudaMemAllocationTypePinned;
-        props.location.type = cudaMemLocationTypeDevice;
-        check(cudaGetDevice(&props.location.id), "Asking for the device");
-        cudaMemPool_t made = nullptr;
-        check(cudaMemPoolCreate(&made, &props), "Making a pool of device memory");
-        std::uint64_t kept = std::uint64_t(1) << 30;  // [bytes]; of more, what is idle goes back when somebody waits
-        check(cudaMemPoolSetAttribute(made, cudaMemPoolAttrReleaseThreshold, &kept), "Making a pool of device memory");
-        int no = 0;  // nobody who copies tables waits for the stream of the steps
-        check(cudaMemPoolSetAttribute(made, cudaMemPoolReuseAllowInternalDependencies, &no),
-              "Making a pool of device memory");
-        return made;
-    }();
-    return pool;
+    static std::mutex asked;
+    static std::map<int, cudaMemPool_t> pools;
+    int device = 0;
+    check(cudaGetDevice(&device), "Asking for the device");
+    const std::lock_guard lock(asked);
+    auto found = pools.find(device);
+    if (found == pools.end()) found = pools.emplace(device, make_memory_pool(device)).first;
+    give_back_idle_memory = give_back_idle_pool;
+    return found->second;
+}
+
+inline void give_back_idle_pool() {
+    check(cudaDeviceSynchronize(), "A step on the device");
+    check(cudaMemPoolTrimTo(memory_pool(), 0), "Giving back device memory");
 }
 
 /// Where there is none left, what the pool holds idle is given back first.
@@ -38,8 +57,7 @@ inline void* take_from_pool(std::size_t bytes, cudaStream_t stream) {
     cudaError_t answer = cudaMallocFromPoolAsync(&taken, bytes, memory_pool(), stream);
     if (answer == cudaErrorMemoryAllocation) {
         cudaGetLastError();
-        check(cudaStreamSynchronize(stream), "A step on the device");
-        check(cudaMemPoolTrimTo(memory_pool(), 0), "Giving back device memory");
+        give_back_idle_pool();
         answer = cudaMallocFromPoolAsync(&taken, bytes, memory_pool(), stream);
     }
     check(answer, "Allocating device memory");
