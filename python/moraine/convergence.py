@@ -59,7 +59,8 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
     Raises Error for what cannot be, as `run` does.
     """
     error = parse_error(error) if isinstance(error, str) else error
-    levels = levels or (LEVELS if error is None else MOST_LEVELS)
+    if levels is None:
+        levels = LEVELS if error is None else MOST_LEVELS
     if levels < LEVELS:
         raise Error(f"--levels {levels} (an order is seen on three). Try --levels 3?")
     if coarsest is not None and not coarsest > 0:

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 
+#include "io/byte_order_mark.hpp"
 #include "io/input_error.hpp"
 
 namespace moraine {
@@ -31,6 +32,7 @@ std::string text_of(const std::string& path, const char* kind, const char* key,
     std::string text(static_cast<std::size_t>(std::min<std::streamoff>(file.tellg(), most)), '\0');
     file.seekg(0);
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    drop_byte_order_mark(text);
     return text;
 }
 

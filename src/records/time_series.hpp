@@ -31,8 +31,9 @@ struct TimeSeriesRow {
     std::int64_t step = 0;
     double time = 0, dt = 0;
     Totals<Dim> totals;
-    double potential = 0;   ///< -sum m g . (x - domain.min) [J]
-    double dissipated = 0;  ///< work of the stresses less what is stored [J]
+    double potential = 0;      ///< -sum m g . (x - domain.min) [J]
+    bool falls_round = false;  ///< gravity along a periodic axis: the potential energy jumps where particles come round
+    double dissipated = 0;     ///< work of the stresses less what is stored [J]
     double unaccounted =
         0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
     double front = 0;  ///< see front_of [m]
@@ -157,6 +158,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);
     row.potential = potential_energy(scene, row.totals);
+    for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && scene.gravity[a] != 0;
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     for (std::size_t a = 0; a < Dim; ++a) {

@@ -31,38 +31,56 @@ std::string without_quotes(const toml::node& node) {
     }
 }
 
+/// The key's default as a scene of so many dimensions writes it.
+std::string standard_text(const SceneKey& key, int dimensions) {
+    if (key.type != KeyType::vector) return *key.standard;
+    std::vector<std::string> numbers;
+    for (const double x : standard_value(key, dimensions).numbers) numbers.push_back(shortest(x));
+    return fmt::format("[{}]", listed(numbers));
+}
+
+/// Of the two files that have every key, the one that has this.
+std::string look_up(const SceneKey& key) {
+    const std::string table = key.table.substr(0, key.table.find('.'));
+    const bool terrain = table == "terrain" || table == "hazard" || table == "release" || table == "inflow" ||
+                         (table == "structure" && key.name == "xi");
+    return fmt::format("Look up {} in inputs/reference{}.toml?", key.name, terrain ? "_terrain" : "");
+}
+
 [[noreturn]] void refuse_type(const toml::node& node, const KeyContext& c) {
     const bool number =
         c.key.type == KeyType::real || c.key.type == KeyType::integer || c.key.type == KeyType::integer_or_choice;
     const std::string bare = number ? without_quotes(node) : "";
-    const std::string help = !bare.empty() ? fmt::format("Did you mean {}, without quotes?", bare)
-                             : c.key.standard && !c.key.standard->empty()
-                                 ? fmt::format("Write it as in {} = {}?", c.key.name, *c.key.standard)
-                                 : fmt::format("Look up {} in inputs/reference.toml?", c.key.name);
+    const std::string help =
+        !bare.empty() ? fmt::format("Did you mean {}, without quotes?", bare)
+        : c.key.standard && !c.key.standard->empty()
+            ? fmt::format("Write it as in {} = {}?", c.key.name, standard_text(c.key, c.dimensions))
+            : look_up(c.key);
     refuse(c.place, fmt::format("{} is {}", c.path, kind_of(node)), "must be " + type_text(c.key), help);
 }
 
-std::string mended(double value, const SceneKey& key) {
+std::string mended(double value, const SceneKey& key, int dimensions) {
     const KeyRange& range = key.range;
     if (std::isfinite(value) && value < 0 && range.lower == 0 && range.holds(-value))
         return fmt::format("Did you mean {}?", shortest(-value));
     if (key.standard && !key.standard->empty() && key.type != KeyType::per_axis)
-        return fmt::format("Did you mean {}, the default?", *key.standard);
+        return fmt::format("Did you mean {}, the default?", standard_text(key, dimensions));
     const bool low = !(value > range.lower);
     const double bound = low ? range.lower : range.upper;
     if (bound != 0 && std::isfinite(bound)) {
         const bool open = low ? range.open_lower : range.open_upper;
         return fmt::format("Did you mean {}?", shortest(open ? bound + (low ? 0.01 : -0.01) : bound));
     }
-    return fmt::format("Look up {} in inputs/reference.toml?", key.name);
+    return look_up(key);
 }
 
 double checked(double value, const KeyContext& c) {
     if (!std::isfinite(value))
-        refuse(c.place, fmt::format("{} = {}", c.path, value), "must be a finite number", mended(value, c.key));
+        refuse(c.place, fmt::format("{} = {}", c.path, value), "must be a finite number",
+               mended(value, c.key, c.dimensions));
     if (!c.key.range.holds(value))
         refuse(c.place, fmt::format("{} = {}", c.path, shortest(value)), "must be " + range_text(c.key.range),
-               mended(value, c.key));
+               mended(value, c.key, c.dimensions));
     return value;
 }
 

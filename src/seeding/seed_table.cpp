@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 
+#include "io/byte_order_mark.hpp"
 #include "io/h5.hpp"
 #include "io/input_error.hpp"
 
@@ -70,6 +71,7 @@ Columns read_csv(const std::string& path, const std::vector<std::string>& names,
     std::vector<std::size_t> columns;
     std::string line;
     for (int n = 1; std::getline(file, line); ++n) {
+        if (n == 1) drop_byte_order_mark(line);
         if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
         const std::string place = fmt::format("{}:{}", path, n);
         const std::vector<std::string> cells = cells_of(line);

@@ -158,6 +158,8 @@ TEST_CASE("an area is a ring of corners, from a table or a GeoJSON") {
                                R"({"type":"Feature","geometry":{"type":"MultiPolygon",)"
                                R"("coordinates": [[)" +
                                    ring + "]]}}")) == triangle);
+    CHECK(read_polygon(written(folder, "s.csv", "\xef\xbb\xbfx,y\r\n0,0\r\n4,0\r\n4,3\r\n")) ==
+          triangle);  // a spreadsheet's
     CHECK(has(said_of("a.csv", "x,y\n0,0\n4,0\n"), "2 corners"));
     CHECK(has(said_of("a.geojson", R"({"type":"Point","coordinates":[0,0]})"), "no polygon was found"));
     CHECK(has(said_of("a.geojson", R"({"type":"Polygon","coordinates":[[[0,0],[4]]]})"), "without two numbers"));

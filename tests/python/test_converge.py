@@ -172,7 +172,7 @@ class Converge(PackageTest):
         (folder("taken")).mkdir(exist_ok=True)
         (folder("taken") / "mine.txt").write_text("mine")
         for words in (["none.toml"], [bar, "--quantity", "frnt"], [bar, "--quantity", "structure.pipe.force_x"], [bar, "--quantity", "kinetic_J@later"],
-                      [bar, "--quantity", "kinetic_J@9"], [bar, "--error", "0"], [bar, "--error", "two"], [bar, "--budget", "30"], [bar, "--levels", "2"],
+                      [bar, "--quantity", "kinetic_J@9"], [bar, "--error", "0"], [bar, "--error", "two"], [bar, "--budget", "30"], [bar, "--levels", "2"], [bar, "--levels", "0"],
                       [bar, "--ratio", "4:3"], [bar, "--coarsest", "0"], [bar, "--set", "time.ned=1"], [bar, "--set", "time"], [bar, "--ranks", "0"],
                       [bar, "--set-each", "numerics.transfer=apic,apic"], [bar, "--set-each", "numerics.transfer=apci"], [bar, "--output", "taken"],
                       [INPUTS / "reference.toml"], [bar, "--levles", "3"], [bar, "--device", "tpu"], []):

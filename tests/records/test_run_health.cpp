@@ -83,6 +83,21 @@ TEST_CASE("a gain is not judged within rounding of the sums, nor once particles 
     for (int k = 0; k < 3; ++k) CHECK(found(health, left) == 0);
 }
 
+TEST_CASE("a gain is not judged where gravity pulls along a periodic axis") {
+    RunHealth<2> health;
+    TimeSeriesRow<2> round = row_of(1, -70);
+    round.falls_round = true;
+    for (int k = 0; k < 3; ++k) CHECK(found(health, round) == 0);
+}
+
+TEST_CASE("a warning names keys that scenes have") {
+    RunHealth<2> health;
+    health.observe(row_of(1, -2), 10, rounding);
+    for (const HealthWarning<2>& w : health.observe(row_of(2, -2, 0.7), 10, rounding))
+        CHECK(w.message().find("a smaller time.cfl") != std::string::npos);
+    CHECK(health.warnings().size() == 2);
+}
+
 TEST_CASE("volume that does not fit is said once, and the largest share is kept") {
     RunHealth<2> health;
     TimeSeriesRow<2> row = row_of(1, 0);

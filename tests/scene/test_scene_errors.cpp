@@ -175,6 +175,16 @@ TEST_CASE("what is no file with an end is refused") {
         InputError);
 }
 
+TEST_CASE("what is said of a key fits the scene's dimensions and the file that has the key") {
+    CHECK(said_of_set("body.disk.velocity=[nan,0]") ==
+          "--set body.disk.velocity=[nan,0]: body.disk.velocity = nan (must be a finite number). Did you mean [0, 0], "
+          "the default?");
+    CHECK(said_of_set("gravity=9.81").ends_with("Write it as in gravity = [0, 0]?"));
+    CHECK(said_of_set("domain.cell=0").ends_with("Look up cell in inputs/reference.toml?"));
+    CHECK(said_of("[output]", "[hazard]\ncell = 0\n[output]")
+              .ends_with("Look up cell in inputs/reference_terrain.toml?"));
+}
+
 TEST_CASE("a bad --set is refused") {
     CHECK(said_of_set("domain.cell").find("must be KEY=VALUE") != std::string::npos);
     CHECK(said_of_set("body.disc.radius=1").find("there is no body \"disc\" (no such name). Did you mean disk?") !=

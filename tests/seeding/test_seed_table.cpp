@@ -68,6 +68,12 @@ TEST_CASE("a table in .csv gives places, velocities and masses") {
     CHECK(seeds[1].id == (std::uint64_t(1) << 48 | 1));
 }
 
+TEST_CASE("a table may come from a spreadsheet, with a byte order mark and two characters at each line's end") {
+    const TestFolder folder;
+    folder.write("t.csv", "\xef\xbb\xbfx,y\r\n2.0,1.0\r\n");
+    CHECK(seeds_of(scene_with(folder, "t.csv"))[0].x == Triple{2, 1, 0});
+}
+
 TEST_CASE("without masses a table's particles fill their share of a cell") {
     const TestFolder folder;
     folder.write("t.csv", "y,x\n1.0,2.0\n");
