@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/courant.hpp"
 #include "core/material/laws.hpp"
 #include "core/method.hpp"
 #include "predict/prediction.hpp"
@@ -15,6 +16,9 @@ namespace moraine {
 namespace {
 
 constexpr double fewest_cells = 4, stiffest_poisson = 0.495, most_mach = 0.3;
+/// Of the material's viscosity. From half of it on films are up to half as fast as they should be, at a twentieth some
+/// percents slower (docs/verification/flows.md#films-of-low-viscosity).
+constexpr double most_share = 0.5, good_share = 0.05;
 
 /// P-wave modulus over shear modulus.
 double wave_over_shear(double poisson) {
@@ -50,6 +54,57 @@ void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::str
                     body.name, speed / wave, speed, wave, material, std::pow(speed / wave / most_mach, 2)));
 }
 
+/// Of the amplitude of a shear wave, over (k h)^4, in a step: tests/verification/test_shear_wave.cpp.
+double loss_of_transfer(const Scene& scene) {
+    if (scene.shape == Shape::cubic) return scene.transfer == Transfer::apic ? 0.046 : 0;
+    if (scene.shape != Shape::quadratic) return 0;
+    switch (scene.transfer) {
+        case Transfer::apic:
+            return 0.024;
+        case Transfer::tpic:
+            return 0.032;
+        case Transfer::aflip:
+            return 0.024 * (1 - scene.flip);
+        default:
+            return 0;
+    }
+}
+
+/// Something of another law than smooth, or a wall below that holds.
+bool has_rough_bed(const Scene& scene, std::size_t up) {
+    const WallKind below = scene.walls[up][scene.gravity[up] < 0 ? 0 : 1].kind;
+    return below == WallKind::no_slip || below == WallKind::friction ||
+           std::any_of(scene.structures.begin(), scene.structures.end(),
+                       [](const StructureSpec& s) { return s.law != InterfaceLaw::smooth; });
+}
+
+/// A layer of depth D that shears over its bed is a quarter of a wave, k = pi / 2D, so a loss c (k h)^4 a step is a
+/// kinematic viscosity c k^2 h^4 / dt [m2/s], at the longest step.
+void warn_of_transfer(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
+    const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
+    const std::span<const Parameter> keys = find_law(m.law)->parameters;
+    const auto key =
+        std::find_if(keys.begin(), keys.end(), [](const Parameter& p) { return p.key == std::string("viscosity"); });
+    if (key == keys.end() || scene.dt > 0) return;
+    const double viscosity = m.parameters[static_cast<std::size_t>(key - keys.begin())] / m.density;
+    const auto up =
+        static_cast<std::size_t>(std::max_element(scene.gravity.begin(), scene.gravity.end(),
+                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+                                 scene.gravity.begin());
+    if (scene.gravity[up] == 0 || viscosity == 0 || !has_rough_bed(scene, up)) return;
+    const Extent e = extent_of(body, scene.dimensions);
+    const double depth = e.upper[up] - e.lower[up], k = 1.5707963267948966 / depth;
+    const double shear = 1 / std::sqrt(wave_over_shear(poisson_ratio(m)));
+    const double dt = choose_step(scene, wave_speed(scene, body), 0, shear).dt;
+    const double share = loss_of_transfer(scene) * k * k * std::pow(scene.cell, 4) / dt / viscosity;
+    if (share <= most_share) return;
+    all.push_back(
+        fmt::format("body.{} is {:.3g} cells deep, and there the transfer itself is as viscous as {:.2g} of "
+                    "material.{} (over a bed "
+                    "that holds it, it flows too slowly). numerics.transfer = \"flip\", or a domain.cell of {:.2g} m?",
+                    body.name, depth / scene.cell, share, m.name, scene.cell * std::cbrt(good_share / share)));
+}
+
 bool along_the_grid(const StructureSpec& plane) {
     return std::count_if(plane.normal.begin(), plane.normal.end(), [](double n) { return n != 0; }) == 1;
 }
@@ -81,6 +136,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
             continue;
         warn_of_cells(scene, body, all);
         warn_of_mach(scene, body, all);
+        warn_of_transfer(scene, body, all);
     }
     for (const MaterialSpec& m : scene.materials) {
         const double poisson = poisson_ratio(m);

@@ -158,6 +158,14 @@ class Check(moraine.ProgramTest):
             with self.subTest(scene.name):
                 self.assertNotIn("\nwarning", self.report(scene))
 
+    def test_a_transfer_more_viscous_than_a_layer_is_warned_of(self):
+        thin = sets(domain__cell=0.5, material__slurry__viscosity=5)
+        told = r"(?m)^warning +body\.reservoir is 10 cells deep, and there the transfer itself is as viscous as 1\.3 of material\.slurry .+ domain\.cell of 0\.17 m\?$"
+        self.assertRegex(self.report(INPUTS / "slurry_runout.toml", *thin), told)
+        for more in (sets(numerics__transfer="flip"), sets(material__slurry__viscosity=500), sets(domain__cell=0.25)):
+            with self.subTest(more):
+                self.assertNotIn("as viscous as", self.report(INPUTS / "slurry_runout.toml", *thin, *more))
+
     def test_a_smooth_bed_into_which_a_fluid_sinks_is_warned_of(self):
         plane = '[[structure]]\nname = "bed"\nshape = "plane"\npoint = [0.0, -1.0]\nnormal = [{}, 1.0]\ncontact = {{ law = "{}"{} }}\n'
         told = "warning +material.slurry sinks into bed, .+ material.slurry.volumetric = \"particle\"\\?"
