@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/material/laws.hpp"
 #include "core/method.hpp"
@@ -50,6 +51,31 @@ void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::str
                     body.name, speed / wave, speed, wave, material, std::pow(speed / wave / most_mach, 2)));
 }
 
+/// As its motion says; of a free one at the start.
+double fastest(const MotionSpec& motion) {
+    double factor = 1;
+    if (motion.kind == StructureMotion::sinusoid) return 2 * std::numbers::pi * norm(motion.amplitude) / motion.period;
+    if (motion.kind == StructureMotion::table) {
+        factor = 0;
+        for (const double f : motion.factors) factor = std::max(factor, std::abs(f));
+    }
+    return motion.kind == StructureMotion::fixed ? 0 : factor * norm(motion.velocity);
+}
+
+/// Steps are as long as waves need: what is as fast as they crosses a cell in a step, and thin soil unseen.
+void warn_of_fast_structures(const Scene& scene, std::vector<std::string>& all) {
+    double wave = std::numeric_limits<double>::infinity();
+    for (const BodySpec& body : scene.bodies) wave = std::min(wave, wave_speed(scene, body));
+    for (const StructureSpec& s : scene.structures) {
+        const double speed = fastest(s.motion);
+        if (speed <= most_mach * wave) continue;
+        all.push_back(
+            fmt::format("structure.{} moves at Mach {:.2g} ({:.3g} m/s, waves {:.3g} m/s: above 0.3 it squeezes soil, "
+                        "and above 1 it can pass through it between two steps). Is its speed in m/s?",
+                        s.name, speed / wave, speed, wave));
+    }
+}
+
 bool along_the_grid(const StructureSpec& plane) {
     return std::count_if(plane.normal.begin(), plane.normal.end(), [](double n) { return n != 0; }) == 1;
 }
@@ -90,6 +116,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
             "enough for a flow). Use 0.495?",
             m.name, poisson, std::sqrt(wave_over_shear(poisson) / wave_over_shear(stiffest_poisson))));
     }
+    warn_of_fast_structures(scene, all);
     warn_of_smooth_beds(scene, all);
     return all;
 }

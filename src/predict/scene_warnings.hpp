@@ -1,7 +1,7 @@
 #pragma once
 // What a scene may have and is rarely meant: too few cells over a body, a Poisson's ratio that makes steps short for
-// nothing, an elasticity so soft that the flow compresses it, a bed into which pressures on cells let a fluid sink.
-// Such a scene runs; `moraine check` and a run say so.
+// nothing, an elasticity so soft that the flow compresses it, a structure as fast as waves in the soil, a bed into
+// which pressures on cells let a fluid sink. Such a scene runs; `moraine check` and a run say so.
 
 #include <string>
 #include <vector>
