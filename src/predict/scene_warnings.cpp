@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/courant.hpp"
 #include "core/material/laws.hpp"
@@ -93,16 +94,41 @@ void warn_of_transfer(const Scene& scene, const BodySpec& body, std::vector<std:
                                  scene.gravity.begin());
     if (scene.gravity[up] == 0 || viscosity == 0 || !has_rough_bed(scene, up)) return;
     const Extent e = extent_of(body, scene.dimensions);
-    const double depth = e.upper[up] - e.lower[up], k = 1.5707963267948966 / depth;
+    const double depth = e.upper[up] - e.lower[up], k = 0.5 * std::numbers::pi / depth;
     const double shear = 1 / std::sqrt(wave_over_shear(poisson_ratio(m)));
     const double dt = choose_step(scene, wave_speed(scene, body), 0, shear).dt;
     const double share = loss_of_transfer(scene) * k * k * std::pow(scene.cell, 4) / dt / viscosity;
     if (share <= most_share) return;
     all.push_back(
         fmt::format("body.{} is {:.3g} cells deep, and there the transfer itself is as viscous as {:.2g} of "
-                    "material.{} (over a bed "
-                    "that holds it, it flows too slowly). numerics.transfer = \"flip\", or a domain.cell of {:.2g} m?",
+                    "material.{} (over a bed that holds it, it flows too slowly). numerics.transfer = \"flip\", or a "
+                    "domain.cell of {:.2g} m?",
                     body.name, depth / scene.cell, share, m.name, scene.cell * std::cbrt(good_share / share)));
+}
+
+/// As its motion says; of a free one at the start.
+double fastest(const MotionSpec& motion) {
+    double factor = 1;
+    if (motion.kind == StructureMotion::sinusoid) return 2 * std::numbers::pi * norm(motion.amplitude) / motion.period;
+    if (motion.kind == StructureMotion::table) {
+        factor = 0;
+        for (const double f : motion.factors) factor = std::max(factor, std::abs(f));
+    }
+    return motion.kind == StructureMotion::fixed ? 0 : factor * norm(motion.velocity);
+}
+
+/// Steps are as long as waves need: what is as fast as they crosses a cell in a step, and thin soil unseen.
+void warn_of_fast_structures(const Scene& scene, std::vector<std::string>& all) {
+    double wave = std::numeric_limits<double>::infinity();
+    for (const BodySpec& body : scene.bodies) wave = std::min(wave, wave_speed(scene, body));
+    for (const StructureSpec& s : scene.structures) {
+        const double speed = fastest(s.motion);
+        if (speed <= most_mach * wave) continue;
+        all.push_back(
+            fmt::format("structure.{} moves at Mach {:.2g} ({:.3g} m/s, waves {:.3g} m/s: above 0.3 it squeezes soil, "
+                        "and above 1 it can pass through it between two steps). Is its speed in m/s?",
+                        s.name, speed / wave, speed, wave));
+    }
 }
 
 bool along_the_grid(const StructureSpec& plane) {
@@ -146,6 +172,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
             "enough for a flow). Use 0.495?",
             m.name, poisson, std::sqrt(wave_over_shear(poisson) / wave_over_shear(stiffest_poisson))));
     }
+    warn_of_fast_structures(scene, all);
     warn_of_smooth_beds(scene, all);
     return all;
 }

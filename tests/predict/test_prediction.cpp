@@ -6,6 +6,7 @@
 #include "app/check_report.hpp"
 #include "particle_pressures.hpp"
 #include "predict/prediction.hpp"
+#include "predict/scene_warnings.hpp"
 #include "scene/scene_text.hpp"
 
 using namespace moraine;
@@ -35,6 +36,26 @@ TEST_CASE("a periodic axis has no block beyond its end") {
                                       "max = [1.0, 1.0]", "max = [0.8, 1.0]");
     const Scene scene = read_text(text.substr(0, text.find("[[body]]\nname = \"disk\"")));
     CHECK(predict(scene).blocks == 2 * 3);
+}
+
+TEST_CASE("a structure faster than 0.3 of the waves is warned of, however its motion is said") {
+    const auto said = [](const std::string& motion) {
+        const std::string ball =
+            "[[structure]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [3.5, 1.5]\nradius = 0.2\n";
+        const auto all = scene_warnings(read_text(good_scene + ball + "motion = { " + motion + " }\n"));
+        return all.empty() ? "" : all.back();
+    };  // waves: 34.4 m/s
+    CHECK(said("kind = \"velocity\", velocity = [6.0, 8.0]").empty());
+    CHECK(
+        said("kind = \"velocity\", velocity = [12.0, 16.0]").starts_with("structure.ball moves at Mach 0.58 (20 m/s"));
+    CHECK(
+        said("kind = \"free\", mass = 1.0, velocity = [0.0, -11.0]").starts_with("structure.ball moves at Mach 0.32"));
+    CHECK(said("kind = \"sinusoid\", amplitude = [0.2, 0.0], period = 0.1")
+              .starts_with("structure.ball moves at Mach 0.36"));
+    CHECK(said("kind = \"sinusoid\", amplitude = [0.2, 0.0], period = 0.2").empty());
+    const std::string table = "kind = \"table\", velocity = [1.0, 0.0], times = [0, 1], factors = ";
+    CHECK(said(table + "[0, -20]").starts_with("structure.ball moves at Mach 0.58"));
+    CHECK(said(table + "[0, -10]").empty());
 }
 
 TEST_CASE("memory follows particles, precision and ranks") {
