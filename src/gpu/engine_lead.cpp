@@ -18,9 +18,6 @@ namespace {
 constexpr int binning_launches = 4;
 /// With a stress kernel each, and a gather; a graph has space for that.
 constexpr std::size_t most_materials = 16;
-/// Where steps are long the host is not waited for, and the end of a lead costs what its pauses saved: one NVIDIA H200,
-/// single precision, 2.1 million particles 3 to 4 % faster, 16.8 and 64 million 2 and 1 % slower.
-constexpr std::int64_t most_led_particles = 4'000'000;
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include "comm/fused_blocks.hpp"
 #include "comm/fused_gather.hpp"
+#include "comm/lead_rule.hpp"
 #include "core/block.hpp"
 #include "core/method.hpp"
 #include "core/shape.hpp"
@@ -136,9 +137,14 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);
     const double of_blocks = tiles * (tile_bytes(scene) + pressure_bytes(scene, true)) + device_tables(scene, p);
-    const double rounding = 8 * 524288.0;                // some 8 columns, each rounded up to 2 MB or a share of it
-    const double leading = particles <= 4e6 ? 23e6 : 0;  // graphs of steps (docs/adr/0013-device-leads.md)
-    return particles * particle + pool_bytes(of_blocks) + staging + rounding + leading;
+    const double rounding = 8 * 524288.0;  // some 8 columns, each rounded up to 2 MB or a share of it
+    return particles * particle + pool_bytes(of_blocks) + staging + rounding;
+}
+
+/// Graphs of steps that a device alone makes by itself (docs/adr/0013-device-leads.md).
+double lead_bytes(const Scene& scene, const Prediction& p) {
+    const bool leads = scene.structures.empty() && !scene.sleep.on && p.particles <= most_led_particles;
+    return leads ? 23e6 : 0;
 }
 
 /// Boxes of a transport for messages of so many bytes in all, two for each (the inboxes of gpu/transport).
@@ -169,7 +175,7 @@ double bytes_for_others(const Scene& scene, const Prediction& mine, int ranks) {
 }  // namespace
 
 double bytes_on_device(const Scene& scene, const Prediction& p, int ranks) {
-    if (ranks == 1) return bytes_of_one_device(scene, p);
+    if (ranks == 1) return bytes_of_one_device(scene, p) + lead_bytes(scene, p);
     Prediction mine = p;
     for (std::int64_t Prediction::*count :
          {&Prediction::particles, &Prediction::blocks, &Prediction::epoch_blocks, &Prediction::node_blocks})

@@ -20,14 +20,15 @@ inline void check(cudaError_t e, const char* what) {
 /// Gives back what is held idle elsewhere (gpu/memory/pool_array.hpp); null: nothing is.
 inline void (*give_back_idle_memory)() = nullptr;
 
-/// Where there is none left, what is held idle is given back first.
-inline void* take_memory(std::size_t bytes) {
+/// The memory that `take(&memory)` takes; where there is none left, what is held idle is given back first.
+template <class F>
+void* take_memory(const F& take) {
     void* taken = nullptr;
-    cudaError_t answer = cudaMalloc(&taken, bytes);
+    cudaError_t answer = take(&taken);
     if (answer == cudaErrorMemoryAllocation && give_back_idle_memory) {
         cudaGetLastError();
         give_back_idle_memory();
-        answer = cudaMalloc(&taken, bytes);
+        answer = take(&taken);
     }
     check(answer, "Allocating device memory");
     return taken;
@@ -54,7 +55,7 @@ class Array {
     void reserve(std::size_t n) {
         if (n <= capacity_) return;
         release();
-        data_ = static_cast<T*>(take_memory(n * sizeof(T)));
+        data_ = static_cast<T*>(take_memory([&](void** to) { return cudaMalloc(to, n * sizeof(T)); }));
         capacity_ = n;
     }
     void release() {

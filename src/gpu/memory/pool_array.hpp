@@ -51,19 +51,6 @@ inline void give_back_idle_pool() {
     check(cudaMemPoolTrimTo(memory_pool(), 0), "Giving back device memory");
 }
 
-/// Where there is none left, what the pool holds idle is given back first.
-inline void* take_from_pool(std::size_t bytes, cudaStream_t stream) {
-    void* taken = nullptr;
-    cudaError_t answer = cudaMallocFromPoolAsync(&taken, bytes, memory_pool(), stream);
-    if (answer == cudaErrorMemoryAllocation) {
-        cudaGetLastError();
-        give_back_idle_pool();
-        answer = cudaMallocFromPoolAsync(&taken, bytes, memory_pool(), stream);
-    }
-    check(answer, "Allocating device memory");
-    return taken;
-}
-
 /// As Array (gpu/memory/array.hpp); content is lost when it grows.
 template <class T>
 class PoolArray {
@@ -112,7 +99,9 @@ class PoolArray {
   private:
     void reserve(std::size_t n, cudaStream_t stream) {
         release(stream);
-        data_ = static_cast<T*>(take_from_pool(n * sizeof(T), stream)), capacity_ = n;
+        data_ = static_cast<T*>(
+            take_memory([&](void** to) { return cudaMallocFromPoolAsync(to, n * sizeof(T), memory_pool(), stream); }));
+        capacity_ = n;
     }
 
     T* data_ = nullptr;
