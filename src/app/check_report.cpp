@@ -7,7 +7,7 @@
 #include "core/courant.hpp"
 #include "core/ground_curvature.hpp"
 #include "core/rest_interval.hpp"
-#include "core/sleep.hpp"
+#include "core/scene_sleep.hpp"
 #include "predict/prediction.hpp"
 #include "predict/scene_warnings.hpp"
 #include "predict/step_speed.hpp"

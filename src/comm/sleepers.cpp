@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/scene_sleep.hpp"
+
 namespace moraine {
 
 namespace {

@@ -12,6 +12,7 @@
 #include "core/nodes.hpp"
 #include "core/particle_shifting.hpp"
 #include "core/scene_spec.hpp"
+#include "core/scene_walls.hpp"
 
 namespace moraine {
 

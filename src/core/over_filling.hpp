@@ -64,23 +64,6 @@ struct NodeCapacity {
     }
 };
 
-template <class Real, int Dim>
-NodeCapacity<Real, Dim> node_capacity(const Scene& scene, const Walls<Real, Dim>& walls) {
-    NodeCapacity<Real, Dim> capacity{};
-    for (int a = 0; a < Dim; ++a)
-        for (int s = 0; s < 2; ++s) {
-            const WallKind kind = walls.kind[a][s];
-            const bool closed = kind == WallKind::no_slip || kind == WallKind::free_slip || kind == WallKind::friction;
-            const EndCapacity end = end_capacity(scene.shape, walls.fold[a][s]);
-            capacity.plane[a][s] = walls.plane[a][s];
-            capacity.on[a][s] = closed ? static_cast<Real>(end.on) : Real(1);
-            capacity.next[a][s] = closed ? static_cast<Real>(end.next) : Real(1);
-            const double pressing = scene.gravity[static_cast<std::size_t>(a)] * (s == 0 ? -1 : 1);
-            if (closed && pressing > 0) capacity.beds |= 1u << (2 * a + s);
-        }
-    return capacity;
-}
-
 /// Sums over nodes, each counted once over all ranks.
 struct NodeVolumes {
     ExactSum above;  ///< max(0, v_i / h^d - c_i)

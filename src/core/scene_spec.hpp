@@ -11,44 +11,13 @@
 #include <vector>
 
 #include "core/material/point.hpp"
+#include "core/scene_choices.hpp"
 
 namespace moraine {
 
 using Triple = std::array<double, 3>;
 
 struct Ground;  // core/ground.hpp
-
-enum class Shape { linear, gimp, gimp_contiguous, quadratic, cubic };
-/// pic is flip with blend 0; aflip is flip with the affine field of apic (Fei et al. 2021).
-enum class Transfer { flip, pic, apic, tpic, fmpm, aflip };
-
-/// The transfer of a scene that names none: what reaches 1 % of error soonest in most problems (docs/accuracy.md); hats
-/// have no affine one.
-constexpr Transfer standard_transfer(Shape shape) {
-    return shape == Shape::linear ? Transfer::flip : Transfer::apic;
-}
-
-/// Share of FLIP where a scene does not say its own: all of it rings where the affine field has no part.
-constexpr double standard_flip(Transfer transfer) {
-    return transfer == Transfer::aflip ? 0.95 : 1;
-}
-
-/// Whether particles carry an affine velocity field.
-constexpr bool is_affine(Transfer transfer) {
-    return transfer == Transfer::apic || transfer == Transfer::tpic || transfer == Transfer::aflip;
-}
-
-enum class StressUpdate { usl, usf, musl };
-enum class Precision { single_, double_ };
-enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
-/// layer: a release, draped on the ground.
-enum class BodyShape { box, polygon, sphere, table, layer, inflow };
-enum class Seeding { lattice, jittered };
-enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon, ground };
-enum class StructureMotion { fixed, velocity, sinusoid, table, free };
-enum class InterfaceLaw { smooth, rough, coulomb, undrained, voellmy };
-enum class Volumetric { particle, cell, grid };
-enum class Trigger { never, every, threshold, planned };
 
 struct WallSpec {
     WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error

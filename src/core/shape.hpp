@@ -11,7 +11,7 @@
 //
 // Gimp covers `gimp` (l fixed: the method paper's) and `gimp-contiguous` (l follows the stretch).
 
-#include "core/scene_spec.hpp"
+#include "core/scene_choices.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {

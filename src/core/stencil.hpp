@@ -1,8 +1,8 @@
 #pragma once
 // The stencil of one particle: weights and slopes per axis.
 
+#include "core/particle_state.hpp"
 #include "core/particle_update.hpp"
-#include "core/particles.hpp"
 #include "core/position.hpp"
 #include "core/shape.hpp"
 #include "core/walls.hpp"

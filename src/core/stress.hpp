@@ -8,7 +8,7 @@
 
 #include "core/material/left_stretch.hpp"
 #include "core/material/point.hpp"
-#include "core/particles.hpp"
+#include "core/particle_state.hpp"
 #include "core/strain.hpp"
 
 namespace moraine {

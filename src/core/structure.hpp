@@ -15,8 +15,8 @@
 
 #include <cmath>
 
-#include "core/ground.hpp"
-#include "core/scene_spec.hpp"
+#include "core/ground_table.hpp"
+#include "core/scene_choices.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/ground.hpp"
 #include "core/shape.hpp"
 
 namespace moraine {

@@ -18,7 +18,7 @@
 #include <cstddef>
 
 #include "core/block.hpp"
-#include "core/scene_spec.hpp"
+#include "core/scene_choices.hpp"
 #include "core/vec.hpp"
 
 namespace moraine {
@@ -123,24 +123,6 @@ MORAINE_HD void each_ghost(const Walls<Real, Dim>& walls, const int* base, int s
                 f((rest - low) * side + low + ghost * stride, inward * stride);
             }
         }
-}
-
-template <class Real, int Dim>
-Walls<Real, Dim> make_walls(const Scene& scene) {
-    Walls<Real, Dim> walls{};
-    for (int a = 0; a < Dim; ++a)
-        for (int s = 0; s < 2; ++s) {
-            const WallSpec& spec = scene.walls[static_cast<std::size_t>(a)][static_cast<std::size_t>(s)];
-            const auto axis = static_cast<std::size_t>(a);
-            walls.plane[a][s] =
-                s == 0 ? 0 : static_cast<int>(std::lround((scene.max[axis] - scene.min[axis]) / scene.cell));
-            walls.kind[a][s] = spec.kind;
-            walls.friction[a][s] = static_cast<Real>(spec.friction);
-            walls.fold[a][s] =
-                scene.boundary_spline && scene.shape != Shape::linear &&
-                (spec.kind == WallKind::no_slip || spec.kind == WallKind::free_slip || spec.kind == WallKind::friction);
-        }
-    return walls;
 }
 
 }  // namespace moraine

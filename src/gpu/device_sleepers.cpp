@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/scene_sleep.hpp"
+
 namespace moraine::gpu {
 
 template <class Real, int Dim>

@@ -19,6 +19,7 @@
 #include "gpu/kernels/cells/lists.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
+#include "gpu/kernels/nodes/near_blocks.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"
 #include "gpu/kernels/pressure/pressure.hpp"

@@ -10,8 +10,8 @@
 #include "comm/lead_rule.hpp"
 #include "core/block.hpp"
 #include "core/method.hpp"
+#include "core/scene_sleep.hpp"
 #include "core/shape.hpp"
-#include "core/sleep.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 

@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "core/scene_sleep.hpp"
 #include "core/sleep_contact.hpp"
 #include "scene/scene_check.hpp"
 #include "simulation/simulation.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/ground.hpp"
 #include "core/structure.hpp"
 #include "seeding/seed_layer.hpp"
 

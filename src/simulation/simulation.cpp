@@ -24,7 +24,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/sleep.hpp"
+#include "core/scene_sleep.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {

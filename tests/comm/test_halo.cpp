@@ -3,6 +3,7 @@
 #include "comm/random_world.hpp"
 #include "core/host.hpp"
 #include "core/nodes.hpp"
+#include "core/scene_walls.hpp"
 #include "core/structure_set.hpp"
 
 using namespace moraine;

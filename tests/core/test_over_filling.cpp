@@ -2,6 +2,7 @@
 
 #include "core/over_filling.hpp"
 #include "core/sample.hpp"
+#include "core/scene_walls.hpp"
 
 using namespace moraine;
 using moraine::test::NodeSums;

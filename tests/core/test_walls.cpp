@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/scene_walls.hpp"
 #include "core/shape.hpp"
 #include "core/walls.hpp"
 

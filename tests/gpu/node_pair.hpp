@@ -10,6 +10,7 @@
 #include "core/particle_depth.hpp"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/gaps/gaps.hpp"
+#include "gpu/kernels/nodes/near_blocks.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 
 namespace moraine::test {

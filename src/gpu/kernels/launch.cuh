@@ -1,17 +1,11 @@
 #pragma once
 // Launching a kernel whose teams take chosen blocks in turn.
 
-#include "gpu/kernels/g2p/g2p.hpp"
+#include "gpu/kernels/launch.hpp"
 #include "gpu/kernels/team.cuh"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
-
-/// Thread blocks of a launch over lists that are mostly short: at most 8 on each of an H200's 132 multiprocessors, and
-/// each goes on to its next items.
-inline int few_blocks(int blocks) {
-    return blocks < 1056 ? blocks : 1056;
-}
 
 /// A kernel and the shared memory of its teams. Made once: asks the device for more than 48 KiB where it needs that.
 template <int Dim, class... Parameters>

@@ -7,9 +7,10 @@
 //                 one
 // Nothing is read of other blocks but their marks.
 
+#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/launch.cuh"
-#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/warp.cuh"
 
 namespace moraine::gpu {

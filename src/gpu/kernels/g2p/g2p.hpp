@@ -12,91 +12,14 @@
 // Blocks in which light nodes limit an acceleration are few in most scenes: a kernel finds them, the gather passes them
 // by, and an instance of it that asks every particle takes them.
 
-#include <driver_types.h>
-
 #include <memory>
-#include <type_traits>
 
 #include "comm/fused_gather.hpp"
-#include "core/grid_pressure.hpp"
-#include "core/light_nodes.hpp"
-#include "core/particle_update.hpp"
-#include "core/place_step.hpp"
-#include "core/pressure_smoothing.hpp"
 #include "core/scene_spec.hpp"
-#include "gpu/kernels/view.hpp"
+#include "gpu/kernels/g2p/gather_args.hpp"
+#include "gpu/kernels/launch.hpp"
 
 namespace moraine::gpu {
-
-/// Where and how wide a launch goes.
-struct Launch {
-    int blocks;  ///< about how many blocks of particles there are: makes the grid, any guess is right
-    cudaStream_t stream;
-};
-
-/// For a method that limits accelerations at light nodes (core/light_nodes.hpp).
-template <class Real>
-struct LightArgs {
-    const Stiffness<Real>* stiffness;  ///< by body, on the device; null: nothing is limited
-    ReactionLimits<Real> limits;
-    Real full_mass;             ///< the largest of the bodies' [kg]
-    const std::uint8_t* marks;  ///< of node blocks (kernels/nodes/nodes.hpp)
-    std::uint8_t* limited;      ///< own blocks: whether some particle's acceleration is limited
-};
-
-template <class Real, int Dim>
-struct GatherArgs {
-    DomainEnds<Real, Dim> ends;
-    unsigned gather;               ///< bits of Gather (core/particle_update.hpp)
-    bool tpic;                     ///< C_p is the velocity gradient
-    Real flip;                     ///< share of FLIP [-]
-    Real dt;                       ///< [s]
-    double gravity_impulse[Dim];   ///< integral of gravity up to the end of this step [m/s]
-    Quantum quantum;               ///< of the exact sums
-    const std::uint8_t* averaged;  ///< by body, on the device: which take it from the cell; null: all
-    bool averages;                 ///< some do
-    LightArgs<Real> light;
-    Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
-    std::uint64_t gradient_stride;  ///< list entries between components
-};
-
-/// What fluids take from the grid besides their motion, as kernels are compiled for it: nothing; the means of nodes
-/// (core/pressure_smoothing.hpp, core/particle_shifting.hpp); these, and the pressure of cells
-/// (core/grid_pressure.hpp).
-enum class FluidGrid { none, means, pressure };
-
-template <class Real>
-struct FluidArgs {
-    const FluidTerms<Real>* by_body;  ///< on the device; null: of all particles the same
-    FluidTerms<Real> all;
-    bool shifts;  ///< in this step; nodes hold e_i then, else P_i (kernels/nodes/nodes.hpp)
-};
-
-/// With them; kernels of other scenes do not get them.
-template <class Real, int Dim>
-struct MeansGatherArgs : GatherArgs<Real, Dim> {
-    FluidArgs<Real> fluid;
-};
-/// With the pressure of cells; nodes hold e_i.
-template <class Real, int Dim>
-struct FluidGatherArgs : MeansGatherArgs<Real, Dim> {
-    const CellPressure<Real>* cell;  ///< [tile][cell]
-    const Real* bulk;                ///< by body: K [Pa]
-};
-template <class Real, int Dim, FluidGrid Fluid>
-using GatherArgsOf = std::conditional_t<
-    Fluid == FluidGrid::pressure, FluidGatherArgs<Real, Dim>,
-    std::conditional_t<Fluid == FluidGrid::means, MeansGatherArgs<Real, Dim>, GatherArgs<Real, Dim>>>;
-
-template <class Real, int Dim>
-struct StressArgs {
-    Real dt;  ///< [s]
-    Quantum quantum;
-    const Real* gradient;  ///< as in GatherArgs
-    std::uint64_t gradient_stride;
-    const std::uint16_t* material_of;  ///< by body, on the device; null: all particles are of this material
-    int mine;                          ///< the material whose particles are updated
-};
 
 /// One gather kernel with what is fixed in a run. Not collective.
 template <class Real, int Dim>
@@ -109,14 +32,6 @@ class GatherKernel {
     /// Of limited blocks alone: the same, and what their light nodes cannot bear is taken from their gradients.
     virtual void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
                              const Launch& launch) const = 0;
-};
-
-/// Where the limited ones of the chosen blocks are listed, and those that have to be asked. The order has no meaning.
-struct LimitedBlocks {
-    static constexpr int lists = 2;
-    static constexpr int of_marked = 2;  ///< place of their number
-    std::int32_t *limited, *marked;
-    std::uint32_t* count;  ///< of limited blocks, and of_marked behind it; they begin at zero
 };
 
 /// Looks for the chosen blocks in which an acceleration is limited: sets LightArgs::limited of each, and lists them.

@@ -6,6 +6,7 @@
 // many. So are those of blocks with light nodes (light.cuh), which ask at run time whether means are wanted.
 
 #include "gpu/kernels/g2p/fluid.cuh"
+#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/g2p/gather_affine.cuh"
 #include "gpu/kernels/g2p/light.cuh"

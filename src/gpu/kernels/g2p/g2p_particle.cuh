@@ -4,8 +4,8 @@
 
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
-#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/gather.cuh"
+#include "gpu/kernels/g2p/gather_args.hpp"
 #include "gpu/kernels/seen.cuh"
 
 namespace moraine::gpu {

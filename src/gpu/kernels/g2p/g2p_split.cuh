@@ -6,6 +6,7 @@
 
 #include "gpu/kernels/g2p/find_limited.cuh"
 #include "gpu/kernels/g2p/fluid.cuh"
+#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/volumetric.cuh"
 #include "gpu/kernels/launch.cuh"
 

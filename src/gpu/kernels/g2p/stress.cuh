@@ -3,6 +3,7 @@
 //
 // Work is summed over the block's own particles of this material in a fixed tree, then rounded once.
 
+#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/g2p/plain_law.cuh"
 #include "gpu/kernels/g2p/stress_particle.cuh"

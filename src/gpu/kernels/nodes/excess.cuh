@@ -3,7 +3,7 @@
 // block's: that one is summed from the tiles around, because all tiles that reach it are there.
 
 #include "core/particle_shifting.hpp"
-#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/nodes/tiles_around.cuh"
 #include "gpu/kernels/view.hpp"
 

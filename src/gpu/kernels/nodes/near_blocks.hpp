@@ -6,29 +6,10 @@
 
 #include <cuda_runtime_api.h>
 
-#include "core/contact_field.hpp"
-#include "core/gap_tiles.hpp"
-#include "core/grid_views.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
-
-/// Distance of nodes of blocks that the ground is not near, and more than that of any other [m].
-inline constexpr double far_from_ground = 1e300;
-
-struct NearBlocks {
-    const std::int32_t* list;    ///< node blocks
-    const std::uint32_t* count;  ///< of them
-    const std::uint8_t* mark;    ///< by node block: it is one of them; null: the scene has no structures
-};
-
-/// What nodes want of the structures of a step; all of it on the device.
-template <int Dim>
-struct NodeContact {
-    ContactField<Dim> field;
-    GapTiles gaps;
-    NearBlocks near;
-};
 
 template <int Dim>
 class DeviceNearBlocks {

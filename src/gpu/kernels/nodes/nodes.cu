@@ -1,5 +1,6 @@
 #include "gpu/kernels/lead/dt_places.hpp"
 #include "gpu/kernels/nodes/nodes.cuh"
+#include "gpu/kernels/nodes/nodes.hpp"
 
 namespace moraine::gpu {
 

@@ -9,31 +9,13 @@
 
 #include "gpu/kernels/account.cuh"
 #include "gpu/kernels/nodes/excess.cuh"
-#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/nodes/tiles_around.cuh"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 
 inline constexpr int node_threads = 256;
-
-template <class Real, int Dim>
-struct NodeWork {
-    View<Real, Dim> view;
-    NodeRound<Real, Dim> round;
-    int origin;
-    Quantum quantum;
-    LightMarks<Real> marks;
-    NodeContact<Dim> contact;
-};
-
-/// With what fluids want; nodes of other scenes do not get it.
-template <class Real, int Dim>
-struct FluidNodeWork : NodeWork<Real, Dim> {
-    NodeFluid<Real, Dim> fluid;
-};
-template <class Real, int Dim, bool Fluid>
-using NodeWorkOf = std::conditional_t<Fluid, FluidNodeWork<Real, Dim>, NodeWork<Real, Dim>>;
 
 /// Node blocks of a launch that goes by the list of near ones: so many thread blocks take them in turn.
 inline constexpr unsigned near_grid = 1024;

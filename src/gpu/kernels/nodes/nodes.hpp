@@ -11,11 +11,9 @@
 
 #include <vector>
 
-#include "core/nodes.hpp"
-#include "core/particle_shifting.hpp"
 #include "core/shape.hpp"
 #include "core/structure_set.hpp"
-#include "gpu/kernels/nodes/near_blocks.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
 
@@ -44,29 +42,6 @@ class DeviceStructures {
     StructureSums<Dim>* felt_ = nullptr;  ///< pinned
     std::size_t count_ = 0;
     bool empty_ = false;  ///< the sums are to begin anew
-};
-
-/// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
-inline constexpr int light_counts = 4;
-
-/// Which node blocks have light nodes (core/light_stencil.hpp), for those who limit what they do.
-template <class Real>
-struct LightMarks {
-    std::uint8_t* of;      ///< node block x light_marks: some of its nodes hold less than `mass`; null: nobody asks
-    Real mass;             ///< [kg]
-    std::uint32_t* count;  ///< light_counts numbers of blocks, which begin anew
-};
-/// Marks of a node block: one per warp, or half a warp in 2-D.
-template <int Dim>
-inline constexpr int light_marks = Block<Dim>::cells < 32 ? 1 : Block<Dim>::cells / 32;
-
-/// What nodes leave in the last lane of their values for fluids that want it: P_i, the mean over mass of their
-/// particles' mean stress, or in steps that shift e_i (core/particle_shifting.hpp).
-template <class Real, int Dim>
-struct NodeFluid {
-    bool shifts;
-    NodeCapacity<Real, Dim> capacity;
-    Real inverse_volume;  ///< 1 / h^d [1/m3]
 };
 
 /// `contact`: null where the scene has no structures.

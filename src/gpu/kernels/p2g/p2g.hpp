@@ -7,7 +7,8 @@
 
 #include <cuda_runtime_api.h>
 
-#include "core/scene_spec.hpp"
+#include "core/scene_choices.hpp"
+#include "gpu/kernels/p2g/p2g_scale.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
@@ -15,13 +16,6 @@ namespace moraine::gpu {
 template <class Real, int Dim>
 using P2g = void (*)(const View<Real, Dim>&, const Chosen&, int grid_blocks, Real cell, cudaStream_t);
 
-/// With the mean in the force quad's last lane, for scenes whose fluids want it (core/grid_views.hpp).
-template <class Real>
-struct MeanScale {
-    Real cell;     ///< h [m]
-    bool volumes;  ///< NodeMean::volume, else NodeMean::stress
-    bool of_grid;  ///< stresses act by their deviators (core/grid_pressure.hpp)
-};
 template <class Real, int Dim>
 using P2gMean = void (*)(const View<Real, Dim>&, const Chosen&, int grid_blocks, MeanScale<Real>, cudaStream_t);
 

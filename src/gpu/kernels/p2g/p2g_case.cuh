@@ -7,7 +7,8 @@
 #include <type_traits>
 
 #include "core/shape.hpp"
-#include "gpu/kernels/p2g/p2g.hpp"
+#include "gpu/kernels/p2g/p2g_scale.hpp"
+#include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
 

@@ -5,7 +5,7 @@
 #include "gpu/kernels/g2p/gather_tile.cuh"
 #include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/pressure/layer_factors.cuh"
-#include "gpu/kernels/pressure/pressure.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/pressure/whole_cells.cuh"
 
 namespace moraine::gpu {

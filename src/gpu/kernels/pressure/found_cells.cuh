@@ -5,7 +5,7 @@
 #include "core/find_cells.hpp"
 #include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/pressure/layer_factors.cuh"
-#include "gpu/kernels/pressure/pressure.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/pressure/whole_cells.cuh"
 
 namespace moraine::gpu {

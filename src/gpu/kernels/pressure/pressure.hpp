@@ -9,30 +9,11 @@
 
 #include <cuda_runtime_api.h>
 
-#include "core/grid_pressure.hpp"
-#include "core/nodes.hpp"
-#include "core/structure_set.hpp"
-#include "gpu/kernels/nodes/nodes.hpp"
-#include "gpu/kernels/view.hpp"
+#include "core/shape.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
-
-/// Pointers to it.
-template <class Real, int Dim>
-struct PressureView {
-    CellPressure<Real>* cell;         ///< [tile][cell]
-    CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
-    HeldNode<Real, Dim>* held;        ///< [node block][node]
-    const Real* bulk;                 ///< by body: K [Pa]
-};
-
-/// Of the cells and nodes of a block [bytes].
-template <class Real, int Dim>
-constexpr double pressure_bytes() {
-    return Block<Dim>::cells *
-           double(sizeof(CellPressure<Real>) + sizeof(CellMoments<Real, Dim>) + 1.3 * sizeof(HeldNode<Real, Dim>));
-}
 
 /// What stays through the substeps of a step.
 template <class Real, int Dim>
@@ -51,19 +32,7 @@ class PressureState {
     Array<Real> bulk_;
 };
 
-/// Nodes from the sums of particles: velocities, masses, what is held, e_i of the shifts in the last lane, light marks.
-template <class Real, int Dim>
-struct HoldWork {
-    View<Real, Dim> view;
-    PressureView<Real, Dim> pressure;
-    int origin;           ///< of the stencil
-    Real mass_cutoff;     ///< [kg]
-    Real inverse_volume;  ///< 1 / h^d [1/m3]
-    bool shifts;          ///< in this step
-    NodeCapacity<Real, Dim> capacity;
-    LightMarks<Real> marks;
-    NodeContact<Dim> contact;  ///< near.mark null: there is no structure
-};
+/// Nodes from the sums of particles.
 template <class Real, int Dim>
 void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream);
 
@@ -73,15 +42,7 @@ void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pres
                 const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
                 cudaStream_t stream);
 
-/// What a launch over cells does.
-template <class Real>
-struct CellTask {
-    bool updates;  ///< takes the velocities of the substep before
-    Real dt;       ///< of it [s]
-    Real time;     ///< half of the time from the start of the step to its middle [s]
-    bool sums;     ///< writes the tiles of this substep
-    Real damping;  ///< d [-]
-};
+/// What is not done yet of a substep.
 template <class Real, int Dim>
 void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
                    int blocks, const CellTask<Real>& task, cudaStream_t stream);

@@ -2,7 +2,7 @@
 // The kernels over nodes of gpu/kernels/pressure/pressure.hpp: a thread per node, as in gpu/kernels/nodes/nodes.cuh.
 
 #include "gpu/kernels/nodes/nodes.cuh"
-#include "gpu/kernels/pressure/pressure.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
 
 namespace moraine::gpu {
 
@@ -48,11 +48,6 @@ __global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __gri
         if (around.own != 0) hold_node<Contact>(w, c, n, sums, force, full);
     });
 }
-
-template <class Real, int Dim>
-struct SubstepWork : NodeWork<Real, Dim> {
-    PressureView<Real, Dim> pressure;
-};
 
 /// The sums of a substep as those of a step, (m, q) and f (core/nodes.hpp: SolveNodes::take_held), and what follows.
 template <bool Contact, class Real, int Dim>
