@@ -22,7 +22,8 @@ class DeviceSleepers {
     using V = View<Real, Dim>;
 
     /// All must outlive it. Not collective.
-    DeviceSleepers(const Scene& scene, const Method<Host, Real, Dim>& method, const std::uint16_t* material_of);
+    DeviceSleepers(const Scene& scene, const KernelKey& key, const Method<Host, Real, Dim>& method,
+                   const std::uint16_t* material_of);
 
     /// New tables: who sleeps in them is to be found again. Asynchronous, as all that follows.
     void open(std::size_t own, std::size_t ghosts, cudaStream_t stream);
@@ -83,7 +84,7 @@ class DeviceSleepers {
     const Method<Host, Real, Dim>& method_;
     const std::uint16_t* material_of_;
     const SleepRule rule_;
-    std::vector<std::unique_ptr<WaveKernel<Real, Dim>>> waves_;  ///< by material
+    std::vector<WaveKernel<Real, Dim>> waves_;  ///< by material
     PoolArray<std::uint8_t> asleep_, binned_, kept_;
     PoolArray<std::uint8_t> kept_awake_;  ///< own; empty: no structure moves
     PoolArray<double> activity_, wave_;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "comm/fused_blocks.hpp"
+#include "gpu/compile/kernel_store.hpp"
+#include "gpu/kernels/programs.hpp"
 
 namespace moraine::gpu {
 
@@ -25,6 +26,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
       method_(method),
       name_(properties_of_device().name),
       memory_(properties_of_device().totalGlobalMem),
+      key_(device_kernel_key<Real, Dim>(scene)),
       share_(method.needs, method.stencil.width),
       particles_(method.needs),
       refresh_clock_(refresh_interval),
@@ -35,8 +37,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     std::vector<std::uint16_t> materials;
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
     material_of_.assign(materials);
-    if (fuses_by_block(scene))
-        materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, method.needs.affine, material_of_.data());
+    if (key_.way == GatherWay::by_material)
+        materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, key_, material_of_.data());
     take_fluids();
     if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
     if (method.stiffness()) {
@@ -45,7 +47,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
             full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
         limited_count_.resize(2 * LimitedBlocks::lists);
     }
-    if (scene.sleep.on) sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, method, material_of_.data());
+    if (scene.sleep.on) sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, key_, method, material_of_.data());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means());
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
@@ -54,23 +56,17 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::choose_kernels() {
-    const bool affine = method_.needs.affine, fluid = method_.fluid(), of_grid = method_.grid_bulk();
-    if (takes_means())
-        p2g_mean_ = choose_p2g_mean<Real, Dim>(scene_.shape, affine);
-    else
-        p2g_ = choose_p2g<Real, Dim>(scene_.shape, affine);
-    find_limited_ = choose_find_limited<Real, Dim>(scene_.shape);
-    if (fuses(scene_)) {
-        const MaterialSpec& material = scene_.materials.front();
-        gather_ = of_grid ? make_fused_pressure_gather<Real, Dim>(material, affine)
-                  : fluid ? make_fused_fluid_gather<Real, Dim>(material, affine)
-                          : make_fused_gather<Real, Dim>(material, scene_.shape, affine);
+    KernelStore::instance().prepare(programs_of(key_));
+    p2g_ = P2g<Real, Dim>(key_, takes_means());
+    nodes_kernel_ = Nodes<Real, Dim>(key_);
+    if (method_.grid_bulk()) pressure_kernels_ = Pressure<Real, Dim>(key_);
+    if (key_.light_nodes) find_limited_ = FindLimited<Real, Dim>(key_);
+    if (key_.way == GatherWay::fused) {
+        gather_.emplace(key_, scene_.materials.front(), 0);
         return;
     }
-    gather_ = of_grid ? make_pressure_gather<Real, Dim>(affine)
-              : fluid ? make_fluid_gather<Real, Dim>(scene_.shape, affine)
-                      : make_gather<Real, Dim>(scene_.shape, affine, method_.averaged() != nullptr);
-    for (const MaterialSpec& material : scene_.materials) stress_.push_back(make_stress<Real, Dim>(material));
+    gather_.emplace(key_);
+    for (std::size_t m = 0; m < scene_.materials.size(); ++m) stress_.emplace_back(key_, scene_.materials[m], m);
 }
 
 template <class Real, int Dim>

@@ -19,6 +19,7 @@
 #include "gpu/kernels/cells/lists.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
+#include "gpu/kernels/nodes/device_structures.hpp"
 #include "gpu/kernels/nodes/near_blocks.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"
@@ -160,16 +161,18 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Stream stream_;
     Event reported_;
 
-    P2g<Real, Dim> p2g_ = nullptr;
-    P2gMean<Real, Dim> p2g_mean_ = nullptr;  ///< in its place where fluids want a mean
+    KernelKey key_;
+    P2g<Real, Dim> p2g_;
+    Nodes<Real, Dim> nodes_kernel_;
+    Pressure<Real, Dim> pressure_kernels_;
     NodeMean mean_ = NodeMean::none;
     Array<FluidTerms<Real>> fluid_;   ///< by body
     FluidTerms<Real> first_fluid_{};  ///< of the first one
     PressureState<Real, Dim> pressure_;
     Array<ExactSum> volumes_;  ///< of NodeVolumes
-    std::unique_ptr<GatherKernel<Real, Dim>> gather_;
-    std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
-    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;         ///< of blocks of one material; null: none is apart
+    std::optional<GatherKernel<Real, Dim>> gather_;
+    std::vector<StressKernel<Real, Dim>> stress_;            ///< by material; none: the gather has it
+    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;  ///< of blocks of one material; null: none is apart
 
     Share share_;  ///< the host's
     bool share_is_of_now_ = true;
@@ -189,7 +192,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Array<Vec<Real, Dim>> half_size_;
     Array<std::uint16_t> material_of_;
     Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
-    FindLimited<Real, Dim> find_limited_ = nullptr;
+    FindLimited<Real, Dim> find_limited_;
     Array<Stiffness<Real>> stiffness_;               ///< by body; empty: nothing is limited
     PoolArray<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
     PoolArray<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior

@@ -26,21 +26,18 @@ void DeviceEngine<Real, Dim>::sum_part(int part, cudaStream_t stream) {
     const Chosen chosen = sleepers_ ? sleepers_->to_sum(view(), particles_.rest(), part, chosen_of(part), mean_,
                                                         {blocks_of(part), stream})
                                     : chosen_of(part);
-    if (p2g_mean_)
-        p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr},
-                  stream);
-    else
-        p2g_(view(), chosen, grid, method_.cell, stream);
+    p2g_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr}, stream);
 }
 
 /// contact: of this step's structures; null where there are none.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
                                         const LightMarks<Real>& marks, const NodeContact<Dim>* contact) {
-    if (!method_.fluid()) return gpu::solve_nodes(view(), method_.stencil, round, quantum, marks, stream_, contact);
+    if (!method_.fluid())
+        return nodes_kernel_.solve(view(), method_.stencil, round, quantum, marks, stream_, contact);
     const NodeFluid<Real, Dim> fluid{mean_ == NodeMean::volume, method_.capacity,
                                      static_cast<Real>(std::pow(scene_.cell, -Dim))};
-    solve_fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);
+    nodes_kernel_.solve_fluid(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);
 }
 
 template <class Real, int Dim>

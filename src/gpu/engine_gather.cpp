@@ -65,7 +65,7 @@ void DeviceEngine<Real, Dim>::gather_blocks(const Chosen& chosen, const Chosen* 
         args.dt, args.quantum, args.gradient, args.gradient_stride, stress_.size() > 1 ? material_of_.data() : nullptr,
         0};
     for (; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, lanes[0]);
+        stress_[static_cast<std::size_t>(stress.mine)].run(v, chosen, stress, lanes[0]);
 }
 
 template <class Real, int Dim>

@@ -80,7 +80,7 @@ void DeviceEngine<Real, Dim>::capture_lead(LeadGraph& graph, const StepScales<Di
     graph.capture(lead_launches(), stream, [&](const LeadNodes& behind) {
         lead_->decide_beside(report_work(&lead_->state()->report), behind, static_cast<int>(sizeof(Real)),
                              [&] { sum_part(1, stream); });
-        gpu::solve_nodes<Real, Dim>(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
+        nodes_kernel_.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
                                     light_marks_of(round), stream);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
         lists_.collect(tables_.view(), Part::all, interior_blocks(), stream);

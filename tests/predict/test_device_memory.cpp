@@ -4,8 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "comm/fused_blocks.hpp"
-#include "comm/fused_gather.hpp"
+#include "core/kernel_key.hpp"
 #include "core/material/laws.hpp"
 #include "core/shape.hpp"
 #include "predict/prediction.hpp"
