@@ -4,7 +4,7 @@ import sys
 from typing import List, Optional, Sequence
 
 from .command_line import Parser, exit_code
-from .picture import draw
+from .drawing import draw
 
 
 def _numbers(text: str) -> List[float]:

@@ -66,7 +66,6 @@ class Simulation {
     void balance();
 
     /// Brings the share into the binned state. Collective.
-    void make_substeps();
     void bin();
     /// Bins, adds up, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
@@ -142,6 +141,7 @@ class Simulation {
     void record_step();
     void agree_on_dt();
     void choose_step();
+    void make_substeps();
     void check_step();
     void report_faults() const;
     void agree_on_forces();

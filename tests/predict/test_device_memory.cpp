@@ -14,7 +14,7 @@ using namespace moraine;
 namespace {
 
 struct Measured {
-    const char* name;                 ///< of the case in benchmarks/device/results.jsonl
+    const char* name;                 ///< of the case in benchmarks/device/results.md
     double edge, height;              ///< of the body [cells]
     double single, double_precision;  ///< [bytes per particle]
     Shape shape = Shape::quadratic;

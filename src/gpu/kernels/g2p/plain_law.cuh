@@ -1,7 +1,7 @@
 #pragma once
 // Laws as kernels see them: clay without rate effect and softening has kernels of its own, in which nothing asks for
 // either. A branch per particle and the registers of what lies behind it cost 1.7 % of a step in single precision
-// (benchmarks/neutrality/results.md).
+// (docs/adr/0004-device-kernels.md).
 
 #include "core/material/law_list.hpp"
 
