@@ -30,7 +30,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
       refresh_clock_(refresh_interval),
       cache_(static_cast<std::size_t>(properties_of_device().l2CacheSize)) {
     check(cudaGetDevice(&device_), "Asking for the device");
-    choose_kernels();
+    kernels_ = choose_kernels(scene, method);
     half_size_.assign(method.context.half_size, scene.bodies.size());
     std::vector<std::uint16_t> materials;
     for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
@@ -46,31 +46,10 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
         limited_count_.resize(2 * LimitedBlocks::lists);
     }
     if (scene.sleep.on) sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, method, material_of_.data());
-    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means());
+    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means(method));
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);
     empty_accounts(accounts_.data(), stream_);
-}
-
-template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::choose_kernels() {
-    const bool affine = method_.needs.affine, fluid = method_.fluid(), of_grid = method_.grid_bulk();
-    if (takes_means())
-        p2g_mean_ = choose_p2g_mean<Real, Dim>(scene_.shape, affine);
-    else
-        p2g_ = choose_p2g<Real, Dim>(scene_.shape, affine);
-    find_limited_ = choose_find_limited<Real, Dim>(scene_.shape);
-    if (fuses(scene_)) {
-        const MaterialSpec& material = scene_.materials.front();
-        gather_ = of_grid ? make_fused_pressure_gather<Real, Dim>(material, affine)
-                  : fluid ? make_fused_fluid_gather<Real, Dim>(material, affine)
-                          : make_fused_gather<Real, Dim>(material, scene_.shape, affine);
-        return;
-    }
-    gather_ = of_grid ? make_pressure_gather<Real, Dim>(affine)
-              : fluid ? make_fluid_gather<Real, Dim>(scene_.shape, affine)
-                      : make_gather<Real, Dim>(scene_.shape, affine, method_.averaged() != nullptr);
-    for (const MaterialSpec& material : scene_.materials) stress_.push_back(make_stress<Real, Dim>(material));
 }
 
 template <class Real, int Dim>

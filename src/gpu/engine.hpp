@@ -15,14 +15,10 @@
 
 #include "comm/engine.hpp"
 #include "gpu/device_sleepers.hpp"
+#include "gpu/engine_kernels.hpp"
 #include "gpu/exchange/exchange.hpp"
 #include "gpu/kernels/cells/lists.hpp"
-#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
-#include "gpu/kernels/nodes/near_blocks.hpp"
-#include "gpu/kernels/nodes/nodes.hpp"
-#include "gpu/kernels/p2g/p2g.hpp"
-#include "gpu/kernels/pressure/pressure.hpp"
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/lead.hpp"
@@ -92,7 +88,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Traffic traffic() const override;
 
   private:
-    void choose_kernels();
     void take_fluids();
     void take_tables(EpochTables<Dim> tables);
     void change_tables();
@@ -107,7 +102,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool limits(const Round& round) const {
         return (round.nodes == NodeTask::solve || round.nodes == NodeTask::hold) && method_.stiffness();
     }
-    bool takes_means() const { return method_.fluid() || method_.grid_bulk(); }
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     LightMarks<Real> light_marks_of(const Round& round) const;
     void hold(const Round& round, const StepScales<Dim>& step);
@@ -160,16 +154,13 @@ class DeviceEngine final : public Engine<Real, Dim> {
     Stream stream_;
     Event reported_;
 
-    P2g<Real, Dim> p2g_ = nullptr;
-    P2gMean<Real, Dim> p2g_mean_ = nullptr;  ///< in its place where fluids want a mean
+    Kernels<Real, Dim> kernels_;
     NodeMean mean_ = NodeMean::none;
     Array<FluidTerms<Real>> fluid_;   ///< by body
     FluidTerms<Real> first_fluid_{};  ///< of the first one
     PressureState<Real, Dim> pressure_;
-    Array<ExactSum> volumes_;  ///< of NodeVolumes
-    std::unique_ptr<GatherKernel<Real, Dim>> gather_;
-    std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
-    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;         ///< of blocks of one material; null: none is apart
+    Array<ExactSum> volumes_;                                ///< of NodeVolumes
+    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;  ///< of blocks of one material; null: none is apart
 
     Share share_;  ///< the host's
     bool share_is_of_now_ = true;
@@ -188,8 +179,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     PoolArray<std::int32_t> node_of_;  ///< 0, 1, 2, ...
     Array<Vec<Real, Dim>> half_size_;
     Array<std::uint16_t> material_of_;
-    Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
-    FindLimited<Real, Dim> find_limited_ = nullptr;
+    Array<std::uint8_t> averaged_;                   ///< by body; empty: all or none
     Array<Stiffness<Real>> stiffness_;               ///< by body; empty: nothing is limited
     PoolArray<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
     PoolArray<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior

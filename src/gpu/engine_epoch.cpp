@@ -37,12 +37,12 @@ template <class Real, int Dim>
 std::int64_t DeviceEngine<Real, Dim>::capacity() const {
     if (census_.particles == 0) return this->unlimited;
     const double rows = static_cast<double>(records().bytes() + sizeof(Row<Real>));
-    const double lists = 2 * 4 + 2 + 0.125 + 5 + (stress_.empty() ? 0 : Dim * Dim * sizeof(Real));
+    const double lists = 2 * 4 + 2 + 0.125 + 5 + (kernels_.stress.empty() ? 0 : Dim * Dim * sizeof(Real));
     double block =
         sizeof(Real) * node_reals * (power<Dim>(tile_side(method_.stencil.width)) + 1.3 * Block<Dim>::cells) +
         4.0 * (Lists<Dim>::bounds + outgoing_bounds<Dim> + 2 * Block<Dim>::offsets);
     if (method_.grid_bulk()) block += pressure_bytes<Real, Dim>();
-    if (materials_) block += 4.0 * (exchange_ ? 2 : 1) * static_cast<double>(stress_.size() + 1) + 2;
+    if (materials_) block += 4.0 * (exchange_ ? 2 : 1) * static_cast<double>(kernels_.stress.size() + 1) + 2;
     const double each =
         rows + lists + block * static_cast<double>(census_.blocks) / static_cast<double>(census_.particles);
     return static_cast<std::int64_t>(0.9 * static_cast<double>(memory_) / each);
@@ -143,7 +143,7 @@ void DeviceEngine<Real, Dim>::begin(std::size_t particles, std::size_t blocks, s
     bound_cells();
     set_stored(particles);
     census_ = {static_cast<std::int64_t>(particles), static_cast<std::int64_t>(blocks), {}};
-    gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
+    gradient_.resize(kernels_.stress.empty() ? 0 : most * Dim * Dim);
     open_epoch();
     count_boundary();
     find_sleepers();
@@ -324,7 +324,7 @@ void DeviceEngine<Real, Dim>::refresh_and_grow(std::size_t most) {
     most += most / 16;
     particles_.grow(static_cast<std::size_t>(census_.particles), most);
     lists_.grow(most);
-    gradient_.resize(stress_.empty() ? 0 : most * Dim * Dim);
+    gradient_.resize(kernels_.stress.empty() ? 0 : most * Dim * Dim);
 }
 
 template class DeviceEngine<float, 2>;

@@ -13,7 +13,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::take_fluids() {
     const std::size_t bodies = scene_.bodies.size();
     if (method_.grid_bulk()) pressure_.start(method_.grid_bulk(), bodies);
-    if (!takes_means()) return;
+    if (!takes_means(method_)) return;
     std::vector<FluidTerms<Real>> terms(bodies);
     if (method_.fluid()) terms.assign(method_.fluid(), method_.fluid() + bodies);
     first_fluid_ = terms.front();
@@ -26,26 +26,26 @@ void DeviceEngine<Real, Dim>::sum_part(int part, cudaStream_t stream) {
     const Chosen chosen = sleepers_ ? sleepers_->to_sum(view(), particles_.rest(), part, chosen_of(part), mean_,
                                                         {blocks_of(part), stream})
                                     : chosen_of(part);
-    if (p2g_mean_)
-        p2g_mean_(view(), chosen, grid, {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr},
-                  stream);
+    if (kernels_.p2g_mean)
+        kernels_.p2g_mean(view(), chosen, grid,
+                          {method_.cell, mean_ == NodeMean::volume, method_.grid_bulk() != nullptr}, stream);
     else
-        p2g_(view(), chosen, grid, method_.cell, stream);
+        kernels_.p2g(view(), chosen, grid, method_.cell, stream);
 }
 
 /// contact: of this step's structures; null where there are none.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
                                         const LightMarks<Real>& marks, const NodeContact<Dim>* contact) {
-    if (!method_.fluid()) return gpu::solve_nodes(view(), method_.stencil, round, quantum, marks, stream_, contact);
+    if (!method_.fluid()) return kernels_.nodes(view(), method_.stencil, round, quantum, marks, stream_, contact);
     const NodeFluid<Real, Dim> fluid{mean_ == NodeMean::volume, method_.capacity,
                                      static_cast<Real>(std::pow(scene_.cell, -Dim))};
-    solve_fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);
+    kernels_.fluid_nodes(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);
 }
 
 template <class Real, int Dim>
 FluidArgs<Real> DeviceEngine<Real, Dim>::fluid_args() const {
-    if (!takes_means()) return {};
+    if (!takes_means(method_)) return {};
     return {scene_.materials.size() > 1 ? fluid_.data() : nullptr, first_fluid_, mean_ == NodeMean::volume};
 }
 

@@ -17,7 +17,7 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     std::copy(step.gravity_impulse.begin(), step.gravity_impulse.end(), args.gravity_impulse);
     args.quantum = step.quantum;
     args.averages = method_.averaged() != nullptr;
-    args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
+    args.averaged = kernels_.stress.size() > 1 ? averaged_.data() : nullptr;
     if (limits(round))
         args.light = {stiffness_.data(), method_.limits, full_mass_, light_marks_.data(), limited_.data()};
     args.fluid = fluid_args();
@@ -42,7 +42,7 @@ void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const Fl
         const std::size_t most = epoch_.own.size();
         std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(LimitedBlocks::lists * part) * most;
         found = {blocks, blocks + most, limited_count_.data() + part};
-        find_limited_(view(), chosen, args, found, launch);
+        kernels_.find_limited(view(), chosen, args, found, launch);
     }
     const Chosen of_limited{found.limited, found.count};
     const Chosen* limited = limiting ? &of_limited : nullptr;
@@ -57,15 +57,18 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather_blocks(const Chosen& chosen, const Chosen* limited, const Round& round,
                                             const FluidGatherArgs<Real, Dim>& args, const Lanes& lanes) {
     const View<Real, Dim> v = view();
-    gather_->run(v, chosen, args, lanes[0]);
-    if (limited) gather_->run_limited(v, *limited, args, lanes[1]);
+    kernels_.gather->run(v, chosen, args, lanes[0]);
+    if (limited) kernels_.gather->run_limited(v, *limited, args, lanes[1]);
     if (!(round.gather & gather_gradient)) return;
     if (materials_) materials_->meet(lanes);
-    StressArgs<Real, Dim> stress{
-        args.dt, args.quantum, args.gradient, args.gradient_stride, stress_.size() > 1 ? material_of_.data() : nullptr,
-        0};
-    for (; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, lanes[0]);
+    StressArgs<Real, Dim> stress{args.dt,
+                                 args.quantum,
+                                 args.gradient,
+                                 args.gradient_stride,
+                                 kernels_.stress.size() > 1 ? material_of_.data() : nullptr,
+                                 0};
+    for (; stress.mine < static_cast<int>(kernels_.stress.size()); ++stress.mine)
+        kernels_.stress[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, lanes[0]);
 }
 
 template <class Real, int Dim>

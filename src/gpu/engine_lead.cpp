@@ -25,9 +25,9 @@ constexpr std::size_t most_materials = 16;
 /// place, sleepers to look for, means or pressures that go by the number of the step.
 template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::can_lead() const {
-    return !exchange_ && !sleepers_ && !takes_means() && !pending_ && scene_.structures.empty() &&
+    return !exchange_ && !sleepers_ && !takes_means(method_) && !pending_ && scene_.structures.empty() &&
            method_.rounds.size() == 1 && method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
-           census_.particles <= most_led_particles && !epoch_.own.empty() && stress_.size() <= most_materials &&
+           census_.particles <= most_led_particles && !epoch_.own.empty() && kernels_.stress.size() <= most_materials &&
            LeadGraph::is_possible();
 }
 
@@ -44,10 +44,10 @@ std::vector<LeadLaunch> DeviceEngine<Real, Dim>::lead_launches() const {
     std::vector<LeadLaunch> launches{sums, nodes};
     if (materials_) launches.push_back(other);
     if (limiting) launches.insert(launches.end(), {other, gather});
-    if (materials_) launches.insert(launches.end(), stress_.size(), gather);
+    if (materials_) launches.insert(launches.end(), kernels_.stress.size(), gather);
     if (materials_ && limiting) launches.push_back(other);
     launches.insert(launches.end(), limiting ? 2 : 1, gather);
-    launches.insert(launches.end(), stress_.size(), stress);
+    launches.insert(launches.end(), kernels_.stress.size(), stress);
     launches.insert(launches.end(), binning_launches, other);
     return launches;
 }
@@ -80,8 +80,8 @@ void DeviceEngine<Real, Dim>::capture_lead(LeadGraph& graph, const StepScales<Di
     graph.capture(lead_launches(), stream, [&](const LeadNodes& behind) {
         lead_->decide_beside(report_work(&lead_->state()->report), behind, static_cast<int>(sizeof(Real)),
                              [&] { sum_part(1, stream); });
-        gpu::solve_nodes<Real, Dim>(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
-                                    light_marks_of(round), stream);
+        kernels_.nodes(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum, light_marks_of(round),
+                       stream, nullptr);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
         lists_.collect(tables_.view(), Part::all, interior_blocks(), stream);
         lists_.make(tables_.view(), stream);

@@ -19,14 +19,14 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              light_marks_of(round),
                              {}};
     if (step.structures) work.contact = node_contact(*step.structures);
-    hold_nodes(work, stream_);
+    kernels_.hold_nodes(work, stream_);
     summed_ = false;
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_cells(const Substep& first) {
     const auto find = [&](const Chosen& chosen, int blocks) {
-        gpu::find_cells(view(), pressure_.view(), method_.capacity, chosen, blocks, first, stream_);
+        kernels_.find_pressures(view(), pressure_.view(), method_.capacity, chosen, blocks, first, stream_);
     };
     if (exchange_) find(lists_.boundary(), boundary_blocks_);
     find(lists_.interior(), interior_blocks());
@@ -44,12 +44,14 @@ void DeviceEngine<Real, Dim>::sum_boundary_cells(const Substep& substep) {
     if (!exchange_) return;
     exchange_->solved.record(stream_);
     exchange_->stream.wait_for(exchange_->solved);
-    advance_cells(view(), pressure_.view(), lists_.boundary(), boundary_blocks_, cell_task(substep), exchange_->stream);
+    kernels_.advance_pressures(view(), pressure_.view(), lists_.boundary(), boundary_blocks_, cell_task(substep),
+                               exchange_->stream);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_interior_cells(const Substep& substep) {
-    advance_cells(view(), pressure_.view(), lists_.interior(), interior_blocks(), cell_task(substep), stream_);
+    kernels_.advance_pressures(view(), pressure_.view(), lists_.interior(), interior_blocks(), cell_task(substep),
+                               stream_);
     if (exchange_) exchange_->halo.post();
 }
 
@@ -60,7 +62,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     round.step = static_cast<Real>(step.dt);
     const PressureView<Real, Dim> pressure = pressure_.view();
     const auto solve = [&](const NodeContact<Dim>* contact) {
-        solve_substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
+        kernels_.substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
     if (step.structures) {
         const NodeContact<Dim> contact = node_contact(*step.structures);
@@ -72,8 +74,8 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (!substep.is_last()) return;
     CellTask<Real> task = cell_task({substep.number + 1, substep.count, substep.dt});
     task.sums = false;
-    if (exchange_) advance_cells(view(), pressure, lists_.boundary(), boundary_blocks_, task, stream_);
-    advance_cells(view(), pressure, lists_.interior(), interior_blocks(), task, stream_);
+    if (exchange_) kernels_.advance_pressures(view(), pressure, lists_.boundary(), boundary_blocks_, task, stream_);
+    kernels_.advance_pressures(view(), pressure, lists_.interior(), interior_blocks(), task, stream_);
     watch_.end(1, stream_);
 }
 
