@@ -1,6 +1,6 @@
 // The engine's parts of a step that concern sleeping blocks (core/sleep.hpp).
 
-#include "comm/sleepers.hpp"
+#include "comm/activity_exchange.hpp"
 #include "gpu/engine.hpp"
 
 namespace moraine::gpu {
