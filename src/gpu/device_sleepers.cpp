@@ -49,7 +49,7 @@ SleepView<Dim> DeviceSleepers<Real, Dim>::state(const RestWords& rest) const {
     return s;
 }
 
-/// What sleeps goes on to sleep from binning to binning; its waves are asked for when an epoch begins.
+/// Sleeping blocks keep their wave speed from binning to binning; it is found again when an epoch begins.
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, const std::uint32_t* former_first,
                                      cudaStream_t stream) {

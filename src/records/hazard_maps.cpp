@@ -133,7 +133,7 @@ void HazardMaps::observe_gauges(const PlanColumns& seen, const std::vector<std::
 template <class Real>
 std::vector<Layers> HazardMaps::resting(const Simulation<Real, 3>& sim, const PlanColumns& seen) const {
     std::vector<Layers> layers(seen.all(), 0);
-    sim.find_layers(seen, layers);
+    sim.answer(LayerQuery{seen, layers});
     comm_.unite(layers);
     for (std::int64_t j = 0; j < seen.count[1]; ++j)
         for (std::int64_t i = 0; i < seen.count[0]; ++i) {
@@ -155,7 +155,7 @@ void HazardMaps::sample(const Simulation<Real, 3>& sim) {
     const std::vector<Layers> layers = resting(sim, seen);
     seen.resting = layers.data();
     std::vector<std::int64_t> sums(seen.all_sums(), 0);
-    const double v = std::sqrt(comm_.max(sim.sum_columns(seen, sums)));
+    const double v = std::sqrt(comm_.max(sim.answer(ColumnQuery{seen, sums}).square_speed));
     comm_.sum(sums);
     const double time = sim.clock().time;
     take(time, seen, sums);
