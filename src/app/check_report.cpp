@@ -6,6 +6,7 @@
 
 #include "core/courant.hpp"
 #include "core/ground_curvature.hpp"
+#include "core/kernel_key.hpp"
 #include "core/rest_interval.hpp"
 #include "core/scene_sleep.hpp"
 #include "predict/prediction.hpp"
@@ -116,6 +117,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
                                      : fmt::format("cfl {:.3g}, waves {:.4g} m/s, particles {:.4g} m/s at the start",
                                                    courant_number(scene), p.max_wave_speed, p.max_speed));
     text += steps_line(scene, p);
+    if (run.on_devices) text += fmt::format("kernels    {}\n", kernel_key(scene).text());
     text += fmt::format("time       {}\n", run.timing.empty() ? run_time_text(scene, p, ranks, run.on_devices) +
                                                                     " (--time measures it here)"
                                                               : run.timing);

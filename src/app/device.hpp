@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "comm/comm.hpp"
 #include "comm/engine.hpp"
@@ -29,6 +30,13 @@ bool wants_device(const std::string& wanted, const Comm& comm);
 /// its devices in turn. `transport` is --transport: auto, or one of comm/transport_names.hpp; tried before it is
 /// chosen. Throws InputError, the same on all ranks, where what is wanted cannot be had. Collective.
 DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const std::string& transport = "auto");
+
+/// Where compiled device kernels are kept (--kernel-cache); tells: that some are being compiled is said on stderr.
+void keep_kernels(const std::string& folder, bool tells);
+
+/// Compiles the device kernels of a scene into that folder, for these compute capabilities (times 10; none: that of the
+/// build). Returns what to say of it. Needs no device. Throws MachineError; InputError where there is no device code.
+std::string compile_kernels(const Scene& scene, const std::string& folder, const std::vector<int>& architectures);
 
 /// Throws InputError, the same on all ranks, if a device has less free than its ranks need, `bytes` each. Collective.
 void check_device_memory(double bytes, const Comm& comm);

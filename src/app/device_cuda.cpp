@@ -5,10 +5,13 @@
 #include <malloc.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "app/device.hpp"
 #include "core/error.hpp"
+#include "gpu/compile/kernel_store.hpp"
 #include "gpu/engine.hpp"
+#include "gpu/kernels/programs.hpp"
 #include "gpu/transport/transport.hpp"
 
 namespace moraine {
@@ -60,6 +63,42 @@ DeviceChoice choose_device(const std::string& wanted, const Comm& comm, const st
         fmt::format("Computing on {} ({} rank{}, {} device{} on this machine){}{}", properties.name, comm.size(),
                     comm.size() == 1 ? "" : "s", devices, devices == 1 ? "" : "s", how.empty() ? "" : ", ", how);
     return choice;
+}
+
+namespace {
+
+/// Kernels that a package brings: ../share/moraine/kernels beside the program.
+std::vector<std::filesystem::path> packaged_kernels() {
+    std::error_code failed;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    if (failed) return {};
+    return {program.parent_path().parent_path() / "share/moraine/kernels"};
+}
+
+gpu::KernelCache kernel_cache(const std::string& folder) {
+    return gpu::KernelCache(gpu::kernel_cache_folder(folder), packaged_kernels());
+}
+
+void say(const std::string& words) {
+    fmt::print(stderr, "{}\n", words);
+}
+
+}  // namespace
+
+void keep_kernels(const std::string& folder, bool tells) {
+    gpu::KernelStore::instance().keep_in(kernel_cache(folder), tells ? say : nullptr);
+}
+
+std::string compile_kernels(const Scene& scene, const std::string& folder, const std::vector<int>& architectures) {
+    const gpu::KernelCache cache = kernel_cache(folder);
+    if (cache.folder().empty())
+        throw InputError("No folder for kernels (--kernel-cache none keeps nothing). Name one?");
+    const KernelKey key = kernel_key(scene);
+    const gpu::Program program = gpu::merged(gpu::programs_of(key));
+    for (const int architecture : architectures.empty() ? std::vector<int>{MORAINE_ARCHITECTURE} : architectures)
+        gpu::compile_to_disk(cache, program, architecture, say);
+    return fmt::format("{}: {} kernels in {} ({})\n", scene.path, program.kernels.size(), cache.folder().string(),
+                       key.text());
 }
 
 void check_device_memory(double bytes, const Comm& comm) {

@@ -18,6 +18,12 @@ DeviceChoice choose_device(const std::string& wanted, const Comm&, const std::st
     return {false, "Computing on the host (this program was built without CUDA)", nullptr, "host"};
 }
 
+void keep_kernels(const std::string&, bool) {}
+
+std::string compile_kernels(const Scene&, const std::string&, const std::vector<int>&) {
+    throw InputError("This program was built without CUDA (it has no device kernels). Build it with nvcc?");
+}
+
 void check_device_memory(double, const Comm&) {}
 
 template <class Real, int Dim>

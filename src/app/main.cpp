@@ -1,4 +1,4 @@
-// moraine: the command line. `run` a scene, `check` it, `converge` it, `replay`, `picture` or `report` runs; `schema`
+// moraine: the command line. `run` a scene, `check` it, compile its `kernels`, `converge` it, `replay`, `picture` or `report` runs; `schema`
 // is for editors; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
@@ -88,6 +88,7 @@ void choose_threads(const Comm& comm) {
 /// The host's threads, or devices that have space for the scene. Collective.
 DeviceChoice prepare_device(const Scene& scene, const Options& options, const Comm& comm) {
     choose_threads(comm);
+    keep_kernels(options.kernel_cache, comm.is_root() && !options.quiet);
     const DeviceChoice device = choose_device(options.device, comm, options.transport);
     if (device.cuda) check_device_memory(bytes_on_device(scene, predict(scene), comm.size()), comm);
     return device;
@@ -107,6 +108,11 @@ void execute(const Options& options, const Comm& comm) {
     });
     if (options.command == "check") {
         check(scene, options, comm, machine);
+        return;
+    }
+    if (options.command == "kernels") {
+        check_device_scene(scene);
+        if (comm.is_root()) fmt::print("{}", compile_kernels(scene, options.kernel_cache, options.architectures));
         return;
     }
     for (const std::string& notice : scene.notices)

@@ -24,6 +24,7 @@ struct Command {
 constexpr Command commands[] = {
     {"run", "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"},
     {"check", "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps, minutes and memory\n"},
+    {"kernels", "moraine kernels SCENE.toml [options] compile the scene's device kernels into a folder; needs no device\n"},
     {"replay",
      "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded loads\n"},
     {"converge", "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is\n"},
@@ -58,6 +59,9 @@ std::vector<std::string> partitioners() {
     throw InputError(fmt::format("{} ({}). {}", problem, why, suggestion));
 }
 
+constexpr const char* cache_meaning =
+    "where compiled device kernels are kept; none: nowhere (default: MORAINE_KERNEL_CACHE, else ~/.cache/moraine/kernels)";
+
 po::options_description run_options(Options& o) {
     po::options_description options("run");
     options.add_options()("output", po::value(&o.output)->value_name("DIR"),
@@ -67,6 +71,7 @@ po::options_description run_options(Options& o) {
         "change a key of the scene; material.NAME.key and body.NAME.key address tables; again for more")(
         "device", po::value(&o.device)->value_name("NAME"), "auto, cpu, cuda (default: auto)")(
         "transport", po::value(&o.transport)->value_name("NAME"), (listed(transports()) + " (default: auto)").c_str())(
+        "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), cache_meaning)(
         "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
         "restart", po::value(&o.restart)->value_name("FILE"), "go on from a checkpoint")(
         "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
@@ -83,8 +88,22 @@ po::options_description check_options(Options& o) {
         "ranks", po::value(&o.ranks)->value_name("P"), "predict memory and time of one of P ranks (default: 1)")(
         "time", po::bool_switch(&o.time),
         "make a second of steps and an output in the present folder, and say the time of the run from them; in "
-        "parallel as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time");
+        "parallel as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time")(
+        "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), "as in run, with --time");
     return options;
+}
+
+po::options_description kernel_options(Options& o) {
+    po::options_description options("kernels");
+    options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
+        "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), cache_meaning)(
+        "architecture", po::value(&o.architectures)->value_name("CC"),
+        "compute capability times 10, as 80 or 90; again for more (default: that of the build)");
+    return options;
+}
+
+po::options_description options_of(Options& o) {
+    return o.command == "run" ? run_options(o) : o.command == "check" ? check_options(o) : kernel_options(o);
 }
 
 std::vector<std::string> names_of(const po::options_description& description) {
@@ -166,17 +185,21 @@ Options parse_options(int argc, const char* const* argv) {
         o.replay = parse_replay({words.begin() + 1, words.end()});
         return o;
     }
-    if (words[0] != "run" && words[0] != "check") {
+    if (words[0] != "run" && words[0] != "check" && words[0] != "kernels") {
         const bool scene = words[0].ends_with(".toml");
         refuse_argument(
             words[0], "not a command",
             scene ? fmt::format("Did you mean moraine run {}?", words[0]) : suggest(words[0], command_names()));
     }
     o.command = words[0];
-    parse_arguments({words.begin() + 1, words.end()}, o.command == "run" ? run_options(o) : check_options(o), o);
+    parse_arguments({words.begin() + 1, words.end()}, options_of(o), o);
     check_choice("--device", o.device, devices);
     check_choice("--transport", o.transport, transports());
     if (!o.partitioner.empty()) check_choice("--partitioner", o.partitioner, partitioners());
+    for (const int architecture : o.architectures)
+        if (architecture < 50 || architecture > 200)
+            refuse_argument(fmt::format("--architecture {}", architecture), "must be a compute capability times 10",
+                            "Did you mean 90?");
     if (o.ranks < 1) refuse_argument(fmt::format("--ranks {}", o.ranks), "must be at least 1", "Did you mean 1?");
     if (o.time && o.ranks > 1)
         refuse_argument(fmt::format("--time with --ranks {}", o.ranks), "what is not running cannot be timed",
@@ -192,6 +215,7 @@ std::string help_text(const std::string& topic) {
     out << (topic.empty() ? "moraine --version | --help\n\n" : "\n");
     if (topic.empty() || topic == "run") out << run_options(unused) << '\n';
     if (topic.empty() || topic == "check") out << check_options(unused) << '\n';
+    if (topic.empty() || topic == "kernels") out << kernel_options(unused) << '\n';
     if (topic.empty() || topic == "replay") out << replay_help();
     return out.str();
 }

@@ -9,7 +9,7 @@
 namespace moraine {
 
 struct Options {
-    std::string command;  ///< run, check, replay, schema, version, help
+    std::string command;  ///< run, check, kernels, replay, schema, version, help
     std::string topic;    ///< of help: a command; empty: all
     std::string scene;    ///< path
     std::string output;   ///< directory; empty: runs/<scene name>
@@ -17,6 +17,8 @@ struct Options {
     std::vector<std::string> sets;   ///< KEY=VALUE
     std::string device = "auto";     ///< cpu, cuda, auto
     std::string transport = "auto";  ///< auto, or one of comm/transport_names.hpp
+    std::string kernel_cache;        ///< folder of compiled device kernels; empty: the user's, none: nothing is kept
+    std::vector<int> architectures;  ///< kernels: compute capabilities times 10; empty: that of the build
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start
     bool quiet = false;

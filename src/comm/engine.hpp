@@ -76,6 +76,7 @@ struct Traffic {
 struct EngineDevice {
     std::string name = "cpu";       ///< for the records: "cpu", or a device's own name
     bool leaves_host_free = false;  ///< the host's threads have nothing to do during a step
+    std::string compiler;           ///< of kernels that are compiled for the scene, with options; empty: none are
 };
 
 /// The blocks that other ranks need, and all others.

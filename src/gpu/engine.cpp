@@ -18,7 +18,7 @@ cudaDeviceProp properties_of_device() {
 template <class Real, int Dim>
 DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
                                       const TransportFactory* transports, int refresh_interval)
-    : Engine<Real, Dim>({properties_of_device().name, true}),
+    : Engine<Real, Dim>({properties_of_device().name, true, compiler_of_device()}),
       scene_(scene),
       method_(method),
       memory_(properties_of_device().totalGlobalMem),

@@ -174,6 +174,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"title", sim.scene().title},
         {"machine", processor_name(comm)},
         {"device", sim.engine().device().name},
+        {"kernel_compiler", sim.engine().device().compiler},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},
         {"threads", omp_get_max_threads()},

@@ -133,7 +133,6 @@ class Simulation {
     // simulation.cpp: the parts of a step
     bool engine_leads();
     void follow();
-    void make_substeps();
     void start_agreement();
     void record_step();
     void agree_on_dt();

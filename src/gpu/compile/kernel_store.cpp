@@ -63,6 +63,12 @@ int architecture_of_device() {
     return 10 * major + minor;
 }
 
+std::string compiler_of_device() {
+    std::string words = version_of_build();
+    for (const std::string& option : RuntimeCompiler::options(architecture_of_device())) words += ' ' + option;
+    return words;
+}
+
 void compile_to_disk(const KernelCache& cache, const Program& program, int architecture,
                      const std::function<void(const std::string&)>& tell) {
     find_or_compile(cache, program, architecture, tell);
@@ -85,8 +91,6 @@ void KernelStore::prepare(const std::vector<Program>& programs) {
         if (std::string text = program.text(); !loaded_.count(text) && texts.insert(text).second)
             wanted.push_back(program);
     const int architecture = architecture_of_device();
-    compiler_ = version_of_build();
-    for (const std::string& option : RuntimeCompiler::options(architecture)) compiler_ += ' ' + option;
     if (wanted.empty()) return;
     const Program all = merged(wanted);
     const std::vector<Kernel> kernels = load(all, find_or_compile(cache_, all, architecture, tell_));

@@ -27,15 +27,15 @@ class KernelStore {
     /// The kernels of a program, in order: compiled now where prepare() did not name it. Valid until the end.
     const std::vector<Kernel>& kernels(const Program& program);
 
-    /// Compiler, version and options, for records; empty: nothing was asked for yet.
-    const std::string& compiler() const { return compiler_; }
 
   private:
     KernelCache cache_{kernel_cache_folder("")};
     std::function<void(const std::string&)> tell_;
     std::map<std::string, std::vector<Kernel>> loaded_;  ///< by text
-    std::string compiler_;
 };
+
+/// Compiler and options of kernels for the current device, for records.
+std::string compiler_of_device();
 
 /// Compute capability of the current device, times 10.
 int architecture_of_device();

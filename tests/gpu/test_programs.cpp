@@ -1,0 +1,83 @@
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "core/kernel_key.hpp"
+#include "gpu/compile/kernel_sources.hpp"
+#include "gpu/compile/runtime_compiler.hpp"
+#include "gpu/kernels/programs.hpp"
+#include "scene/read_scene.hpp"
+
+using namespace moraine;
+
+namespace {
+
+Scene shipped(const std::string& name) {
+    return read_scene(std::string(MORAINE_INPUTS) + "/" + name + ".toml");
+}
+
+/// Largest number before `words` in the compiler's log; -1: nowhere.
+int largest(const std::string& log, const std::string& words) {
+    const std::regex number("([0-9]+) " + words);
+    int most = -1;
+    for (std::sregex_iterator it(log.begin(), log.end(), number), end; it != end; ++it)
+        most = std::max(most, std::stoi((*it)[1]));
+    return most;
+}
+
+}  // namespace
+
+TEST_CASE("the headers of kernels travel in the program") {
+    std::set<std::string> names;
+    for (const gpu::KernelSource& source : gpu::kernel_sources()) names.insert(source.name);
+    for (const char* wanted : {"gpu/kernels/p2g/p2g_plan.cuh", "core/material/law_list.hpp", "cmath", "cuda/std/tuple"})
+        CHECK(names.count(wanted) == 1);
+}
+
+TEST_CASE("one program has each kernel and each header of its parts once") {
+    const KernelKey key = kernel_key(shipped("granular_column"));
+    const std::vector<gpu::Program> parts = gpu::programs_of(key);
+    const gpu::Program all = gpu::merged(parts);
+    std::size_t kernels = 0;
+    for (const gpu::Program& part : parts) kernels += part.kernels.size();
+    CHECK(all.kernels.size() == kernels);
+    CHECK(std::set<std::string>(all.headers.begin(), all.headers.end()).size() == all.headers.size());
+    for (const gpu::Program& part : parts)
+        for (const gpu::ProgramKernel& kernel : part.kernels)
+            CHECK(all.text().find(kernel.expression) != std::string::npos);
+}
+
+// Beyond 64 bytes registers are spilled for good; below, NVRTC's 64-bit addresses of shared memory cost one or two, which
+// no benchmark shows (docs/adr/0004).
+TEST_CASE("kernels of shipped scenes compile, and their registers suffice") {
+    const std::vector<std::string> names =
+        std::getenv("MORAINE_LONG_TESTS")
+            ? std::vector<std::string>{"granular_column", "slurry_runout", "slurry_runout_3d", "submarine_slide",
+                                       "submarine_slide_3d", "strip_footing", "valley", "undercut_bed"}
+            : std::vector<std::string>{"granular_column", "slurry_runout_3d"};
+    for (const std::string& name : names) {
+        CAPTURE(name);
+        const gpu::Program program = gpu::merged(gpu::programs_of(kernel_key(shipped(name))));
+        const gpu::CompiledProgram compiled = gpu::RuntimeCompiler::instance().compile(program, 90);
+        CHECK(compiled.names.size() == program.kernels.size());
+        CHECK(compiled.image.size() > 1000);
+        CHECK(largest(compiled.log, "bytes spill stores") <= 64);
+        CHECK(largest(compiled.log, "bytes spill stores") >= 0);
+    }
+}
+
+TEST_CASE("what does not compile is told with the compiler's words") {
+    const gpu::Program wrong{"a wrong program", {"gpu/kernels/p2g/p2g_plan.cuh"}, {{"no_such_kernel<3>", "1", "0"}}};
+    std::string words;
+    try {
+        gpu::RuntimeCompiler::instance().compile(wrong, 90);
+    } catch (const std::exception& e) {
+        words = e.what();
+    }
+    CHECK(words.find("a wrong program") != std::string::npos);
+    CHECK(words.find("no_such_kernel") != std::string::npos);
+}
