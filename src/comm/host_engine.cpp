@@ -120,6 +120,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     field_ = structures.field();
     finding_ = true;
+    if (surfaces_) surfaces_->place(field_, structures.any_moves());
     if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
         ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
                        {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});

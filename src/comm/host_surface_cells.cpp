@@ -66,11 +66,11 @@ template <class Real, int Dim>
 Real HostSurfaces<Real, Dim>::share_of(int k, int c) const {
     const bool cut = place_[static_cast<std::size_t>(k * cells + c)].cut != nullptr;
     const int corner = tile_offset<Dim, 3>(c);
-    const BesideNode<Dim>& own = beside_[static_cast<std::size_t>(node_at(k, corner + tile_nodes_to_middle))];
+    const SurfaceNode<Dim>& own = surface_nodes_[static_cast<std::size_t>(node_at(k, corner + tile_nodes_to_middle))];
     double least = 1e9, soil = 0, space = 0;
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
         const std::int32_t near = node_at(k, corner + at);
-        const BesideNode<Dim>& n = beside_[static_cast<std::size_t>(near)];
+        const SurfaceNode<Dim>& n = surface_nodes_[static_cast<std::size_t>(near)];
         const std::ptrdiff_t held = stored(near);
         const double filling = held < 0 ? 0.0 : double(scene_.held[held].filling);
         const int offset[3] = {i - 1, j - 1, l - 1};
@@ -88,7 +88,7 @@ Real HostSurfaces<Real, Dim>::share_of(int k, int c) const {
 template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::find_cell(int k, int c, const Substep&) {
     const auto i = static_cast<std::size_t>(k * cells + c);
-    const CellBeside& place = place_[i];
+    const SurfaceCell& place = place_[i];
     OpenCell<Real, Dim>& cell = cells_[i];
     const std::int32_t block = blocks_[static_cast<std::size_t>(k)];
     const ListView<Dim> list = patch_.list();
@@ -147,7 +147,7 @@ void HostSurfaces<Real, Dim>::faces_of(const Place& node, const CutCell<Dim>* cu
 template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Dim>& moments,
                                         OpenCell<Real, Dim>& cell) const {
-    const CellBeside& place = place_[static_cast<std::size_t>(k * cells + c)];
+    const SurfaceCell& place = place_[static_cast<std::size_t>(k * cells + c)];
     const Place node = cell_node(k, c);
     const CellBox<Dim> box = geometry_.box(node);
     CellBasis<Real> basis[Dim];
@@ -164,7 +164,7 @@ void HostSurfaces<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Di
     int n = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const std::int32_t near = node_at(k, tile_offset<Dim, 3>(c) + at);
-        const BesideNode<Dim>& beside = beside_[static_cast<std::size_t>(near)];
+        const SurfaceNode<Dim>& beside = surface_nodes_[static_cast<std::size_t>(near)];
         const std::ptrdiff_t held = stored(near);
         share[n++] = static_cast<Real>(node_share(beside, held < 0 ? 0.0 : double(scene_.held[held].filling)));
         light = light || beside.capacity < light_capacity;
@@ -180,7 +180,7 @@ void HostSurfaces<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Di
 /// Source, weight, and of a child the part of the weight that it has together with its root.
 template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const {
-    const CellBeside& place = place_[static_cast<std::size_t>(k * cells + c)];
+    const SurfaceCell& place = place_[static_cast<std::size_t>(k * cells + c)];
     CellNode<Real, Dim> of_root[nodes];
     if (cell.child) {
         Place root = cell_node(k, c);
@@ -211,7 +211,8 @@ void HostSurfaces<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell
         cell.weight += square / v[quad - 1];
         if (both) {
             const double filling = double(scene_.held[stored(near)].filling);
-            cell.state.head += Real(node_share(beside_[static_cast<std::size_t>(near)], filling)) * cross / v[quad - 1];
+            cell.state.head +=
+                Real(node_share(surface_nodes_[static_cast<std::size_t>(near)], filling)) * cross / v[quad - 1];
         }
     });
     for (int a = 0; a < Dim; ++a)
@@ -321,7 +322,8 @@ template <class Real, int Dim>
 int HostSurfaces<Real, Dim>::structure_of(int k, int c) const {
     const CutCell<Dim>* cut = place_[static_cast<std::size_t>(k * cells + c)].cut;
     if (cut) return cut->structure;
-    return beside_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle))].structure;
+    return surface_nodes_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle))]
+        .structure;
 }
 
 template <class Real, int Dim>

@@ -195,7 +195,7 @@ void HostSurfaces<Real, Dim>::close_slave(int k, int c, Real* tile) {
     const GapTiles tiles{pairs_->structures(), pairs_->tile_of().data(), scene_.gaps};
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
         const std::int32_t near = node_at(k, corner + at);
-        const BesideNode<Dim>& n = beside_[static_cast<std::size_t>(near)];
+        const SurfaceNode<Dim>& n = surface_nodes_[static_cast<std::size_t>(near)];
         if (!(n.slaved > 0)) return;
         const int offset[3] = {i - 1, j - 1, l - 1};
         int beyond = middle;

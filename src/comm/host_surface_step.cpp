@@ -19,7 +19,7 @@ void HostEngine<Real, Dim>::begin_surfaces(const StepScales<Dim>& step) {
     report_.felt.resize(step.structures->size());
     surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), pressed_.data(),
                            held_.data(), nullptr, gaps_.data(), report_.felt.data(), impulse_.data()},
-                          *halo_, pairs_, step.structures->any_moves());
+                          *halo_, pairs_);
 }
 
 template <class Real, int Dim>

@@ -38,15 +38,24 @@ Vec<std::int32_t, Dim> first_of(const Vec<std::int32_t, Dim>& block) {
 }  // namespace
 
 template <class Real, int Dim>
+void HostSurfaces<Real, Dim>::place(const ContactField<Dim>& field, bool moves) {
+    if (made_ && !moves) return;
+    scene_.field = field;
+    geometry_.begin(field, doubled(method_.context.walls), doubled(method_.capacity));
+    if (moves) geometry_.forget();
+    make(patch_.tables());
+    std::vector<std::uint8_t> needed(near_of_.size());
+    for (std::size_t c = 0; c < needed.size(); ++c) needed[c] = near_of_[c] >= 0;
+    patch_.keep_nodes(std::move(needed));
+    made_ = true;
+}
+
+template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo,
-                                         const ContactPairs<Dim>& pairs, bool moves) {
+                                         const ContactPairs<Dim>& pairs) {
     scene_ = scene;
     halo_ = &halo;
     pairs_ = &pairs;
-    geometry_.begin(scene.field, doubled(method_.context.walls), doubled(method_.capacity));
-    if (moves) geometry_.forget();
-    if (moves || !made_) make(patch_.tables());
-    made_ = true;
     find_gaps(pairs);
     weigh();
 }
@@ -111,12 +120,12 @@ void HostSurfaces<Real, Dim>::list_blocks(const EpochTables<Dim>& tables) {
 
 template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::find_nodes(const EpochTables<Dim>& tables) {
-    beside_.resize(near_nodes_.size() * cells);
+    surface_nodes_.resize(near_nodes_.size() * cells);
     for (std::size_t j = 0; j < near_nodes_.size(); ++j)
         for (int n = 0; n < cells; ++n) {
             Place node = tables.node_position[static_cast<std::size_t>(near_nodes_[j])];
             for (int a = 0; a < Dim; ++a) node[a] = 4 * node[a] - method_.stencil.origin + cell_coordinate<Dim>(n, a);
-            beside_[j * cells + static_cast<std::size_t>(n)] = geometry_.node(node);
+            surface_nodes_[j * cells + static_cast<std::size_t>(n)] = geometry_.node(node);
         }
     node_at_.resize(blocks_.size() * tile_nodes);
     const BlockTable<Dim> table = patch_.table();
@@ -154,12 +163,13 @@ void HostSurfaces<Real, Dim>::find_block(int k) {
         for (int a = 0; a < Dim; ++a) e.place[a] = node[a] - first[a] + cut.centre[a];
     }
     for (int c = 0; c < cells; ++c) {
-        CellBeside& cell = place_[static_cast<std::size_t>(k * cells + c)];
+        SurfaceCell& cell = place_[static_cast<std::size_t>(k * cells + c)];
         const Place node = cell_node(k, c);
         cell = {geometry_.part(node), false, nullptr, false, {}};
         cell.near = cell.part != CellPart::open;
         each_node<Dim, 3>([&](int at, int, int, int) {
-            const BesideNode<Dim>& n = beside_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + at))];
+            const SurfaceNode<Dim>& n =
+                surface_nodes_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + at))];
             cell.near = cell.near || n.distance < lacks_within || (n.distance < 3 && n.capacity < light_capacity);
         });
         if (cell.part != CellPart::cut) continue;
@@ -171,7 +181,7 @@ void HostSurfaces<Real, Dim>::find_block(int k) {
 
 /// With whom a cell shares if it does.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::find_root(const Place& node, CellBeside& cell) {
+void HostSurfaces<Real, Dim>::find_root(const Place& node, SurfaceCell& cell) {
     const auto open_volume = [&](const Place& at) {
         const CellPart part = geometry_.part(at);
         return part == CellPart::open ? 1.0 : part == CellPart::cut ? geometry_.cut(at).volume : 0.0;
@@ -214,7 +224,7 @@ void HostSurfaces<Real, Dim>::add_element(int k, int c, const CutCell<Dim>& cut)
     for (int i = 0; i < nodes; ++i) e.own[i] = e.weight[i] = cut.weight(i);
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
-        give_away(beside_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + at))], i++, e);
+        give_away(surface_nodes_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + at))], i++, e);
     });
     elements_[static_cast<std::size_t>(k)].push_back(e);
 }

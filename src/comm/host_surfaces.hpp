@@ -38,9 +38,10 @@ class HostSurfaces {
 
     /// The epoch ended.
     void forget() { made_ = false; }
+    /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
+    void place(const ContactField<Dim>& field, bool moves);
     /// The gaps to surfaces are those of now; the step's masses are at the nodes. Collective over peers.
-    void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs,
-                    bool moves);
+    void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs);
     /// The cells near surfaces, in place of those of find_cells.hpp. Collective over peers.
     void find_cells(const Substep& first);
     /// Their forces, before the nodes of a substep are solved. Collective over peers.
@@ -59,7 +60,7 @@ class HostSurfaces {
     using Place = Vec<std::int32_t, Dim>;
 
     /// A cell of a block near a surface, by place alone.
-    struct CellBeside {
+    struct SurfaceCell {
         CellPart part;
         bool near;                ///< it is one of ours
         const CutCell<Dim>* cut;  ///< null: it is whole
@@ -78,7 +79,7 @@ class HostSurfaces {
     void list_blocks(const EpochTables<Dim>& tables);
     void find_nodes(const EpochTables<Dim>& tables);
     void find_block(int k);
-    void find_root(const Place& node, CellBeside& cell);
+    void find_root(const Place& node, SurfaceCell& cell);
     void add_element(int k, int c, const CutCell<Dim>& cut);
     bool is_near(const Place& block) const;
     Place cell_node(int k, int c) const;
@@ -135,8 +136,8 @@ class HostSurfaces {
     SurfaceGeometry<Dim> geometry_;
     std::size_t ghosts_ = 0;
     std::vector<std::int32_t> blocks_, bed_of_, tile_index_, near_nodes_, near_of_, node_at_;
-    std::vector<BesideNode<Dim>> beside_;                     ///< [near node block][node]
-    std::vector<CellBeside> place_;                           ///< [block][cell]
+    std::vector<SurfaceNode<Dim>> surface_nodes_;             ///< [near node block][node]
+    std::vector<SurfaceCell> place_;                          ///< [block][cell]
     std::vector<std::vector<SurfaceElement<Dim>>> elements_;  ///< [block]
     std::vector<RingElement> ring_;                           ///< [block][cell of the ring]
     Host::Array<Real> tiles_, sums_, shares_;

@@ -44,7 +44,7 @@ struct OpenCell {
 
 /// s_i. filling: v_i / h^d.
 template <int Dim>
-double node_share(const BesideNode<Dim>& n, double filling) {
+double node_share(const SurfaceNode<Dim>& n, double filling) {
     if (!(n.distance < lacks_within && n.capacity > 1e-9 && n.capacity < lacks_below)) return 1;
     const double share = filling / n.capacity / 0.8;
     return share < 1 ? share : 1;

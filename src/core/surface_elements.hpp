@@ -64,7 +64,7 @@ double tensor_lane(const Vec<double, Dim>& n, int lane) {
 
 /// A slave's share of an element's weights, by the place `o` of the slave in the cell's stencil: falls to its masters.
 template <int Dim>
-void give_away(const BesideNode<Dim>& slave, int o, SurfaceElement<Dim>& e) {
+void give_away(const SurfaceNode<Dim>& slave, int o, SurfaceElement<Dim>& e) {
     if (!(slave.slaved > 0) || !(e.own[o] > 0)) return;
     int first = 0, second = 0, stride = 1, rest = o;
     bool has_first = true, has_second = true;

@@ -24,7 +24,7 @@ enum class CellPart { open, cut, solid };
 
 /// What a node finds of the surfaces.
 template <int Dim>
-struct BesideNode {
+struct SurfaceNode {
     double distance;          ///< of the nearest [cells]
     Vec<double, Dim> normal;  ///< of the nearest
     int structure;            ///< the nearest; -1: there is none
@@ -59,8 +59,8 @@ class SurfaceGeometry {
         return beside(node, nearest).distance / field_.cell;
     }
 
-    BesideNode<Dim> node(const Place& place) {
-        BesideNode<Dim> n{};
+    SurfaceNode<Dim> node(const Place& place) {
+        SurfaceNode<Dim> n{};
         Vec<double, Dim> at;
         for (int a = 0; a < Dim; ++a) at[a] = place[a];
         const Surface<Dim> s = beside(at, &n.structure);
@@ -201,7 +201,7 @@ class SurfaceGeometry {
         return product;
     }
 
-    void find_master(const Place& place, BesideNode<Dim>& n) {
+    void find_master(const Place& place, SurfaceNode<Dim>& n) {
         double best = 0;
         for (int way = 1; way < 1 << Dim; ++way) {
             Place to = place;

@@ -114,6 +114,12 @@ class Beds(moraine.ProgramTest):
         again = self.run_scene(path, "again", "--restart", checkpoints(one)[0], *sets(time__end=0.3), ranks=2)
         self.assertEqual(summary(again)["state_hash"], summary(one)["state_hash"])
 
+    def test_one_answer_over_terrain_in_3_d(self):
+        """Cut cells of blocks without soil need nodes that only another rank's soil touches."""
+        hashes = {summary(self.run_scene(moraine.INPUTS / "valley.toml", f"valley{ranks}", "--partitioner", "shuffle", "--no-particles",
+                                         *sets(time__end=0.1, numerics__bed="surface"), ranks=ranks))["state_hash"] for ranks in (1, 2, 3)}
+        self.assertEqual(len(hashes), 1, hashes)
+
     def test_what_it_cannot_do_with_is_said(self):
         for numerics, words in (('shape = "cubic"', "quadratic"), ('stress_update = "musl"', "usl"), ('sleep = "on"', "sleep")):
             with self.subTest(numerics=numerics):
