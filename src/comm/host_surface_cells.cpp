@@ -5,8 +5,9 @@
 
 namespace moraine {
 
-/// Lanes of what a child tells its root, and of what the root tells back.
+/// Lanes of what a child tells its root, what cells tell holes beside them, and what the root tells back.
 enum ChildLane { child_pressure, child_particles, child_bulk, child_volume, child_weight, child_cross };
+enum HoleLane { hole_volume, hole_pressure, hole_bulk };
 enum RootLane { root_pressure, root_bulk, root_volume, root_source };
 
 template <class Real, int Dim>
@@ -29,7 +30,12 @@ void HostSurfaces<Real, Dim>::find_cells(const Substep& first) {
         }
     });
     pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) close_cell(k, c, first);
+        for (int c = 0; c < cells; ++c) {
+            close_cell(k, c, first);
+            tell_holes(k, c, tile);
+        }
+    });
+    pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) fill_hole(k, c);
         for (int c = 0; c < cells; ++c) {
             const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
@@ -250,28 +256,35 @@ void HostSurfaces<Real, Dim>::bound(OpenCell<Real, Dim>& cell, const Substep& fi
     state.bulk = bulk;
 }
 
-/// A cell without particles takes what the cells of its block around it have, by volume.
+/// What a cell with particles tells the cells around it, by the nodes in their middles.
+template <class Real, int Dim>
+void HostSurfaces<Real, Dim>::tell_holes(int k, int c, Real* tile) const {
+    const auto i = static_cast<std::size_t>(k * cells + c);
+    const std::int32_t block = blocks_[static_cast<std::size_t>(k)];
+    const OpenCell<Real, Dim>& cell = cells_[i];
+    const CellPressure<Real>* from = nullptr;
+    if (cell.on && !cell.child && cell.particles > Real(0)) from = &cell.state;
+    if (!place_[i].near && patch_.list().count(block) > 0) from = &scene_.cells[first_cell(block) + std::size_t(c)];
+    if (!from || !(from->volume > Real(0)) || !(from->bulk > Real(0))) return;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        Real* to = tile + (tile_offset<Dim, 3>(c) + at) * node_reals;
+        to[lane(hole_volume)] += from->volume;
+        to[lane(hole_pressure)] += from->volume * from->pressure;
+        to[lane(hole_bulk)] += from->volume * from->bulk;
+    });
+}
+
+/// A cell without particles takes what the cells around it have, by volume.
 template <class Real, int Dim>
 void HostSurfaces<Real, Dim>::fill_hole(int k, int c) {
     OpenCell<Real, Dim>& hole = cells_[static_cast<std::size_t>(k * cells + c)];
     if (!hole.on || hole.child || hole.particles > Real(0)) return;
-    const std::int32_t block = blocks_[static_cast<std::size_t>(k)];
-    const bool occupied = patch_.list().count(block) > 0;
-    Real volume = Real(0), pressure = Real(0), bulk = Real(0);
-    for (int o = 0; o < cells; ++o) {
-        bool beside = true;
-        for (int a = 0; a < Dim; ++a)
-            beside = beside && std::abs(cell_coordinate<Dim>(o, a) - cell_coordinate<Dim>(c, a)) <= 1;
-        const auto i = static_cast<std::size_t>(k * cells + o);
-        const OpenCell<Real, Dim>& near = cells_[i];
-        const CellPressure<Real>* from = nullptr;
-        if (near.on && !near.child && near.particles > Real(0)) from = &near.state;
-        if (!place_[i].near && occupied) from = &scene_.cells[first_cell(block) + o];
-        if (!beside || !from || !(from->volume > Real(0)) || !(from->bulk > Real(0))) continue;
-        volume += from->volume, pressure += from->volume * from->pressure, bulk += from->volume * from->bulk;
-    }
+    const Real* around = sum_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle);
+    const Real volume = around[lane(hole_volume)];
     hole.on = volume > Real(0);
-    if (hole.on) hole.state.pressure = pressure / volume, hole.state.bulk = bulk / volume;
+    if (!hole.on) return;
+    hole.state.pressure = around[lane(hole_pressure)] / volume;
+    hole.state.bulk = around[lane(hole_bulk)] / volume;
 }
 
 template <class Real, int Dim>

@@ -186,22 +186,25 @@ void HostSurfaces<Real, Dim>::find_root(const Place& node, SurfaceCell& cell) {
         const CellPart part = geometry_.part(at);
         return part == CellPart::open ? 1.0 : part == CellPart::cut ? geometry_.cut(at).volume : 0.0;
     };
+    constexpr double same = 1e-6;  // what differs by less does so by rounding
     int axis = 0;
     for (int a = 1; a < Dim; ++a)
-        if (std::fabs(cell.cut->normal[a]) >= std::fabs(cell.cut->normal[axis])) axis = a;
+        if (std::fabs(cell.cut->normal[a]) > std::fabs(cell.cut->normal[axis]) - same) axis = a;
     double widest = 0.02;
-    int best[2] = {-1, 0};
-    for (int a = 0; a < Dim; ++a)
-        for (int way = -1; way <= 1; way += 2) {
+    for (int a = 0; a < Dim; ++a) {
+        double open[2];
+        for (int end = 0; end < 2; ++end) {
             Place at = node;
-            at[a] += way;
-            if (!(open_volume(at) > small_cell)) continue;
-            const bool ahead = a == axis && way * cell.cut->normal[a] > 0;
-            const double open = ahead ? 2.0 : cell.cut->open[2 * a + (way > 0)];
-            if (open > widest) widest = open, best[0] = a, best[1] = way;
+            at[a] += end == 0 ? -1 : 1;
+            const bool ahead = a == axis && (end == 0) == (cell.cut->normal[a] < 0);
+            open[end] = !(open_volume(at) > small_cell) ? 0.0 : ahead ? 2.0 : cell.cut->open[2 * a + end];
         }
-    cell.shares = best[0] >= 0;
-    if (cell.shares) cell.root[best[0]] = best[1];
+        const int end = open[1] > open[0];
+        if (std::fabs(open[1] - open[0]) < same || open[end] < widest - same) continue;  // alike: with neither
+        widest = open[end];
+        cell.shares = true;
+        for (int b = 0; b < Dim; ++b) cell.root[b] = b != a ? 0 : end == 0 ? -1 : 1;
+    }
 }
 
 template <class Real, int Dim>

@@ -121,6 +121,7 @@ class HostSurfaces {
     int structure_of(int k, int c) const;
     void tell_pressure(int k, int c, double impulse);
     std::size_t first_cell(std::int32_t block) const { return std::size_t(patch_.grid().tile_of[block]) * cells; }
+    void tell_holes(int k, int c, Real* tile) const;
     void fill_hole(int k, int c);
     int root_node(int k, int c) const;
     void give_cells();

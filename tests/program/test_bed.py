@@ -120,6 +120,16 @@ class Beds(moraine.ProgramTest):
                                          *sets(time__end=0.1, numerics__bed="surface"), ranks=ranks))["state_hash"] for ranks in (1, 2, 3)}
         self.assertEqual(len(hashes), 1, hashes)
 
+    def test_a_symmetric_jet_on_a_symmetric_wedge_pushes_it_straight(self):
+        body = '[[body]]\nname = "jet"\nmaterial = "soil"\nshape = "box"\nmin = [1.6, 1.8]\nmax = [2.4, 2.6]\nvelocity = [0.0, -2.0]\n'
+        for turn in range(3):
+            corners = [[1.0, 0.6], [2.0, 1.6], [3.0, 0.6]]
+            text = scene((0.0, -GRAVITY), (4.0, 4.0), FLUID, body, "", 'law = "coulomb", friction = 0.3', 0.2, OPEN, numerics='substeps = "auto"')
+            text = text.replace('shape = "plane"', f'shape = "polygon"\npoints = {corners[turn:] + corners[:turn]}')
+            last = table(self.run_scene(self.write(text), f"wedge{turn}"), "structures.csv")[-1]
+            self.assertLess(last["impulse_y_N_s"], -1)
+            self.assertAlmostEqual(last["impulse_x_N_s"] / last["impulse_y_N_s"], 0, delta=1e-10)
+
     def test_what_it_cannot_do_with_is_said(self):
         for numerics, words in (('shape = "cubic"', "quadratic"), ('stress_update = "musl"', "usl"), ('sleep = "on"', "sleep")):
             with self.subTest(numerics=numerics):
