@@ -61,6 +61,9 @@ void check_device_scene(const Scene& scene) {
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
                 scene.path, m.name));
+    if (scene.bed == Bed::surface)
+        throw InputError(
+            fmt::format("{}: numerics.bed = \"surface\" (devices do not have it). Use --device cpu?", scene.path));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.path));

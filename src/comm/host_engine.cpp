@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "comm/host_surfaces.hpp"
 #include "core/particle_depth.hpp"
 
 namespace moraine {
@@ -18,8 +19,13 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       migration_messages_(comm, 2),
       patch_(method.needs, method.stencil.width) {
     whole_cell(method.context.inverse_cell, whole_cell_.data());
+    if (scene.bed == Bed::surface && !scene.structures.empty())
+        surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell);
     if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
 }
+
+template <class Real, int Dim>
+HostEngine<Real, Dim>::~HostEngine() = default;
 
 template <class Real, int Dim>
 BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
@@ -33,6 +39,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     migration_.reset();
     patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
+    if (surfaces_) surfaces_->forget();
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
@@ -113,6 +120,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     field_ = structures.field();
     finding_ = true;
+    if (surfaces_) surfaces_->place(field_, structures.any_moves());
     if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
         ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
                        {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
@@ -177,6 +185,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
     solve(node_round(round.nodes, step.dt, step), step);
+    if (surfaces_) round.nodes == NodeTask::hold ? begin_surfaces(step) : act_on_surfaces(step);
 }
 
 template <class Real, int Dim>
@@ -186,6 +195,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
     report_.felt.resize(step.structures->size());
     contact.sums = report_.felt.data();
     contact.ground = ground_.empty() ? nullptr : ground_.data();
+    if (surfaces_) contact.structure = smooth_structures(contact);
     solve<true>(round, step, contact);
 }
 
@@ -218,6 +228,7 @@ template <bool Contact, bool Energy>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
     impulse_.resize(nodes.size() * Dim);
+    if (surfaces_) pressed_.resize(patch_.stored_nodes());
     if (Energy) energy_.resize(nodes.size());
     const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
                                                         patch_.table(),
@@ -231,7 +242,8 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                         contact,
                                                         {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
                                                         {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
-                                                        energy_.data()};
+                                                        energy_.data(),
+                                                        surfaces_ ? pressed_.data() : nullptr};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 

@@ -15,12 +15,16 @@
 namespace moraine {
 
 template <class Real, int Dim>
+class HostSurfaces;
+
+template <class Real, int Dim>
 class HostEngine final : public Engine<Real, Dim> {
   public:
     using Share = Patch<Host, Real, Dim>;
 
     /// All must outlive it. Not collective.
     HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method);
+    ~HostEngine() override;
 
     Share& share() override { return patch_; }
     Census census() const override {
@@ -90,6 +94,9 @@ class HostEngine final : public Engine<Real, Dim> {
     void record_energy(const Quantum& quantum, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     CellContext<Real, Dim> cell_context();
+    const Structure<Dim>* smooth_structures(const ContactField<Dim>& field);
+    void begin_surfaces(const StepScales<Dim>& step);
+    void act_on_surfaces(const StepScales<Dim>& step);
     void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
@@ -119,6 +126,9 @@ class HostEngine final : public Engine<Real, Dim> {
     std::array<CellNode<Real, Dim>, CellContext<Real, Dim>::nodes> whole_cell_;
     bool moving_ = false;  ///< migration under way: not binned
 
+    std::unique_ptr<HostSurfaces<Real, Dim>> surfaces_;  ///< null: structures act at nodes (Bed::nodes)
+    std::vector<Structure<Dim>> smooth_;                 ///< what nodes see of structures that act on their surfaces
+    Host::Array<Vec<double, Dim>> pressed_;              ///< SolveNodes::pressed
     ContactPairs<Dim> pairs_;
     std::vector<GroundNode<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
     Host::Array<NodeGap> gaps_;

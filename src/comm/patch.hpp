@@ -75,6 +75,9 @@ class Patch {
     /// `ghost_outgoing` in ghost order, `ghost_first` with ghosts + 1 entries.
     void make_lists(const std::vector<OutgoingParticle>& ghost_outgoing, const std::vector<std::uint32_t>& ghost_first);
 
+    /// Node blocks that have values in this epoch whoever touches them; needed: by node block. Binned state only.
+    void keep_nodes(std::vector<std::uint8_t> needed);
+
     /// Whether some particle is in a cell of the guard layer. Binned state only.
     bool is_in_guard_layer() const;
 
@@ -106,7 +109,8 @@ class Patch {
     Array<std::uint8_t> shuffled_;
     Array<BlockOutcome> outcome_;
     std::vector<std::uint32_t> free_;
-    std::uint64_t reordered_ = 0;  ///< particles whose list place no longer follows memory
+    std::vector<std::uint8_t> kept_nodes_;  ///< by node block; empty: those that occupied blocks touch
+    std::uint64_t reordered_ = 0;           ///< particles whose list place no longer follows memory
 
     Array<std::int32_t> tile_of_, node_of_;
     Array<std::int32_t> boundary_, interior_, every_;

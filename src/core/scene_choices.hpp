@@ -25,12 +25,15 @@ constexpr bool is_affine(Transfer transfer) {
 
 enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
-enum class WallKind { none, no_slip, free_slip, friction, open, periodic };
+/// law: closed, and what acts on it is a plane structure at the face.
+enum class WallKind { none, no_slip, free_slip, friction, open, periodic, law };
 /// layer: a release, draped on the ground.
 enum class BodyShape { box, polygon, sphere, table, layer, inflow };
 enum class Seeding { lattice, jittered };
 enum class StructureShape { plane, sphere, cylinder, box, capsule, polygon, ground };
 enum class StructureMotion { fixed, velocity, sinusoid, table, free };
+/// Where structures act along their surfaces: at the nodes near them, or on the surfaces (core/surface_elements.hpp).
+enum class Bed { nodes, surface };
 enum class InterfaceLaw { smooth, rough, coulomb, undrained, voellmy };
 enum class Volumetric { particle, cell, grid };
 enum class Trigger { never, every, threshold, planned };

@@ -201,6 +201,7 @@ struct Scene {
     double flip = 1;   ///< share of FLIP against PIC
     int order = 2;     ///< terms of FMPM's series
     int substeps = 1;  ///< most of a step (core/grid_pressure.hpp)
+    Bed bed = Bed::nodes;
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
     double damping = 0;              ///< local non-viscous damping [-], 0 to 1; 0: dynamic

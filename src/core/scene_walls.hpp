@@ -11,6 +11,12 @@
 
 namespace moraine {
 
+/// Whether soil may lie against it.
+inline bool is_closed(WallKind kind) {
+    return kind == WallKind::no_slip || kind == WallKind::free_slip || kind == WallKind::friction ||
+           kind == WallKind::law;
+}
+
 template <class Real, int Dim>
 Walls<Real, Dim> make_walls(const Scene& scene) {
     Walls<Real, Dim> walls{};
@@ -22,9 +28,7 @@ Walls<Real, Dim> make_walls(const Scene& scene) {
                 s == 0 ? 0 : static_cast<int>(std::lround((scene.max[axis] - scene.min[axis]) / scene.cell));
             walls.kind[a][s] = spec.kind;
             walls.friction[a][s] = static_cast<Real>(spec.friction);
-            walls.fold[a][s] =
-                scene.boundary_spline && scene.shape != Shape::linear &&
-                (spec.kind == WallKind::no_slip || spec.kind == WallKind::free_slip || spec.kind == WallKind::friction);
+            walls.fold[a][s] = scene.boundary_spline && scene.shape != Shape::linear && is_closed(spec.kind);
         }
     return walls;
 }
@@ -35,7 +39,7 @@ NodeCapacity<Real, Dim> node_capacity(const Scene& scene, const Walls<Real, Dim>
     for (int a = 0; a < Dim; ++a)
         for (int s = 0; s < 2; ++s) {
             const WallKind kind = walls.kind[a][s];
-            const bool closed = kind == WallKind::no_slip || kind == WallKind::free_slip || kind == WallKind::friction;
+            const bool closed = is_closed(kind);
             const EndCapacity end = end_capacity(scene.shape, walls.fold[a][s]);
             capacity.plane[a][s] = walls.plane[a][s];
             capacity.on[a][s] = closed ? static_cast<Real>(end.on) : Real(1);

@@ -29,7 +29,7 @@ struct Structure {
     StructureShape shape;
     Vec<double, Dim> at;        ///< now: a point of the plane; centre; middle of segment, box, prism, domain [m]
     Vec<double, Dim> along;     ///< plane: normal; cylinder, capsule: unit vector; box, prism: half lengths [m]
-    double radius;              ///< ground: where distances are not bounds [m]
+    double radius;              ///< ground: where distances are not bounds; polygon: how exact they are [m]
     double half;                ///< cylinder, capsule: half length [m]
     int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table, BedTables
     Vec<double, Dim> velocity;  ///< in this step [m/s]
@@ -111,46 +111,72 @@ MORAINE_HD Surface<Dim> cylinder_surface(const Structure<Dim>& c, const Vec<doub
     return {flat.distance, flat.normal[0] * c.along - (-flat.normal[1]) * out};
 }
 
-/// Distance and normal of a polygon in x and y; corners counter-clockwise.
+/// The nearest parts of a polygon: edges by their own outward normals, corners by the way from them.
+struct NearestParts {
+    double distance = 1e300;                                     ///< to the nearest
+    Vec<double, 2> edges = zero_vec<double, 2>();                ///< sum of the normals
+    Vec<double, 2> corners = zero_vec<double, 2>();              ///< sum of the unit ways
+    Vec<double, 2> foremost = Vec<double, 2>{{-1e300, -1e300}};  ///< the largest of the normals, x first
+
+    /// Parts whose distances differ by at most `tie` are equally near. to: from the nearest point of the part.
+    MORAINE_HD void add(const Vec<double, 2>& to, bool at_corner, const Vec<double, 2>& normal, double tie) {
+        const double d = magnitude(to);
+        if (d > distance + tie) return;
+        if (d < distance - tie) edges = corners = zero_vec<double, 2>(), foremost = {{-1e300, -1e300}};
+        if (d < distance) distance = d;
+        if (at_corner && d > tie)
+            corners = corners - (-1 / d) * to;
+        else
+            edges = edges - (-1.0) * normal;
+        if (normal[0] > foremost[0] || (normal[0] == foremost[0] && normal[1] > foremost[1])) foremost = normal;
+    }
+    /// The mean of their normals; between two that face away from each other the foremost.
+    MORAINE_HD Surface<2> surface(bool inside) const {
+        const Vec<double, 2> all = edges - (inside ? 1.0 : -1.0) * corners;
+        const double length = magnitude(all);
+        return {inside ? -distance : distance, length > 1e-6 ? (1 / length) * all : foremost};
+    }
+};
+
+/// Distance and normal of a polygon in x and y; corners counter-clockwise. On an edge the normal is the edge's, where
+/// several parts are equally near the mean of theirs: neither is made of an offset that is rounding, nor of the order
+/// of the corners.
 template <int Dim>
-MORAINE_HD Surface<2> polygon_surface(const Vec<double, 2>* corner, int n, double x, double y) {
-    double best = 1e300;
-    Vec<double, 2> offset = zero_vec<double, 2>(), out = zero_vec<double, 2>();
+MORAINE_HD Surface<2> polygon_surface(const Vec<double, 2>* corner, int n, double tie, double x, double y) {
+    NearestParts nearest;
     bool inside = false;
     for (int i = 0, j = n - 1; i < n; j = i++) {
         const double ex = corner[i][0] - corner[j][0], ey = corner[i][1] - corner[j][1];
         const double px = x - corner[j][0], py = y - corner[j][1];
         const double square = ex * ex + ey * ey;
-        double t = (px * ex + py * ey) / square;
-        t = t < 0 ? 0 : (t > 1 ? 1 : t);
-        const Vec<double, 2> to{{px - t * ex, py - t * ey}};
-        const double d = dot(to, to);
-        if (d < best) {
-            best = d;
-            offset = to;
-            out = (1 / std::sqrt(square)) * Vec<double, 2>{{ey, -ex}};
-        }
+        const double along = (px * ex + py * ey) / square;
+        const double t = along < 0 ? 0 : (along > 1 ? 1 : along);
+        nearest.add({{px - t * ex, py - t * ey}}, t != along, (1 / std::sqrt(square)) * Vec<double, 2>{{ey, -ex}}, tie);
         if ((corner[i][1] > y) != (corner[j][1] > y) && x < corner[j][0] + ex * (y - corner[j][1]) / ey)
             inside = !inside;
     }
-    const Surface<2> s = round_surface(offset, 0.0, out);
-    return inside ? Surface<2>{-s.distance, s.distance > 0 ? -1.0 * s.normal : out} : s;
+    return nearest.surface(inside);
+}
+
+/// Of a prism's side and end, by the distances to them: across the side, along the axis.
+MORAINE_HD Surface<2> side_and_end(double aside, double above, double tie) {
+    using std::fabs;
+    const double half = 0.70710678118654752;
+    if (aside > tie && above > tie) return round_surface<2>({{aside, above}}, 0.0, {{1, 0}});
+    if (fabs(aside - above) <= tie) return {aside > above ? aside : above, {{half, half}}};
+    return above > aside ? Surface<2>{above, {{0, 1}}} : Surface<2>{aside, {{1, 0}}};
 }
 
 template <int Dim>
 MORAINE_HD Surface<Dim> prism_surface(const Structure<Dim>& p, const Vec<double, 2>* corners,
                                       const Vec<double, Dim>& x) {
-    const Surface<2> flat = polygon_surface<Dim>(corners + p.first_corner, p.corners, x[0], x[1]);
+    const Surface<2> flat = polygon_surface<Dim>(corners + p.first_corner, p.corners, p.radius, x[0], x[1]);
     Surface<Dim> s{flat.distance, zero_vec<double, Dim>()};
-    double sideways = 1, upright = 0;
+    double sideways = 1;
     if constexpr (Dim == 3) {
-        const double above = std::fabs(x[2]) - p.along[2];
-        const Surface<2> both = above > 0 && flat.distance > 0
-                                    ? round_surface<2>({{flat.distance, above}}, 0.0, {{1, 0}})
-                                : above > flat.distance ? Surface<2>{above, {{0, 1}}}
-                                                        : Surface<2>{flat.distance, {{1, 0}}};
-        s.distance = both.distance, sideways = both.normal[0], upright = both.normal[1];
-        s.normal[2] = x[2] < 0 ? -upright : upright;
+        const Surface<2> both = side_and_end(flat.distance, std::fabs(x[2]) - p.along[2], p.radius);
+        s.distance = both.distance, sideways = both.normal[0];
+        s.normal[2] = x[2] < 0 ? -both.normal[1] : both.normal[1];
     }
     s.normal[0] = sideways * flat.normal[0];
     s.normal[1] = sideways * flat.normal[1];

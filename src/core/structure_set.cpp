@@ -30,6 +30,10 @@ Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points,
 /// Distances of the ground are bounds from here on [cells]: contact and gaps look at nothing further off.
 constexpr double ground_reach = 2;
 
+/// Parts of a polygon whose distances differ by less are equally near [cells]: more than rounding at coordinates of a
+/// million cells, less than contact can tell.
+constexpr double polygon_tie = 1e-6;
+
 /// Structure::cap.
 double cap_of(const Scene& scene, const StructureSpec& spec, double xi, double su) {
     return spec.law == InterfaceLaw::voellmy ? spec.density * magnitude(vec_of<3>(scene.gravity)) / xi
@@ -94,6 +98,7 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
             break;
         case StructureShape::polygon: {
             s.first_corner = static_cast<int>(corners.size());
+            s.radius = polygon_tie * scene.cell;
             const Vec<double, 2> middle = centred_corners(spec.points, corners);
             s.corners = static_cast<int>(corners.size()) - s.first_corner;
             s.at = zero_vec<double, Dim>();

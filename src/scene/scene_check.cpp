@@ -208,6 +208,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_time(scene, places);
     check_sleep(scene, places);
     check_energy_budget(scene, places);
+    check_bed(scene, places);
 }
 
 }  // namespace moraine

@@ -47,6 +47,7 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "numerics.flip", s.flip);
     add(all, "numerics.order", s.order);
     if (s.substeps != 1) add(all, "numerics.substeps", s.substeps);
+    if (s.bed != Bed::nodes) add(all, "numerics.bed", s.bed);
     add(all, "numerics.stress_update", s.stress_update);
     add(all, "numerics.precision", s.precision);
     add(all, "numerics.damping", s.damping);

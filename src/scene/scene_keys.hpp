@@ -93,7 +93,7 @@ const std::vector<KeyRow<BodySpec>>& body_rows();
 struct FacedWall {
     int face = 0;  ///< 2 axis + (upper ? 1 : 0)
     WallSpec wall;
-    StructureSpec bed;  ///< law undrained or voellmy: a plane at the face acts along it, and the wall is free-slip
+    StructureSpec bed;  ///< law undrained or voellmy: a plane at the face is all that acts
 };
 const std::vector<KeyRow<FacedWall>>& wall_rows();
 const std::vector<KeyRow<StructureSpec>>& structure_rows();

@@ -186,7 +186,7 @@ const std::vector<KeyRow<FacedWall>> walls{
                  "voellmy: as the laws of structures, by a plane wall-FACE of structures.csv."},
      [](W& w, const V& v) {
          constexpr int first_law = 5;
-         w.wall.kind = v.choice < first_law ? static_cast<WallKind>(v.choice) : WallKind::free_slip;
+         w.wall.kind = v.choice < first_law ? static_cast<WallKind>(v.choice) : WallKind::law;
          if (v.choice >= first_law) w.bed.law = v.choice == first_law ? InterfaceLaw::undrained : InterfaceLaw::voellmy;
      }},
     {{.table = "wall",

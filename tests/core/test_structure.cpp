@@ -164,6 +164,72 @@ TEST_CASE("a polygon is the same structure whichever way its corners are listed"
     }
 }
 
+namespace {
+
+StructureSpec polygon_of(std::vector<std::array<double, 2>> points) {
+    StructureSpec spec = spec_of(StructureShape::polygon);
+    spec.points = std::move(points);
+    spec.min[2] = -1, spec.max[2] = 1;
+    return spec;
+}
+
+}  // namespace
+
+TEST_CASE("on an edge of a polygon the normal is the edge's, to either side of rounding") {
+    for (const double beside : {0.0, 1e4}) {
+        const Placed<2> slope(polygon_of({{beside, 2}, {beside + 4, 0}, {beside + 4, -1}, {beside, -1}}));
+        const double length = std::sqrt(5.0);
+        for (int k = 1; k < 20; ++k) {
+            const double x = beside + 0.2 * k, off = (k % 3 - 1) * 1e-13;
+            const Surface<2> s = slope({{x, 2 - 0.1 * k + off}});
+            CAPTURE(k);
+            REQUIRE(std::fabs(s.distance) < 1e-11);
+            REQUIRE(s.normal[0] == doctest::Approx(1 / length).epsilon(1e-10));
+            REQUIRE(s.normal[1] == doctest::Approx(2 / length).epsilon(1e-10));
+        }
+    }
+}
+
+TEST_CASE("where two edges are equally near the normal is their mean, in any order of the corners") {
+    std::vector<std::array<double, 2>> points{{-0.7, -0.9}, {0.7, -0.9}, {0.3, 0.4}, {0, 0.8}, {-0.3, 0.4}};
+    for (std::size_t turn = 0; turn < 2 * points.size(); ++turn) {
+        if (turn == points.size()) std::reverse(points.begin(), points.end());
+        std::rotate(points.begin(), points.begin() + 1, points.end());
+        const Placed<2> wedge(polygon_of(points));
+        for (double y : {0.8, 0.7, 0.61, 0.3}) {
+            CAPTURE(turn);
+            CAPTURE(y);
+            const Surface<2> s = wedge({{0, y}});
+            REQUIRE(std::fabs(s.normal[0]) < 1e-12);
+            REQUIRE(s.normal[1] == doctest::Approx(1).epsilon(1e-12));
+        }
+        for (double x : {0.01, 0.2, 0.45}) {
+            const Surface<2> right = wedge({{x, 0.5}}), left = wedge({{-x, 0.5}});
+            REQUIRE(right.normal[0] == doctest::Approx(-left.normal[0]).epsilon(1e-12));
+            REQUIRE(right.normal[1] == doctest::Approx(left.normal[1]).epsilon(1e-12));
+        }
+    }
+}
+
+TEST_CASE("a prism has the normal of its face where a point lies on it, and the mean at its edges") {
+    const Placed<3> prism(polygon_of({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
+    for (double off : {-1e-14, 0.0, 1e-14}) {
+        CHECK(prism({{1 + off, 0.3, 0.2}}).normal[0] == doctest::Approx(1));
+        CHECK(prism({{0.1, 0.3, 1 + off}}).normal[2] == doctest::Approx(1));
+        const Surface<3> edge = prism({{1 + off, 0.3, 1 + off}}), inner = prism({{0.9, 0.3, 0.9}});
+        for (int a : {0, 2}) {
+            CHECK(edge.normal[a] == doctest::Approx(std::sqrt(0.5)));
+            CHECK(inner.normal[a] == doctest::Approx(std::sqrt(0.5)));
+        }
+    }
+}
+
+TEST_CASE("a point halfway between the sides of a thin polygon has the normal of one of them") {
+    const Surface<2> middle = Placed<2>(polygon_of({{-1, -0.1}, {1, -0.1}, {1, 0.1}, {-1, 0.1}}))({{0.2, 0}});
+    CHECK(magnitude(middle.normal) == doctest::Approx(1));
+    CHECK(middle.distance == doctest::Approx(-0.1));
+}
+
 TEST_CASE("a prescribed way is the integral of its velocity, and a step's velocity makes the way exact") {
     StructureSpec spec = spec_of(StructureShape::sphere);
     MotionSpec& m = spec.motion;

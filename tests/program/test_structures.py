@@ -34,7 +34,83 @@ name = "pipe"
 """
 
 
+# An elastic block on a slope of 1:2 whose surface runs through nodes, and sand on a level floor that does.
+SLIDE = """
+dimensions = 2
+gravity = [0.0, -9.81]
+[domain]
+min = [0.0, -1.0]
+max = [4.0, 5.0]
+cell = 0.05
+[time]
+end = 0.2
+[[material]]
+name = "rubber"
+law = "linear-elastic"
+density = 1000.0
+young = 1.0e6
+poisson = 0.2
+[[body]]
+name = "block"
+material = "rubber"
+shape = "polygon"
+points = [[0.71643618, 1.644017978], [1.253092495, 1.375689821], [1.387256573, 1.644017978], [0.8506002586, 1.912346135]]
+[[structure]]
+name = "slope"
+STRUCTURE
+""" + "".join(f'[[wall]]\nface = "{face}"\nkind = "open"\n' for face in ("x-min", "x-max", "y-min", "y-max"))
+FLOOR = """
+dimensions = 2
+gravity = [0.0, -9.81]
+[domain]
+min = [0.0, 0.0]
+max = [6.0, 1.6]
+cell = 0.04
+[time]
+end = 0.3
+[[material]]
+name = "sand"
+law = "drucker-prager"
+density = 1600.0
+young = 1.0e6
+poisson = 0.3
+friction_angle = 30.0
+[[body]]
+name = "column"
+material = "sand"
+shape = "box"
+min = [1.6, 0.32]
+max = [2.0, 0.8]
+[[structure]]
+name = "floor"
+STRUCTURE
+""" + "".join(f'[[wall]]\nface = "{face}"\nkind = "open"\n' for face in ("x-min", "x-max", "y-min", "y-max"))
+
+
 class Structures(moraine.ProgramTest):
+    def centre(self, scene, structure, name):
+        """Of mass, at the end."""
+        last = table(self.run_scene(self.write(scene.replace("STRUCTURE", structure)), name), "history.csv")[-1]
+        return last["centre_x_m"], last["centre_y_m"]
+
+    def test_a_block_slides_on_the_edge_of_a_polygon_as_on_a_plane(self):
+        plane = 'shape = "plane"\npoint = [0.0, 2.0]\nnormal = [0.5, 1.0]\n'
+        polygon = 'shape = "polygon"\npoints = [[0.0, 2.0], [4.0, 0.0], [4.0, -1.0], [0.0, -1.0]]\n'
+        for law in ('law = "smooth"', 'law = "coulomb"\nfriction = 0.2'):
+            contact = f"[structure.contact]\n{law}\n"
+            on_plane = self.centre(SLIDE, plane + contact, f"plane{len(law)}")
+            on_polygon = self.centre(SLIDE, polygon + contact, f"polygon{len(law)}")
+            for one, other in zip(on_plane, on_polygon):
+                self.assertAlmostEqual(one, other, delta=1e-5)
+
+    def test_a_level_floor_of_a_polygon_does_not_push_sideways(self):
+        smooth = '[structure.contact]\nlaw = "smooth"\n'
+        for turn in (0, 2):
+            corners = [[0.12, 0.2], [3.88, 0.2], [3.88, 0.32], [0.12, 0.32]]
+            corners = corners[turn:] + corners[:turn]
+            x, _ = self.centre(FLOOR, f'shape = "polygon"\npoints = {corners}\n' + smooth, f"floor{turn}")
+            self.assertAlmostEqual(x, 1.8, delta=1e-6)
+
     def test_forces_and_state_are_the_same_on_1_to_4_ranks_under_any_owner(self):
         scene = self.write(SCENE)
         one = self.run_scene(scene, "one")

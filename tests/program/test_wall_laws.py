@@ -63,6 +63,26 @@ class WallLaws(moraine.ProgramTest):
                 exact = steady * math.tanh(GRAVITY * drive / steady * time + math.atanh(0.8))
                 self.assertAlmostEqual(speed / exact, 1, delta=1e-3)  # it bounces a little: no geostatic start
 
+    def test_the_normal_force_is_the_weight_for_as_long_as_it_slides(self):
+        slope = math.radians(20)
+        scene = slab(2, slope, 1.0, 'kind = "voellmy"\nfriction = 0.15\nxi = 50.0').replace("end = 0.5", "end = 3.0")
+        scene = scene.replace("max = [4.0, 0.5]", "max = [2.0, 0.5]")  # a block, which may turn
+        self.ended(scene, "long", words=sets(domain__cell=0.1, material__soil__young=1e6))
+        with open(self.folder / "long" / "structures.csv", newline="") as file:
+            impulse = [(float(row["time_s"]), float(row["impulse_y_N_s"])) for row in csv.DictReader(file)]
+        weight = DENSITY * 2.0 * 2 * CELL * GRAVITY * math.cos(slope)
+        for (before, first), (after, second) in zip(impulse[5::5], impulse[10::5]):
+            self.assertAlmostEqual(-(second - first) / (after - before) / weight, 1, delta=0.05)
+
+    def test_a_wall_lets_go(self):
+        scene = slab(2, 0.0, 0.0, 'kind = "voellmy"\nfriction = 0.15\nxi = 50.0', upper=True)
+        scene = scene.replace(f"{GRAVITY!r}]", f"{-GRAVITY!r}]", 1).replace("end = 0.5", "end = 0.1")
+        directory = self.run_scene(self.write(scene), "off")
+        with open(directory / "history.csv", newline="") as file:
+            last = list(csv.DictReader(file))[-1]
+        mass = summary(directory)["mass_kg"]
+        self.assertAlmostEqual(float(last["momentum_y_kg_m_s"]) / mass, -GRAVITY * float(last["time_s"]), delta=1e-6)
+
     def test_an_undrained_wall_bears_alpha_su_where_soil_touches(self):
         for cells in (0.5, 2, 4):
             with self.subTest(cells=cells):

@@ -1,0 +1,24 @@
+#include <fmt/format.h>
+
+#include "scene/scene_check.hpp"
+
+namespace moraine {
+
+/// What acts on surfaces has quadratic weights, one round of forces in a step, and nobody who sleeps.
+void check_bed(const Scene& scene, const Places& places) {
+    if (scene.bed == Bed::nodes) return;
+    const auto refuse_with = [&](const char* what, const char* why, const char* help) {
+        refuse(places.of("numerics.bed"), fmt::format("numerics.bed = \"surface\" with {}", what), why, help);
+    };
+    if (scene.shape != Shape::quadratic)
+        refuse_with("this numerics.shape", "it is for quadratic splines", "Use shape = \"quadratic\"?");
+    if (scene.stress_update != StressUpdate::usl || scene.transfer == Transfer::fmpm)
+        refuse_with("this stress_update or transfer", "surfaces act once in a step",
+                    "Use stress_update = \"usl\" and no fmpm?");
+    if (scene.sleep.on)
+        refuse_with("numerics.sleep = \"on\"", "surfaces act on all that moves", "Use bed = \"nodes\"?");
+    if (scene.output.energy_budget)
+        refuse_with("output.energy_budget = \"on\"", "what surfaces take has no column yet", "Use bed = \"nodes\"?");
+}
+
+}  // namespace moraine

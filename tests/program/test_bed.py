@@ -1,0 +1,143 @@
+"""Surfaces that act where they are (numerics.bed = "surface"): at any place between nodes and at an angle, on any ranks."""
+import math
+import unittest
+
+import moraine
+from moraine import call, checkpoints, sets, summary, table
+
+GRAVITY, CELL = 9.81, 0.1
+OPEN = "".join(f'[[wall]]\nface = "{face}"\nkind = "open"\n' for face in ("x-min", "x-max", "y-min", "y-max"))
+FLUID = """[[material]]
+name = "soil"
+law = "newtonian"
+density = 1000.0
+young = 1e6
+poisson = 0.49
+viscosity = 10.0
+volumetric = "grid"
+"""
+
+
+def scene(gravity, size, material, body, bed, contact, end, walls, periodic="", numerics=""):
+    return f"""dimensions = 2
+gravity = [{gravity[0]!r}, {gravity[1]!r}]
+[domain]
+min = [0.0, 0.0]
+max = [{size[0]}, {size[1]}]
+cell = {CELL}
+{periodic}
+[time]
+end = {end}
+[numerics]
+bed = "surface"
+{numerics}
+[output]
+interval = 0.1
+{material}
+{body}
+[[structure]]
+name = "bed"
+shape = "plane"
+{bed}
+contact = {{ {contact} }}
+{walls}"""
+
+
+class Beds(moraine.ProgramTest):
+    def film(self, offset):
+        """A Newtonian film of 3 cells at its exact profile, over a plane that stands `offset` cells over nodes."""
+        slope, depth, low = math.radians(10), 3 * CELL, (2 + offset) * CELL
+        pull = GRAVITY * math.sin(slope)
+        rows = "".join(f"{(i + 0.5) * CELL / 2!r},{low + v!r},{1000 * pull * (depth * v - v * v / 2) / 10!r},2.5\n"
+                       for v in ((j + 0.5) * CELL / 2 for j in range(6)) for i in range(24))
+        (self.folder / "film.csv").write_text("x,y,vx,mass\n" + rows)
+        body = f'[[body]]\nname = "film"\nmaterial = "soil"\nshape = "table"\nfile = "{self.folder}/film.csv"\n'
+        return scene((pull, -GRAVITY * math.cos(slope)), (1.2, 1.2), FLUID, body, f"point = [0.0, {low!r}]\nnormal = [0.0, 1.0]",
+                     'law = "rough"', 1.2, "".join(f'[[wall]]\nface = "{f}"\nkind = "open"\n' for f in ("y-min", "y-max")),
+                     'periodic = ["x"]', 'transfer = "aflip"\nflip = 1.0\nsubsteps = "auto"'), 1000 * pull * depth ** 2 / 30
+
+    def test_a_film_has_its_speed_wherever_the_bed_lies_between_nodes(self):
+        for offset in (0.3, 0.5):
+            with self.subTest(offset=offset):
+                text, exact = self.film(offset)
+                rows = [row for row in table(self.run_scene(self.write(text), f"film{offset}"), "history.csv") if row["time_s"] > 0.59]
+                speed = sum(row["momentum_x_kg_m_s"] for row in rows) / len(rows) / rows[0]["mass_kg"]
+                self.assertAlmostEqual(speed / exact, 1, delta=0.06)
+
+    def lake(self, rise):
+        rows = "".join(f"{x!r},{y!r},2.5\n" for j in range(20) for i in range(40)
+                       for x, y in [((i + 0.5) * CELL / 2, (j + 0.5) * CELL / 2)] if y > 0.33 + rise * (x - 1))
+        (self.folder / "lake.csv").write_text("x,y,mass\n" + rows)
+        body = (f'[[body]]\nname = "lake"\nmaterial = "soil"\nshape = "table"\nfile = "{self.folder}/lake.csv"\n'
+                "geostatic = { surface = 1.0 }\n")
+        walls = OPEN.replace('x-min"\nkind = "open"', 'x-min"\nkind = "free-slip"').replace('x-max"\nkind = "open"', 'x-max"\nkind = "free-slip"')
+        return scene((0.0, -GRAVITY), (2.0, 1.6), FLUID, body, f"point = [1.0, 0.33]\nnormal = [{-rise}, 1.0]", 'law = "smooth"', 2.0, walls,
+                     numerics='substeps = "auto"')
+
+    def test_still_water_stays_on_an_inclined_bed(self):
+        rows = table(self.run_scene(self.write(self.lake(0.1)), "lake"), "history.csv")
+        self.assertAlmostEqual((rows[0]["centre_y_m"] - rows[-1]["centre_y_m"]) / CELL, 0, delta=0.01)
+
+    def slab(self, angle, law, slope=20):
+        """An elastic block of 5 cells by 30 on a bed turned by `angle`, gravity inclined to it."""
+        t, tilt = math.radians(angle), math.radians(slope)
+        along, normal = (math.cos(t), math.sin(t)), (-math.sin(t), math.cos(t))
+        pull, press = GRAVITY * math.sin(tilt), GRAVITY * math.cos(tilt)
+        gravity = [pull * a - press * n for a, n in zip(along, normal)]
+        foot = (1.017, 0.533)
+        corners = [[f + u * a + v * n for f, a, n in zip(foot, along, normal)] for u, v in ((0, 0), (3, 0), (3, 0.5), (0, 0.5))]
+        material = '[[material]]\nname = "soil"\nlaw = "linear-elastic"\ndensity = 1000.0\nyoung = 1e6\npoisson = 0.3\n'
+        body = f'[[body]]\nname = "slab"\nmaterial = "soil"\nshape = "polygon"\npoints = {corners}\nvelocity = [{2 * along[0]!r}, {2 * along[1]!r}]\n'
+        return scene(gravity, (6.0, 4.0), material, body, f"point = [{foot[0]}, {foot[1]}]\nnormal = [{normal[0]!r}, {normal[1]!r}]", law, 0.4, OPEN), along
+
+    def test_friction_brakes_as_it_should_at_an_angle(self):
+        for angle in (0, 20):
+            with self.subTest(angle=angle):
+                text, along = self.slab(angle, 'law = "coulomb", friction = 0.3')
+                rows = table(self.run_scene(self.write(text), f"slab{angle}"), "history.csv")
+                mass, time = rows[-1]["mass_kg"], rows[-1]["time_s"]
+                speed = sum(rows[-1][f"momentum_{a}_kg_m_s"] * c for a, c in zip("xy", along)) / mass
+                drag = 2 + GRAVITY * math.sin(math.radians(20)) * time - speed
+                self.assertAlmostEqual(drag / (0.3 * GRAVITY * math.cos(math.radians(20)) * time), 1, delta=0.02)
+                for axis in "xy":
+                    self.assertAlmostEqual(rows[-1][f"momentum_error_{axis}_kg_m_s"], 0, delta=1e-9 * mass)
+
+    def test_one_answer_on_any_ranks_and_after_a_restart(self):
+        text = self.lake(0.4).replace('law = "smooth"', 'law = "coulomb", friction = 0.3')
+        path = self.write(text)
+        one = self.run_scene(path, "one", *sets(time__end=0.3, output__checkpoint_interval=0.15))
+        for ranks in (2, 3, 4):
+            many = self.run_scene(path, f"r{ranks}", "--partitioner", "shuffle", *sets(time__end=0.3, balance__trigger="every", balance__interval=7),
+                                  ranks=ranks)
+            self.assertEqual(summary(many)["state_hash"], summary(one)["state_hash"])
+            self.assertEqual(summary(many)["structures"], summary(one)["structures"])
+        again = self.run_scene(path, "again", "--restart", checkpoints(one)[0], *sets(time__end=0.3), ranks=2)
+        self.assertEqual(summary(again)["state_hash"], summary(one)["state_hash"])
+
+    def test_one_answer_over_terrain_in_3_d(self):
+        """Cut cells of blocks without soil need nodes that only another rank's soil touches."""
+        hashes = {summary(self.run_scene(moraine.INPUTS / "valley.toml", f"valley{ranks}", "--partitioner", "shuffle", "--no-particles",
+                                         *sets(time__end=0.1, numerics__bed="surface"), ranks=ranks))["state_hash"] for ranks in (1, 2, 3)}
+        self.assertEqual(len(hashes), 1, hashes)
+
+    def test_a_symmetric_jet_on_a_symmetric_wedge_pushes_it_straight(self):
+        body = '[[body]]\nname = "jet"\nmaterial = "soil"\nshape = "box"\nmin = [1.6, 1.8]\nmax = [2.4, 2.6]\nvelocity = [0.0, -2.0]\n'
+        for turn in range(3):
+            corners = [[1.0, 0.6], [2.0, 1.6], [3.0, 0.6]]
+            text = scene((0.0, -GRAVITY), (4.0, 4.0), FLUID, body, "", 'law = "coulomb", friction = 0.3', 0.2, OPEN, numerics='substeps = "auto"')
+            text = text.replace('shape = "plane"', f'shape = "polygon"\npoints = {corners[turn:] + corners[:turn]}')
+            last = table(self.run_scene(self.write(text), f"wedge{turn}"), "structures.csv")[-1]
+            self.assertLess(last["impulse_y_N_s"], -1)
+            self.assertAlmostEqual(last["impulse_x_N_s"] / last["impulse_y_N_s"], 0, delta=1e-10)
+
+    def test_what_it_cannot_do_with_is_said(self):
+        for numerics, words in (('shape = "cubic"', "quadratic"), ('stress_update = "musl"', "usl"), ('sleep = "on"', "sleep")):
+            with self.subTest(numerics=numerics):
+                text = self.slab(0, 'law = "smooth"')[0].replace('bed = "surface"', 'bed = "surface"\n' + numerics)
+                ended = call("check", self.write(text))
+                self.assertEqual(ended.code, 2, ended.err)
+                self.assertIn(words, ended.err)
+
+
+if __name__ == "__main__":
+    moraine.main()
