@@ -1,12 +1,17 @@
 """The scripts that build and run, with a cmake that only says when it was there."""
 import os
 import pathlib
+import random
 import shutil
+import signal
 import subprocess
+import time
 
 import moraine
+from moraine import INPUTS, sets, summary
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
+SCENE = INPUTS / "slurry_runout.toml"
 CMAKE = """#!/bin/sh
 [ -z "$CMAKE_FAILS" ] || exit 7
 echo "begin $*" >>"$LOG"
@@ -54,6 +59,74 @@ class Scripts(moraine.ProgramTest):
             out, err = build.communicate(timeout=60)
             self.assertEqual((build.returncode, out), (4, ""), err)
             self.assertIn("configuring failed", err)
+
+
+class GoesOn(moraine.ProgramTest):
+    """scripts/run --restarts, of which ranks are killed. MORAINE_KILLS: how many."""
+
+    KEYS = sets(time__end=1.0, output__interval=0.1, output__checkpoint_wall_interval=0.1)
+
+    def setUp(self):
+        super().setUp()
+        for path in (self.folder / "scripts", self.folder / "build" / "release"):
+            path.mkdir(parents=True)
+        for name in ("run", "prepare.sh"):
+            shutil.copy(SCRIPTS / name, self.folder / "scripts")
+        (self.folder / "scripts" / "packages.txt").write_text("")
+        (self.folder / "build" / "release" / "moraine").symlink_to(moraine.PROGRAM)
+        self.write("#!/bin/sh\n", "cmake").chmod(0o755)
+        self.environment = {**moraine.environment(), "PATH": f"{self.folder}:{os.environ['PATH']}"}
+
+    def ranks_of(self, output):
+        """Process ids of the ranks that run there."""
+        pids = []
+        for path in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                words = (path / "cmdline").read_bytes().split(b"\0")
+                same = os.path.samefile(path / "exe", moraine.PROGRAM)
+            except OSError:
+                continue
+            if same and str(output).encode() in words:
+                pids.append(int(path.name))
+        return pids
+
+    def run_and_kill(self, name, kills, moments):
+        output, done = self.folder / name, 0
+        words = ["bash", "scripts/run", "-n", "2", "--restarts", str(kills), str(SCENE), "--output", str(output),
+                 "--device", "cpu", "--quiet", *self.KEYS]
+        job = subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL)
+        while job.poll() is None and done < kills:
+            time.sleep(moments.uniform(0.1, 0.8))
+            pids = self.ranks_of(output)
+            if pids:
+                os.kill(moments.choice(pids), signal.SIGKILL)
+                done += 1
+                while set(pids) & set(self.ranks_of(output)):
+                    time.sleep(0.01)
+        out, err = job.communicate(timeout=300)
+        self.assertEqual(job.returncode, 0, err)
+        return output, done, err
+
+    def test_a_run_of_which_ranks_are_killed_goes_on_by_itself_to_the_same_answer(self):
+        whole = self.run_scene(SCENE, "whole", *self.KEYS, ranks=2)
+        wanted, moments, left, number = int(os.environ.get("MORAINE_KILLS", 3)), random.Random(7), 0, 0
+        left = wanted
+        while left > 0:
+            number += 1
+            output, done, err = self.run_and_kill(f"killed-{number}", min(left, 5), moments)
+            left -= max(done, 1)
+            self.assertIn("going on from", err)
+            self.assertEqual(summary(output)["state_hash"], summary(whole)["state_hash"])
+            self.assertEqual((output / "history.csv").read_text(), (whole / "history.csv").read_text())
+            shutil.rmtree(output)
+
+    def test_what_is_no_loss_is_not_tried_again(self):
+        words = ["bash", "scripts/run", "--restarts", "3", str(SCENE), "--output", "out", "--device", "cpu", "--set",
+                 "domain.cell=-1"]
+        done = subprocess.run(words, cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertNotIn("going on", done.stderr)
 
 
 if __name__ == "__main__":
