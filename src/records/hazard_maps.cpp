@@ -22,8 +22,13 @@ constexpr double never = -9999;  ///< NODATA of arrival
 
 HazardMaps::HazardMaps(const Scene& scene, const Comm& comm) : scene_(scene), comm_(comm) {
     const double a = scene.hazard.cell;
-    for (std::size_t axis = 0; axis < 2; ++axis)
-        size_[axis] = std::llround(std::ceil((scene.max[axis] - scene.min[axis]) / a - 1e-9));
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double cells = (scene.max[axis] - scene.min[axis]) / a, narrow = (1 - 1e-9) * scene.cell / a;
+        size_[axis] = std::llround(std::ceil(cells - 1e-9));
+        if (size_[axis] > 1 && cells - static_cast<double>(size_[axis] - 1) < narrow) --size_[axis];
+        const double last = cells - static_cast<double>(size_[axis] - 1);
+        last_[axis] = std::fabs(last - 1) < 1e-9 ? 1 : last;
+    }
     double density = 0;
     for (const MaterialSpec& material : scene.materials) density = std::max(density, material.density);
     volume_unit_ = std::ldexp(a * a * scene.cell, -36);  // 2^27 cells deep fit
@@ -43,13 +48,15 @@ void HazardMaps::find_ground() {
     rise_.resize(columns_.size());
 #pragma omp parallel for schedule(static)
     for (std::size_t k = 0; k < columns_.size(); ++k) {
-        const std::size_t index[2] = {k % static_cast<std::size_t>(size_[0]), k / static_cast<std::size_t>(size_[0])};
+        const auto place = static_cast<std::int64_t>(k);
+        const std::int64_t index[2] = {place % size_[0], place / size_[0]};
         double low = std::numeric_limits<double>::max(), high = -low;
         for (int n = 0; n < (pieces + 1) * (pieces + 1); ++n) {
             const int part[2] = {n % (pieces + 1), n / (pieces + 1)};
             Vec<double, 3> x = zero_vec<double, 3>();
             for (std::size_t b = 0; b < 2; ++b)
-                x[static_cast<int>(b)] = scene_.min[b] + a * (static_cast<double>(index[b]) + double(part[b]) / pieces);
+                x[static_cast<int>(b)] =
+                    scene_.min[b] + a * (static_cast<double>(index[b]) + share(b, index[b]) * part[b] / pieces);
             const double height = ground_at<3>(ground.table.data(), x).height;
             low = std::min(low, height), high = std::max(high, height);
         }
@@ -83,9 +90,9 @@ PlanColumns HazardMaps::columns_of(const Simulation<Real, 3>& sim) const {
     return c;
 }
 
-HazardMaps::Flow HazardMaps::flow_of(const std::int64_t* s) const {
+HazardMaps::Flow HazardMaps::flow_of(std::int64_t i, std::int64_t j, const std::int64_t* s) const {
     if (s[1] == 0) return {};
-    const double plan = scene_.hazard.cell * scene_.hazard.cell;
+    const double plan = scene_.hazard.cell * scene_.hazard.cell * share(0, i) * share(1, j);
     const double volume = static_cast<double>(s[0]) * volume_unit_, depth = volume / plan;
     if (depth < scene_.hazard.threshold) return {depth, 0, 0};
     const double mass = static_cast<double>(s[1]) * mass_unit_;
@@ -98,7 +105,7 @@ void HazardMaps::take(double time, const PlanColumns& seen, const std::vector<st
     for (Column& c : columns_) c[deposit] = 0;
     for (std::int64_t j = seen.first[1]; j < seen.first[1] + seen.count[1]; ++j)
         for (std::int64_t i = seen.first[0]; i < seen.first[0] + seen.count[0]; ++i) {
-            const Flow f = flow_of(sums.data() + seen.place(i, j));
+            const Flow f = flow_of(i, j, sums.data() + seen.place(i, j));
             if (f.depth == 0) continue;
             Column& c = columns_[static_cast<std::size_t>(i + size_[0] * j)];
             c[deposit] = f.depth;
@@ -125,7 +132,7 @@ void HazardMaps::observe_gauges(const PlanColumns& seen, const std::vector<std::
         const std::int64_t beyond[2] = {i - seen.first[0], j - seen.first[1]};
         Flow f;
         if (beyond[0] >= 0 && beyond[1] >= 0 && beyond[0] < seen.count[0] && beyond[1] < seen.count[1])
-            f = flow_of(sums.data() + seen.place(i, j));
+            f = flow_of(i, j, sums.data() + seen.place(i, j));
         gauges_.insert(gauges_.end(), {f.depth, f.speed, f.pressure});
     }
 }
@@ -169,10 +176,9 @@ void HazardMaps::sample(const Simulation<Real, 3>& sim) {
 double HazardMaps::value_of(int map, std::int64_t i, std::int64_t j) const {
     const Column& c = columns_[static_cast<std::size_t>(i + size_[0] * j)];
     if (map < maps) return c[static_cast<std::size_t>(map)];
-    const double middle[2] = {static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5};
+    const double middle[2] = {static_cast<double>(i) + 0.5 * share(0, i), static_cast<double>(j) + 0.5 * share(1, j)};
     Vec<double, 3> x = zero_vec<double, 3>();
-    for (std::size_t a = 0; a < 2; ++a)
-        x[static_cast<int>(a)] = std::min(scene_.min[a] + middle[a] * scene_.hazard.cell, scene_.max[a]);
+    for (std::size_t a = 0; a < 2; ++a) x[static_cast<int>(a)] = scene_.min[a] + middle[a] * scene_.hazard.cell;
     const auto slope = ground_at<3>(scene_.structures[0].ground->table.data(), x).slope;
     return c[map == max_thickness ? max_depth : deposit] / std::sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
 }
@@ -207,7 +213,10 @@ std::string HazardMaps::image_of(int map) const {
 std::string HazardMaps::outline() const {
     std::vector<bool> reached;
     for (const Column& c : columns_) reached.push_back(c[max_depth] >= scene_.hazard.threshold);
-    const auto polygons = outline_of(reached, size_, {scene_.min[0], scene_.min[1]}, scene_.hazard.cell);
+    std::array<double, 2> end{};
+    for (std::size_t a = 0; a < 2; ++a)
+        end[a] = last_[a] == 1 ? scene_.min[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
+    const auto polygons = outline_of(reached, size_, {scene_.min[0], scene_.min[1]}, scene_.hazard.cell, end);
     return has_gdal() ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold)
                       : outline_json(polygons, scene_.hazard.threshold);
 }

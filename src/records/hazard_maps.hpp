@@ -1,12 +1,15 @@
 #pragma once
 // maps/NAME.tif (.asc where there is no GDAL): what a run over terrain leaves in plan, sampled while it goes on.
 //
-//   depth  D = sum V_p / a^2        vertical: of the particles over a map cell of side a that do not fly
+//   depth  D = sum V_p / A          vertical: of the particles over a map cell of side a that do not fly
 //   speed  w = |sum m v| / sum m    of the mean of these, its vertical part included
 //   max_depth, max_speed; max_pressure: (sum m / sum V) w^2 [Pa]; max_momentum_flux: D w^2 [m3/s2];
 //   arrival: time of the first sample with D >= threshold [s]; deposit: D of the last sample [m]
 //   max_thickness, deposit_thickness: max_depth and deposit times the cosine of the ground's slope in the middle of the
 //   cell [m]: normal to the ground
+//
+// A is a^2, at the domain's upper ends the part of the cell inside of the domain. What is left there and narrower than
+// h would hold single particles: the last column has it too.
 //
 // A particle flies over two empty layers of h: from a cell or two above the highest ground of its map cell on, layers
 // of the column are gone through upwards, and what is above the first two in turn that hold nobody is no depth
@@ -77,7 +80,9 @@ class HazardMaps {
     struct Flow {
         double depth = 0, speed = 0, pressure = 0;
     };
-    Flow flow_of(const std::int64_t* sums) const;
+    Flow flow_of(std::int64_t i, std::int64_t j, const std::int64_t* sums) const;
+    /// The side of a column along an axis [a].
+    double share(std::size_t axis, std::int64_t index) const { return index + 1 < size_[axis] ? 1 : last_[axis]; }
     void observe_gauges(const PlanColumns& seen, const std::vector<std::int64_t>& sums);
     void take(double time, const PlanColumns& seen, const std::vector<std::int64_t>& sums);
     /// Of a column, as it is written.
@@ -89,6 +94,7 @@ class HazardMaps {
     const Scene& scene_;
     const Comm& comm_;
     std::array<std::int64_t, 2> size_{};  ///< columns along x and y
+    std::array<double, 2> last_{};        ///< side of the last column along each [a]
     double volume_unit_ = 1, mass_unit_ = 1, momentum_unit_ = 1;
     std::vector<Column> columns_;  ///< x fastest, y rising
     std::vector<double> floor_;    ///< lowest ground of each column [m]

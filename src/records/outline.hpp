@@ -13,9 +13,9 @@
 
 namespace moraine {
 
-/// `reached`: x fastest, y rising; corner i of the cells is at corner + i cell [m].
+/// `reached`: x fastest, y rising; corner i of the cells is at corner + i cell, the last at `end` [m].
 std::vector<Rings> outline_of(const std::vector<bool>& reached, const std::array<std::int64_t, 2>& size,
-                              const std::array<double, 2>& corner, double cell);
+                              const std::array<double, 2>& corner, double cell, const std::array<double, 2>& end);
 
 /// As GeoJSON, in the coordinates of the model.
 std::string outline_json(const std::vector<Rings>& polygons, double threshold);
