@@ -128,12 +128,13 @@ std::int64_t twice_area(const std::vector<Corner>& ring) {
 
 }  // namespace
 
-std::vector<Rings> outline_of(const std::vector<bool>& reached, const std::array<std::int64_t, 2>& size,
-                              const std::array<double, 2>& corner, double cell, const std::array<double, 2>& end) {
+std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid) {
     const auto place = [&](std::size_t axis, std::int64_t index) {
-        return index == size[axis] ? end[axis] : corner[axis] + cell * static_cast<double>(index);
+        const std::int64_t of_map = grid.first[axis] + index;
+        return of_map == grid.whole[axis] ? grid.end[axis]
+                                          : grid.corner[axis] + grid.cell * static_cast<double>(of_map);
     };
-    const Border border(reached, size);
+    const Border border(reached, grid.size);
     std::vector<Rings> polygons(static_cast<std::size_t>(border.parts()));
     border.each_ring([&](int part, const std::vector<Corner>& ring) {
         std::vector<std::array<double, 2>> points;

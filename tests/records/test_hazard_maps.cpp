@@ -51,9 +51,16 @@ struct Cut {
     double side(std::int64_t index, double a) const { return index + 1 < columns ? a : last; }
 };
 
+/// What rank 0 stores, on all.
+std::vector<double> stored_in(const HazardMaps& maps) {
+    const Comm comm(MPI_COMM_WORLD);
+    const std::vector<double> mine = maps.stored();
+    return comm.all_gather(comm.is_root() ? mine : std::vector<double>{});
+}
+
 /// Of the last sample, from what a checkpoint keeps of the maps [m3].
 double volume_in(const HazardMaps& maps, const Scene& s) {
-    const std::vector<double> all = maps.stored();
+    const std::vector<double> all = stored_in(maps);
     const Cut x(s, 0), y(s, 1);
     double sum = 0;
     for (std::size_t at = 1; at < all.size(); at += 7) {
@@ -244,7 +251,7 @@ TEST_CASE("a map cell that sticks out of the domain has the depth that lies ther
         HazardMaps maps(scene, comm);
         maps.sample(sim);
         sim.conclude();
-        const std::vector<double> all = maps.stored();
+        const std::vector<double> all = stored_in(maps);
         const Cut x(scene, 0), y(scene, 1);
         int edge = 0;
         for (std::size_t at = 1; at < all.size(); at += 7) {
