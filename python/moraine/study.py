@@ -3,6 +3,7 @@ import dataclasses
 import hashlib
 import json
 import pathlib
+import re
 import shutil
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
@@ -60,6 +61,19 @@ class Variant:
         return now.verdict == "equal" or abs(now.finest - before.finest) <= before.error
 
 
+def is_level(path: pathlib.Path) -> bool:
+    """Whether a study made this: a folder of a run by the name of its cell, no link to one."""
+    return bool(re.fullmatch(r"([\w.,=+-]+-)?cell-[0-9.e+-]+", path.name)) and path.is_dir() and not path.is_symlink()
+
+
+def _known_of(found: Any) -> Dict[str, Any]:
+    """What converge.json holds, or ValueError: it may have been written by anybody."""
+    runs = found.get("runs") if isinstance(found, dict) else None
+    if not isinstance(runs, dict) or not all(isinstance(s, (int, float)) for s in runs.values()):
+        raise ValueError("no study")
+    return found
+
+
 class Study:
     """Levels of each variant in `directory`, which converge.json there remembers from call to call."""
 
@@ -78,13 +92,17 @@ class Study:
         """Goes on with what is there."""
         there = any(self.path.iterdir())
         try:
-            self.known = json.loads((self.path / FILE).read_text())
-        except (OSError, ValueError):
+            self.known = _known_of(json.loads((self.path / FILE).read_text()))
+        except OSError:
             if there:
                 raise Error(f"{self.path} is taken (it is no refinement study: there is no {FILE}). Another --output?") from None
+        except ValueError:
+            if not overwrite:
+                raise Error(f"{self.path} cannot be continued (its {FILE} is damaged). --overwrite, or another --output?") from None
         if overwrite:
-            for name in self.known["runs"]:
-                shutil.rmtree(self.path / name, ignore_errors=True)
+            for level in self.path.iterdir():
+                if is_level(level):
+                    shutil.rmtree(level, ignore_errors=True)
             self.known = {"runs": {}}
         elif there and self.known.get("identity") != self.identity:
             raise Error(f"{self.path} has another study (of another scene, or other --set). Another --output, or --overwrite?")
