@@ -336,7 +336,8 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     if (maps_) maps_->write(directory_);
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_, ended_by));
+    write_summary(comm_, directory_ + "/summary.json",
+                  summarize(sim_, comm_, times, stepping_, health_, scene_warnings(scene_), ended_by));
     if (!comm_.is_root() || options_.quiet) return;
     if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
     fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}{}\n", times.text(), ended_by, clock.time,

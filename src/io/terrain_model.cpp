@@ -85,7 +85,7 @@ void require_heights(const Ground& part, const std::string& path) {
                                    part.first[0] + static_cast<double>(i) * part.spacing,
                                    part.first[1] + static_cast<double>(j) * part.spacing),
                        fmt::format("the model has no data there, under the domain or within {} cells of it", margin),
-                       "Fill its gaps, or shrink the domain?");
+                       "Fill its gaps, or name an area inside of what is known by terrain.crop?");
 }
 
 Ground read_part(const std::string& path, const RasterUse& use, const std::function<NodeWindow(const Ground&)>& window,
