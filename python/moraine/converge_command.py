@@ -19,7 +19,7 @@ def parser(prog: str = "moraine converge") -> argparse.ArgumentParser:
     words = Parser(EXAMPLE, prog=prog, description="Runs a scene from coarse to fine cells: order, Richardson value and grid convergence index of a value.")
     words.add_argument("scene", metavar="SCENE.toml")
     words.add_argument("--quantity", default="front", metavar="NAME,...",
-                       help="front, max_depth, a column of history.csv, or structure.NAME.force_x; @max, @min, @mean or @TIME instead of at the end (default: front)")
+                       help="front, runout, drop, travel_angle, depth, maps.NAME, gauges.NAME.depth, sections.NAME.volume, a column of history.csv, or structure.NAME.force_x; @max, @min, @mean or @TIME instead of at the end (default: front)")
     words.add_argument("--error", metavar="PERCENT", help="go on to finer cells until the error is below, as 1%%, and a further level has confirmed it")
     words.add_argument("--levels", type=int, metavar="N", help="levels at most (default: 3; 6 with --error)")
     words.add_argument("--ratio", default="2:3:4", help="cells over one length, level by level; 1:2 halves (default: 2:3:4)")

@@ -1,12 +1,14 @@
 """What a refinement study says after each level and at its end, and its files converge.csv and error-QUANTITY.svg."""
 import csv
+import dataclasses
 import pathlib
 import re
-from typing import Any, List
+from typing import Any, Dict, List, Tuple
 
 from .error_plot import Curve, error_plot
-from .number_text import digits, duration, two_digits
-from .quantity import Quantity
+from .number_text import digits, duration, exact, two_digits
+from .map_errors import MapError, map_line, write_map_errors
+from .quantity import Quantity, maps_of
 from .richardson import Estimate
 from .study import Study, Variant
 
@@ -18,14 +20,16 @@ NO_BAR = {
 }
 
 
-def estimate_line(quantity: Quantity, found: Estimate) -> str:
-    """
-    >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97))
-    'front_m = 56.40 +- 0.97 (1.7 %): order 1.20, Richardson value 55.90, safety factor 1.94'
+def estimate_line(quantity: Quantity, found: Estimate, change: float = 0.0) -> str:
+    """change: to the level before.
+
+    >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97, 40.0))
+    'front_m = 56.40 +- 0.97 (5.9 % of the way of 16.40 m): order 1.20, Richardson value 55.90, safety factor 1.94'
     """
     if found.error is None:
-        return f"{quantity.text} = {found.finest:.6g}: {NO_BAR[found.verdict]}"
-    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %)"
+        return f"{quantity.text} = {exact(found.finest, change, found.origin)}: {NO_BAR[found.verdict]}"
+    way = f" of the way of {digits(abs(found.finest - found.origin), found.error)} m" if found.origin else ""
+    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %{way})"
     if found.verdict == "equal":
         return f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
     assert found.order is not None and found.value is not None and found.safety is not None
@@ -60,6 +64,17 @@ def before_level(variant: Variant) -> str:
     return "\n".join(f"{head}{line.strip()}" if head else line for line in _next_line(variant))
 
 
+def map_errors(study: Study, variant: Variant) -> List[MapError]:
+    """Of the maps that are asked for, whose files it writes; none of one level alone."""
+    names = maps_of(study.quantities)
+    if len(variant.levels) < 2 or not names:
+        return []
+    found, _ = write_map_errors([study.path / level.directory for level in variant.levels], [level.cell for level in variant.levels], names,
+                                study.path / "maps" / variant.name)
+    variant.maps = [dataclasses.asdict(error) for error in found]
+    return found
+
+
 def after_level(study: Study, variant: Variant) -> str:
     """The text after a level, or after the last."""
     head = f"{variant.name}: " if variant.name else ""
@@ -69,14 +84,16 @@ def after_level(study: Study, variant: Variant) -> str:
     lines = [f"{head}level {len(variant.levels)}: cell {level.cell:.6g} m, {level.particles} particles, {level.steps} steps, {duration(level.wall_s)}"]
     lines += [f"  {remark}" for remark in level.remarks]
     for quantity in study.quantities:
-        lines.append(f"  {estimate_line(quantity, variant.estimate(quantity))}")
+        values = [level.values[quantity.text] for level in variant.levels[-2:]]
+        lines.append(f"  {estimate_line(quantity, variant.estimate(quantity), values[-1] - values[0])}")
         lines += _on_the_bar(variant, quantity)
         if variant.estimate(quantity).verdict == "oscillates" and quantity.resolution(level.cell) > 0:
             lines.append(f"    ({quantity.name} is counted in whole cells: --quantity front is not)")
+    lines += [f"  {map_line(found)}" for found in map_errors(study, variant)]
     return "\n".join(lines)
 
 
-HEAD = ["variant", "level", "cell_m", "particles", "steps", "wall_s", "quantity", "value", "verdict", "order", "richardson", "safety", "gci"]
+HEAD = ["variant", "level", "cell_m", "particles", "steps", "wall_s", "quantity", "value", "verdict", "order", "richardson", "safety", "gci", "origin"]
 
 
 def rows_of(study: Study) -> List[List[Any]]:
@@ -87,17 +104,31 @@ def rows_of(study: Study) -> List[List[Any]]:
             for quantity in study.quantities:
                 e = variant.estimate(quantity, k + 1)
                 more = ["" if x is None else x for x in (e.order, e.value, e.safety, e.error)]
-                rows.append([variant.name, k + 1, level.cell, level.particles, level.steps, level.wall_s, quantity.text, e.finest, e.verdict, *more])
+                rows.append([variant.name, k + 1, level.cell, level.particles, level.steps, level.wall_s, quantity.text, e.finest, e.verdict, *more, e.origin])
     return rows
+
+
+def _least_changes(study: Study) -> Dict[Tuple[str, str], float]:
+    """Of each variant and quantity the least change between two levels, 0 where there is none."""
+    found = {}
+    for variant in study.variants:
+        for quantity in study.quantities:
+            values = [level.values[quantity.text] for level in variant.levels]
+            found[variant.name, quantity.text] = min((abs(b - a) for a, b in zip(values, values[1:]) if a != b), default=0.0)
+    return found
 
 
 def table(study: Study) -> str:
     """All levels as a table of text."""
     shown = [["cell [m]", "particles", "time", "", "value", "order", "Richardson", "GCI", "factor"]]
     named = any(v.name for v in study.variants)
-    for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error in rows_of(study):
-        marks = [f"{order:.2f}", f"{richardson:.6g}", two_digits(error), f"{safety:.2f}"] if verdict == "converges" else [verdict, "", "", ""]
-        shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", f"{value:.6g}", *marks])
+    changes = _least_changes(study)
+    for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error, origin in rows_of(study):
+        change = changes[name, quantity]
+        marks = [verdict, "", "", ""]
+        if verdict == "converges":
+            marks = [f"{order:.2f}", exact(richardson, min(change, error) or error, origin), two_digits(error), f"{safety:.2f}"]
+        shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", exact(value, change, origin), *marks])
     wide = [max(len(row[k]) for row in shown) for k in range(len(shown[0]))]
     return "\n".join("  ".join(word.ljust(wide[k]) if k == 3 else word.rjust(wide[k]) for k, word in enumerate(row)).rstrip() for row in shown)
 
@@ -107,10 +138,10 @@ def _curves(study: Study, quantity: Quantity) -> List[Curve]:
     found = []
     for variant in study.variants:
         last = variant.estimate(quantity) if variant.levels else None
-        if last is None or last.verdict != "converges" or not last.value:
+        if last is None or last.verdict != "converges" or last.value is None or last.value == last.origin:
             continue
-        exact = last.value
-        errors = [(level.wall_s, abs(level.values[quantity.text] / exact - 1)) for level in variant.levels]
+        limit = last.value
+        errors = [(level.wall_s, abs((level.values[quantity.text] - limit) / (limit - last.origin))) for level in variant.levels]
         bars = []
         for k in range(2, len(variant.levels)):
             bar = variant.estimate(quantity, k + 1).relative

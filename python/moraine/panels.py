@@ -7,6 +7,7 @@ import numpy
 from numpy.typing import NDArray
 from matplotlib.ticker import MaxNLocator
 
+from .axis_text import label_axis
 from .particles import Particles
 
 DRAWN = 300_000  # particles at most: more do not show in a picture
@@ -41,7 +42,9 @@ def draw_particles(frames: Any, box: Any, view: Tuple[int, int], particles: Part
     frames.around.draw(box, view, particles.time)
     if frames.line and view == (0, 1) and particles.dimensions == 3:
         box.plot(*numpy.transpose(frames.line), color="#b2182b", linewidth=1.5, zorder=5)
-    box.set_ylabel(f"{'xyz'[view[1]]} [m]")  # x stands under the profile, and is that of all
+    label_axis(box.yaxis, "xyz"[view[1]], *box.get_ylim())  # x stands under the profile, and is that of all
+    label_axis(box.xaxis, "xyz"[view[0]], *box.get_xlim())
+    box.set_xlabel("")
     box.yaxis.set_major_locator(MaxNLocator(max(2, int(2.2 * tall)), steps=[1, 2, 5, 10]))
     return marks
 

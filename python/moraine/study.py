@@ -3,6 +3,7 @@ import dataclasses
 import hashlib
 import json
 import pathlib
+import re
 import shutil
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
@@ -12,6 +13,7 @@ from .richardson import Estimate, estimate
 from .scene import Scene, read_scene, with_sets
 
 FILE = "converge.json"
+RUN_NAME = re.compile(r"([\w.,=+-]+-)?cell-[0-9][0-9.e+-]*")  # what a study removes has such a name, and lies in its directory
 
 
 @dataclasses.dataclass
@@ -27,6 +29,7 @@ class LevelRun:
     wall_s: float
     commit: str
     values: Dict[str, float]
+    origins: Dict[str, float] = dataclasses.field(default_factory=dict)  # of the values that are not counted from 0
 
 
 @dataclasses.dataclass
@@ -42,11 +45,13 @@ class Variant:
     reached: bool = False
     failed: int = 0  # exit code of a level
     next_level: Optional[Dict[str, Any]] = None
+    maps: List[Dict[str, Any]] = dataclasses.field(default_factory=list)  # MapError of the finest levels
 
     def estimate(self, quantity: Quantity, upto: Optional[int] = None) -> Estimate:
         """What the finest three levels, or those of the first `upto`, say of a quantity."""
         levels = self.levels[:upto]
-        return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell))
+        return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell),
+                        levels[-1].origins.get(quantity.text, 0.0))
 
     def is_confirmed(self, quantity: Quantity) -> Optional[bool]:
         """Whether the error bar of the level before holds the finest value; None where there is no such bar. Three levels can
@@ -78,13 +83,20 @@ class Study:
         """Goes on with what is there."""
         there = any(self.path.iterdir())
         try:
-            self.known = json.loads((self.path / FILE).read_text())
-        except (OSError, ValueError):
+            known = json.loads((self.path / FILE).read_text())
+            runs = known["runs"]
+            if not all(RUN_NAME.fullmatch(name) and isinstance(took, (int, float)) for name, took in runs.items()):
+                raise ValueError("it names runs that no study has")
+            self.known = known
+        except OSError:
             if there:
                 raise Error(f"{self.path} is taken (it is no refinement study: there is no {FILE}). Another --output?") from None
+        except (ValueError, LookupError, TypeError, AttributeError) as wrong:
+            raise Error(f"{self.path / FILE} is damaged ({wrong or type(wrong).__name__}). Another --output, or remove that directory?") from None
         if overwrite:
             for name in self.known["runs"]:
-                shutil.rmtree(self.path / name, ignore_errors=True)
+                if not (self.path / name).is_symlink():
+                    shutil.rmtree(self.path / name, ignore_errors=True)
             self.known = {"runs": {}}
         elif there and self.known.get("identity") != self.identity:
             raise Error(f"{self.path} has another study (of another scene, or other --set). Another --output, or --overwrite?")

@@ -153,7 +153,7 @@ def facts(run):
     filling = s.get("over_filling")
     rows = [("simulated time", number(s.get("simulated_time_s", last[0] if last else None), " s")),
             ("particles", f"{s['particles']:,.0f}".replace(",", "\N{THIN SPACE}") if isinstance(s["particles"], (int, float)) else "not known"),
-            ("front", f"{number(front[0], ' m')} at the start, {number(front[-1], ' m')} at the end" if front else "not known"),
+            ("front", f"went {number(front[-1] - front[0], ' m')}, from x = {number(front[0], ' m', 10)}" if front else "not known"),
             ("largest speed", number(max(fast, default=None), " m/s")),
             ("lost particles", number(s.get("lost_particles")))]
     if isinstance(filling, (int, float)):

@@ -9,6 +9,7 @@ from charts import scales, text_of, ticks
 from matplotlib import colormaps
 from matplotlib.colors import LightSource
 from matplotlib.ticker import MaxNLocator
+from moraine.axis_text import axis_title, offset_of
 from PIL import Image, ImageDraw
 
 WIDE, TALL = 760, 560                      # pixels at most
@@ -101,11 +102,12 @@ class Sheet:
     def box(self, source, words):
         """The map with its axes and its scale bar."""
         wide, tall = self.east - self.west, self.north - self.south
-        xs = [((x - self.west) / wide * 100, text_of(x)) for x in ticks(self.west, self.east, 5)]
-        ys = [((self.north - y) / tall * 100, text_of(y)) for y in ticks(self.south, self.north, max(2, min(6, int(260 * tall / wide / 22))))]
+        zero = offset_of(self.west, self.east), offset_of(self.south, self.north)
+        xs = [((x - self.west) / wide * 100, text_of(x - zero[0])) for x in ticks(self.west, self.east, 5)]
+        ys = [((self.north - y) / tall * 100, text_of(y - zero[1])) for y in ticks(self.south, self.north, max(2, min(6, int(260 * tall / wide / 22))))]
         down, along = scales(xs, ys)
-        return (f'<div class="ylabel">y [m]</div><div class="plot">{down}<div class="pane"><img width="{self.size[0]}" height="{self.size[1]}" '
-                f'alt="{html.escape(words)}" src="{source}">{self.scale_bar()}</div>{along}</div><div class="xlabel">x [m]</div>')
+        return (f'<div class="ylabel">{axis_title("y", zero[1])}</div><div class="plot">{down}<div class="pane"><img width="{self.size[0]}" height="{self.size[1]}" '
+                f'alt="{html.escape(words)}" src="{source}">{self.scale_bar()}</div>{along}</div><div class="xlabel">{axis_title("x", zero[0])}</div>')
 
 
 def colour_bar(label, levels, colours):
@@ -130,13 +132,13 @@ def maps(directory):
 def _maps(directory):
     """As maps()."""
     from moraine.grids import read_grid
-    from moraine.maps import KINDS, ground_of, map_files, reached_by
+    from moraine.maps import KINDS, drawn, ground_of, map_files, reached_by
     files = map_files(directory)
     if not files:
         return ""
     ground, sheet, parts = ground_of(directory), None, []
     for name, path in list(files.items())[:MAPS]:
-        grid = read_grid(path)
+        grid = drawn(name, read_grid(path))
         reached = reached_by(files, {name: grid}, name)
         sheet = sheet or Sheet(grid, ground)
         label, palette = KINDS.get(name, (name, "viridis"))

@@ -63,21 +63,27 @@ def common_structures(runs):
     return [name for name in runs[0].structures if all(name in run.structures for run in runs)][:NAMED]
 
 
+def went(run):
+    """How far the front came from where it was at the start [m]; None where it is not known."""
+    front = numbers(run, "front_m")
+    return front[-1] - front[0] if front else None
+
+
 def answers(runs):
     """The table of what runs answer, beside the keys in which they differ."""
     keys = differing(runs) if of_one_scene(runs) else {}
     shown = dict(list(keys.items())[:KEYS])
     moves = any(len(set(numbers(run, "front_m"))) > 1 for run in runs)
-    last = next(iter(numbers(runs[-1], "front_m")[-1:]), None)
-    fronts = [("front at the end [m]", "last column of cells along x that holds a quarter of a cell's volume"),
-              (f"beside {runs[-1].name} [%]", "how much farther the front is than that of the last run")]
+    last = went(runs[-1])
+    fronts = [("front went [m]", "from the start to the end along x: of the last column of cells that holds a quarter of a cell's volume"),
+              (f"beside {runs[-1].name} [%]", "how much farther the front went than that of the last run")]
     columns = [("run", "the end of its directory"), *[(name, "in this the runs differ") for name in shown], *(fronts if moves else []),
                ("largest speed [m/s]", "of all particles at the times of the outputs"),
                *[(f"force on {name} [kN]", "the largest at the recorded times") for name in common_structures(runs)],
                ("wall [s]", "from start to end")]
     rows = []
     for k, run in enumerate(runs):
-        front = next(iter(numbers(run, "front_m")[-1:]), None)
+        front = went(run)
         share = None if front is None or not last or run is runs[-1] else 100 * (front - last) / abs(last)
         forces = [strongest(run, name) for name in common_structures(runs)]
         rows.append([run.name, *[words[k][:24] for words in shown.values()],

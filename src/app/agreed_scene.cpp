@@ -95,6 +95,7 @@ std::vector<Common> tables_of(const Scene& scene) {
     }
     add(scene.hazard.gauges_file);
     add(scene.hazard.sections_file);
+    add(scene.hazard.path_file);
     return tables;
 }
 

@@ -173,6 +173,8 @@ struct HazardSpec {
     std::vector<GaugeSpec> gauges;
     std::string sections_file;
     std::vector<SectionSpec> sections;
+    std::string path_file;
+    std::vector<std::array<double, 2>> path;  ///< along which way is counted; empty: none is given
 };
 
 struct BalanceSpec {

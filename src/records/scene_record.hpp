@@ -80,6 +80,25 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     return named;
 }
 
+/// What [hazard] asks for, with the places and lines of its files.
+inline Json hazard(const HazardSpec& h) {
+    const auto line = [](const std::vector<std::array<double, 2>>& points) {
+        std::vector<Json> list;
+        for (const auto& p : points) list.push_back(std::vector<double>(p.begin(), p.end()));
+        return Json(list);
+    };
+    std::vector<Json> gauges, sections;
+    for (const GaugeSpec& g : h.gauges)
+        gauges.push_back(Json::Named{{"name", g.name}, {"place", std::vector<double>{g.x, g.y}}});
+    for (const SectionSpec& s : h.sections)
+        sections.push_back(Json::Named{{"name", s.name}, {"points", line(s.points)}});
+    return Json::Named{{"cell", h.cell},
+                       {"threshold", h.threshold},
+                       {"gauges", gauges},
+                       {"sections", sections},
+                       {"path", line(h.path)}};
+}
+
 /// All that the answer depends on, by which a report says in what runs differ.
 inline Json keys(const Scene& scene) {
     Json::Named named;
@@ -92,16 +111,18 @@ inline Json keys(const Scene& scene) {
 inline Json surroundings(const Scene& scene) {
     std::vector<Json> structures;
     for (const StructureSpec& s : scene.structures) structures.push_back(scene_record::structure(scene, s));
-    return Json::Named{{"version", version_text},
-                       {"scene", scene.name},
-                       {"title", scene.title},
-                       {"dimensions", scene.dimensions},
-                       {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
-                                              {"max", scene_record::vector(scene, scene.max)},
-                                              {"cell", scene.cell}}},
-                       {"wall", scene_record::walls(scene)},
-                       {"structure", structures},
-                       {"keys", scene_record::keys(scene)}};
+    Json::Named all{{"version", version_text},
+                    {"scene", scene.name},
+                    {"title", scene.title},
+                    {"dimensions", scene.dimensions},
+                    {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
+                                           {"max", scene_record::vector(scene, scene.max)},
+                                           {"cell", scene.cell}}},
+                    {"wall", scene_record::walls(scene)},
+                    {"structure", structures}};
+    if (scene.hazard.cell > 0) all.emplace_back("hazard", scene_record::hazard(scene.hazard));
+    all.emplace_back("keys", scene_record::keys(scene));
+    return all;
 }
 
 }  // namespace moraine

@@ -34,6 +34,9 @@ void load_gauges(Scene& scene, const Places& places);
 /// Reads the sections of [hazard]. Throws InputError.
 void load_sections(Scene& scene, const Places& places);
 
+/// Reads the path of [hazard]. Throws InputError.
+void load_path(Scene& scene, const Places& places);
+
 /// What holds between [hazard] and the rest. Throws InputError.
 void check_hazard(const Scene& scene, const Places& places);
 

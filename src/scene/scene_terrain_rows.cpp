@@ -183,6 +183,15 @@ const std::vector<KeyRow<Scene>> hazards{
                  "GeoPackage or other; the attribute name is optional. Discharge, volume and mass that went over each "
                  "line to its left go into sections.csv at every sample; relative to the scene."},
      [](Scene& s, const V& v) { s.hazard.sections_file = v.text; }},
+    {{.table = "hazard",
+      .name = "path",
+      .type = text,
+      .standard = "",
+      .meaning =
+          "The way of the flow from its source downwards, one line in a file as that of sections: along it moraine "
+          "converge, study and report count front, runout and travel angle, instead of the steepest way from the "
+          "releases; relative to the scene."},
+     [](Scene& s, const V& v) { s.hazard.path_file = v.text; }},
 };
 
 }  // namespace
