@@ -36,7 +36,7 @@ def _names_of(run: Run, scene: Mapping[str, Any], kind: str) -> List[str]:
         return [item.get("name", "") for item in scene.get("structure", [])]
     if not (run.path / RECORDS[kind]).is_file():
         return []
-    end, table = {"gauges": ("_depth_m", run.gauges), "sections": ("_volume_m3", run.sections)}[kind] if kind != "structure" else ("", {})
+    end, table = ("_depth_m", run.gauges) if kind == "gauges" else ("_volume_m3", run.sections)
     return [column[: -len(end)] for column in table if column.endswith(end)]
 
 

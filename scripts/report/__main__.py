@@ -24,12 +24,14 @@ def fail(code, words):
 
 
 def missing_packages():
-    """What this Python lacks, after a try with Debian's own."""
+    """What this Python lacks, after a try with the .venv that docs/python.md makes, and with Debian's own."""
     missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
-    if missing and os.path.exists(DEBIAN) and "MORAINE_REPORT_SECOND_TRY" not in os.environ and "MORAINE_PYTHON" not in os.environ:
-        if subprocess.run([DEBIAN, "-c", "import " + ", ".join(PACKAGES)], capture_output=True).returncode == 0:
-            os.environ["MORAINE_REPORT_SECOND_TRY"] = "1"
-            os.execv(DEBIAN, [DEBIAN, "-B", *sys.argv])
+    here = pathlib.Path(__file__).resolve().parent
+    places = [str(place / ".venv/bin/python3") for place in (pathlib.Path.cwd(), here.parent, *here.parents[1:4])]
+    for python in [*places, DEBIAN] if missing and not {"MORAINE_SECOND_TRY", "MORAINE_PYTHON"} & set(os.environ) else []:
+        if os.path.exists(python) and subprocess.run([python, "-c", "import " + ", ".join(PACKAGES)], capture_output=True).returncode == 0:
+            os.environ["MORAINE_SECOND_TRY"] = "1"
+            os.execv(python, [python, "-B", *sys.argv])
     return missing
 
 

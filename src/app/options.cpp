@@ -27,6 +27,8 @@ constexpr Command commands[] = {
     {"replay",
      "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded loads\n"},
     {"converge", "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is\n"},
+    {"study", "moraine study STUDY.toml [options]    a scene with many values of its parameters (docs/scenarios.md)\n"},
+    {"calibrate", "moraine calibrate FILE.toml [options] parameters that fit what was seen, and how well it tells them\n"},
     {"picture",
      "moraine picture RUN_DIR [options]    PNG of particles at chosen times and of maps, and an animation\n"},
     {"report", "moraine report RUN_DIR... [--output F]  one page about runs, side by side\n"},
