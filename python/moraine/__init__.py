@@ -7,7 +7,8 @@
 
 All lengths are in m, times in s, masses in kg (per metre of thickness in plane strain). docs/python.md has more.
 """
-from .calibration import Calibration, calibrate
+from .calibration import calibrate
+from .calibration_data import Calibration
 from .columns import depth_at, depth_profile, spacing
 from .convergence import converge
 from .errors import Error
@@ -16,7 +17,8 @@ from .program import Check, check, find_program, run
 from .records import Table, read_summary, read_table
 from .results import Run
 from .richardson import Estimate, estimate
-from .scenarios import Scenarios, run_study
+from .scenario_data import Scenarios
+from .scenarios import run_study
 from .scene import read_scene, write_scene
 from .study import Study
 from .toml_text import to_toml

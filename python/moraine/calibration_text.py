@@ -4,7 +4,7 @@ import math
 import pathlib
 from typing import List
 
-from .calibration import Calibration
+from .calibration_data import Calibration
 from .number_text import exact, two_digits
 from .page_text import Axes, page, table, warning
 from .scenario_text import columns_of

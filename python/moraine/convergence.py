@@ -3,7 +3,8 @@ import pathlib
 import re
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
-from .converge_text import after_level, before_level, write_files
+from .converge_files import write_files
+from .converge_text import after_level, before_level
 from .errors import Error
 from .level_run import Plan
 from .levels import parse_ratio, refuse_tables

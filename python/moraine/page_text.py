@@ -17,7 +17,7 @@ h3 { font-size: 1rem; margin: 0 0 0.4rem; } .scroll { overflow-x: auto; } table 
 th, td { padding: 0.25rem 0.6rem; border-bottom: 1px solid var(--edge); text-align: right; white-space: nowrap; } th:first-child, td:first-child { text-align: left; }
 .cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 19rem), 1fr)); gap: 1.2rem 1.6rem; }
 .wide { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: 1.2rem 1.6rem; }
-figure { margin: 0; min-width: 0; } figcaption { color: var(--faint); font-size: 0.85rem; } img { max-width: 100%; height: auto; background: #fff; }
+figure { margin: 0; min-width: 0; overflow-x: auto; } figcaption { color: var(--faint); font-size: 0.85rem; } img { width: 100%; min-width: 34rem; height: auto; background: #fff; }
 svg { width: 100%; height: auto; display: block; } svg text { font: 13px system-ui, sans-serif; fill: var(--ink); } svg .axis { stroke: var(--faint); fill: none; }
 svg .mark { fill: var(--mark); } svg .line { stroke: var(--mark); fill: none; stroke-width: 2; } svg .band { fill: var(--band); }
 .warning { border-left: 4px solid var(--bad); background: var(--badpaper); padding: 0.7rem 1rem; margin: 1rem 0; } .warning ul { margin: 0; padding-left: 1.2rem; }
@@ -36,7 +36,7 @@ def warning(lines: Sequence[str]) -> str:
     return f'<div class="warning"><ul>{"".join(f"<li>{html.escape(line)}</li>" for line in lines)}</ul></div>' if lines else ""
 
 
-def ticks(low: float, high: float, most: int = 4) -> List[float]:
+def ticks(low: float, high: float, most: int = 5) -> List[float]:
     """Round numbers between.
 
     >>> ticks(0.1, 0.3)

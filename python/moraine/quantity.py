@@ -1,6 +1,5 @@
 """One number of a run, by a name: of its records, its maps, or its particles; at the end, at a time, or over time."""
 import dataclasses
-import difflib
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy
@@ -8,7 +7,7 @@ from numpy.typing import NDArray
 
 from .errors import Error
 from .map_values import MAP_VALUES, map_value
-from .records import Table
+from .record_columns import RECORDS, column_of, names_of
 from .results import Run
 from .runout import OF_PARTICLES, Runout, value_of
 
@@ -16,28 +15,6 @@ OVER_TIME = {"max": numpy.max, "min": numpy.min}
 COUNTED = {"front_m": 0.5}  # of a cell: to what a column is known that is counted in cells
 #: places, whose errors are shares of the way gone since the start
 PLACES = ("front", "front_m", "max_x_m", "centre_x_m", "centre_y_m", "centre_z_m", "max_x", "centre_x", "centre_y", "centre_z")
-RECORDS = {"structure": "structures.csv", "gauges": "gauges.csv", "sections": "sections.csv"}
-UNITS = ("m", "s", "N", "J", "kg", "Pa", "m_s", "N_m", "N_s", "kg_m_s", "m3", "m3_s")
-
-
-def _column(table: Table, name: str, where: str, ahead: str = "") -> NDArray[Any]:
-    """The column of that name, or of it and a unit; `ahead`: what the columns that count begin with."""
-    names = [column[len(ahead):] for column in table if column.startswith(ahead)]
-    fitting = [name] if name in names else [column for column in names if column.startswith(name + "_") and column[len(name) + 1:] in UNITS]
-    if len(fitting) != 1 or table[ahead + fitting[0]].dtype.kind != "f":
-        near = difflib.get_close_matches(name, [c for c in names if table[ahead + c].dtype.kind == "f"] + ([] if ahead else list(OF_PARTICLES)), 1, 0.4)
-        raise Error(f"--quantity {name} is not there (no such column in {where}). Did you mean {near[0] if near else 'front'}?")
-    return table[ahead + fitting[0]]
-
-
-def _names_of(run: Run, scene: Mapping[str, Any], kind: str) -> List[str]:
-    """Structures, gauges or sections of a run."""
-    if kind == "structure":
-        return [item.get("name", "") for item in scene.get("structure", [])]
-    if not (run.path / RECORDS[kind]).is_file():
-        return []
-    end, table = ("_depth_m", run.gauges) if kind == "gauges" else ("_volume_m3", run.sections)
-    return [column[: -len(end)] for column in table if column.endswith(end)]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -80,10 +57,10 @@ class Quantity:
                 raise Error(f"--quantity {self.text} (maps are of the whole run). Did you mean {self.name}?")
             map_value(run, self.name)
         elif self.kind == "history":
-            _column(run.history, self.name, "history.csv")
+            column_of(run.history, self.name, "history.csv")
 
     def _check_record(self, run: Run, scene: Mapping[str, Any]) -> None:
-        parts, names = self.name.split("."), _names_of(run, scene, self.kind)
+        parts, names = self.name.split("."), names_of(run, scene, self.kind)
         kind = {"structure": "structure", "gauges": "gauge", "sections": "section"}[self.kind]
         column = {"structure": "force_y", "gauges": "depth", "sections": "volume"}[self.kind]
         if len(parts) != 3 or parts[1] not in names:
@@ -95,9 +72,9 @@ class Quantity:
         _, name, column = self.name.split(".")
         if self.kind == "structure":
             table = run.structures[name]
-            return table["time_s"], _column(table, column, "structures.csv")
+            return table["time_s"], column_of(table, column, "structures.csv")
         table = run.gauges if self.kind == "gauges" else run.sections
-        return table["time_s"], _column(table, column, RECORDS[self.kind], name + "_")
+        return table["time_s"], column_of(table, column, RECORDS[self.kind], name + "_")
 
     def read(self, run: Run, end: float, cell: float) -> float:
         """The value of a run that was to end at `end` [s], with cells of `cell` [m]. Raises Error where the run has it not.
@@ -120,7 +97,7 @@ class Quantity:
         if self.name not in PLACES:
             return 0.0
         if self.kind == "history":
-            return float(_column(run.history, self.name, "history.csv")[0])
+            return float(column_of(run.history, self.name, "history.csv")[0])
         runout = Runout(run, cell)
         return value_of(runout, self.name, run.particles.read(0, self.fields))
 
@@ -130,7 +107,7 @@ class Quantity:
             last = [len(series) - 1] if self.when == "end" else range(len(series))
             return series.times[last], numpy.array([value_of(runout, self.name, series.read(k, self.fields)) for k in last])
         if self.kind == "history":
-            return run.history["time_s"], _column(run.history, self.name, "history.csv")
+            return run.history["time_s"], column_of(run.history, self.name, "history.csv")
         return self._record(run)
 
 

@@ -6,11 +6,11 @@ from typing import Any, List
 import numpy
 
 from .grids import Grid, read_grid
-from .maps import KINDS, ground_of
+from .maps import KINDS, UNITS, ground_of
 from .page_text import Axes, page, picture, table, warning
 from .parameters import Parameter
 from .scenario_text import influence_rows, spread_rows, warnings_of
-from .scenarios import Scenarios
+from .scenario_data import Scenarios
 
 SHOWN = 12  # maps at most
 TITLES = {"envelope": "largest of all runs", "mean": "mean of the runs", "q05": "5 % of the runs have less", "q50": "half of the runs have less",
@@ -49,8 +49,8 @@ def _scatter(found: Scenarios) -> str:
     return f'<div class="cards">{"".join(cards)}</div>'
 
 
-def _title_of(kind: str) -> str:
-    return f"share of the runs with more than {kind[len('exceeds-'):]}" if kind.startswith("exceeds-") else TITLES.get(kind, kind)
+def _title_of(name: str, kind: str) -> str:
+    return f"share of the runs with more than {kind[len('exceeds-'):]} {UNITS.get(name, '')}" if kind.startswith("exceeds-") else TITLES.get(kind, kind)
 
 
 def _maps(found: Scenarios) -> str:
@@ -66,10 +66,10 @@ def _maps(found: Scenarios) -> str:
         grid = read_grid(found.path / "maps" / each["file"])
         label, colours = KINDS.get(each["map"], (each["map"], "viridis"))
         if each["unit"] == "":
-            label, colours = f"{_title_of(each['kind'])} [-]", "viridis"
+            label, colours = f"{_title_of(each['map'], each['kind'])} [-]", "viridis"
         elif label.endswith("[kPa]"):
             grid = Grid(grid.values / 1e3, grid.first, grid.cell)
-        title = f"{each['map']}: {_title_of(each['kind'])}" + (f" {each['map_unit']}" if "map_unit" in each else "")
+        title = f"{each['map']}: {_title_of(each['map'], each['kind'])}"
         figure: Any = draw_map(label, colours, grid, numpy.isfinite(grid.values), ground, title)
         parts.append(f"<figure>{picture(figure, title)}</figure>")
     more = f"<p>maps/ has {len(found.maps)} maps, of which {len(parts)} are shown.</p>" if len(found.maps) > len(parts) else ""

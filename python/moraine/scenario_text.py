@@ -4,7 +4,7 @@ from typing import List
 import numpy
 
 from .number_text import exact, two_digits
-from .scenarios import Scenarios
+from .scenario_data import Scenarios
 
 
 def columns_of(rows: List[List[str]]) -> str:

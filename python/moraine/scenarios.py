@@ -1,5 +1,4 @@
 """`moraine.run_study`: one scene with many values of its parameters, and what that does to quantities and maps."""
-import csv
 import dataclasses
 import pathlib
 import re
@@ -7,59 +6,22 @@ import shutil
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
-import numpy
-from numpy.typing import NDArray
-
 from .convergence import converge, parse_budget
 from .errors import Error
 from .fleet import Fleet, Member, Orders, jobs_of
-from .parameters import Parameter, sets_of
+from .parameters import sets_of
 from .program import check, run
-from .quantity import Quantity
 from .results import Run
 from .sampling import METHODS, design, shares_of
+from .scenario_data import Scenarios, write_tables
 from .scenario_file import ScenarioFile, fields_of, open_folder, read_file, save_json, whole_number
 from .scenario_maps import map_statistics
 from .scene import Path, read_scene, with_sets
-from .sensitivity import Influence, influences
-from .study import Study
+from .sensitivity import influences
 
 FILE = "study.json"
 SECTIONS = {"sampling": ("method", "runs", "seed"), "cells": ("levels", "coarsest", "ratio")}
 RUN = re.compile(r"run-\d+")
-
-
-@dataclasses.dataclass
-class Scenarios:
-    """A study: its file, its folder, a Member of each run, and values (runs, quantities), NaN where a run failed or is not there."""
-
-    file: ScenarioFile
-    path: pathlib.Path
-    members: List[Member]
-    values: Dict[str, Dict[str, float]] = dataclasses.field(default_factory=dict)  # by run and quantity
-    influences: List[Influence] = dataclasses.field(default_factory=list)
-    cells: Optional[Study] = None
-    maps: List[Dict[str, Any]] = dataclasses.field(default_factory=list)
-    stopped_by_budget: bool = False
-
-    @property
-    def finished(self) -> List[Member]:
-        return [member for member in self.members if member.name in self.values]
-
-    @property
-    def failed(self) -> List[Member]:
-        return [member for member in self.members if member.code not in (None, 0, 5)]
-
-    def column(self, quantity: Quantity) -> NDArray[Any]:
-        """Its values of the runs that ended (runs,)."""
-        return numpy.array([self.values[member.name][quantity.text] for member in self.finished])
-
-    def inputs(self, parameter: Parameter) -> List[Any]:
-        return [member.sets[parameter.key] for member in self.finished]
-
-    def cell_error(self, quantity: Quantity) -> Optional[float]:
-        """Error bar of the cells in the middle of the parameters; None where it is not asked for, or none is seen."""
-        return self.cells.variants[0].estimate(quantity).error if self.cells and self.cells.variants[0].levels else None
 
 
 def _method(file: ScenarioFile) -> Dict[str, Any]:
@@ -172,19 +134,3 @@ def finish(found: Scenarios, sampling: Mapping[str, Any], orders: Orders, told: 
                                                                                        q.text, found.column(q), str(sampling["method"]), shares)]
         found.maps = map_statistics([found.path / member.name for member in found.finished], exceedances(found.file), found.path / "maps")
     write_tables(found)
-
-
-def write_tables(found: Scenarios) -> None:
-    """study.csv, a row per run, and sensitivity.csv, a row per quantity and parameter."""
-    keys, names = [p.key for p in found.file.parameters], [q.text for q in found.file.quantities]
-    with open(found.path / "study.csv", "w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["run", *keys, *names, "exit_code", "wall_s"])
-        for m in found.members:
-            values = found.values.get(m.name, {})
-            rows.writerow([m.name, *(m.sets[key] for key in keys), *(values.get(name, "") for name in names), "" if m.code is None else m.code, f"{m.wall_s:.3f}"])
-    with open(found.path / "sensitivity.csv", "w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["quantity", "parameter", "measure", "value", "error"])
-        for each in found.influences:
-            rows.writerow([each.quantity, each.parameter, each.measure, each.value, "" if each.error is None else each.error])

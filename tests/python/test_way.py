@@ -13,7 +13,8 @@ from moraine.map_errors import map_error, overlap_of
 from moraine.quantity import parse_quantities
 from moraine.runout import Runout
 from moraine.tiff import write_tiff
-from moraine.way import Way, area_of, steepest_way, way_of
+from moraine.steepest import area_of, steepest_way
+from moraine.way import Way, way_of
 from runs_for_tests import PackageTest, folder
 from test_converge import converge
 from test_maps import write_asc
