@@ -3,11 +3,16 @@ import csv
 import dataclasses
 import pathlib
 import re
-from typing import Any, List
+from typing import Any, List, Mapping, Optional, Sequence
 
+from .curve_plot import write_curve
+from .curves import CurveName, Data, band_of, beside
 from .error_plot import Curve, error_plot
+from .errors import Error
 from .map_errors import MapError, write_map_errors
+from .number_text import two_digits
 from .quantity import Quantity, maps_of
+from .results import Run
 from .study import Study, Variant
 
 HEAD = ["variant", "level", "cell_m", "particles", "steps", "wall_s", "quantity", "value", "verdict", "order", "richardson", "safety", "gci", "origin"]
@@ -69,3 +74,31 @@ def write_files(study: Study) -> List[pathlib.Path]:
             path.write_text(error_plot(f"{quantity.text}: error against run time", curves), encoding="utf-8")
             files.append(path)
     return files
+
+
+def refuse_curves(curves: Sequence[CurveName], data: Optional[Data], scene: Mapping[str, Any]) -> None:
+    """Raises Error for a curve of a structure that the scene has not, and for data beside no curve."""
+    names = [item.get("name", "") for item in scene.get("structure", [])]
+    for curve in curves:
+        if curve.structure not in names:
+            raise Error(f"--curve {curve.text} is not there (the structures are {', '.join(names) or 'none'}). Is it structure.NAME.force_y/displacement_y?")
+    if data is not None and not curves:
+        raise Error("--with beside no curve (it is laid over one). Add --curve structure.NAME.force_y/displacement_y?")
+
+
+def write_curves(study: Study, curves: Sequence[CurveName], data: Optional[Data]) -> List[str]:
+    """curve-NAME.csv and .svg of each variant's levels, and a line about each."""
+    said = []
+    for variant in study.variants:
+        if not variant.levels:
+            continue
+        runs, cells = [Run(study.path / level.directory) for level in variant.levels], [level.cell for level in variant.levels]
+        for curve in curves:
+            band = band_of(runs, cells, curve)
+            write_curve(study.path / variant.name, curve, band, data)
+            head = f"{variant.name}: " if variant.name else ""
+            share = 100 * band.mean_difference / (float(abs(band.y).max()) or 1.0)
+            bar = "NO ORDER on these levels, so there is no band" if band.order is None else f"order {band.order:.2f}, band +- {two_digits(float(band.error.mean()))} in the mean"
+            said.append(f"{head}{curve.text}: to the level before {two_digits(band.mean_difference)} in the mean ({two_digits(share)} % of its largest); {bar}"
+                        + (f"; the data: {beside(band, data)}" if data is not None else ""))
+    return said

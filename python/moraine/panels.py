@@ -5,11 +5,14 @@ from typing import Any, Tuple
 import matplotlib
 import numpy
 from numpy.typing import NDArray
+from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator
 
 from .axis_text import label_axis
 from .particles import Particles
 
+#: of ranks: ten that differ for the red-green blind, too (P. Tol's "muted", and black)
+RANKS = ("#332288", "#88ccee", "#ddcc77", "#117733", "#cc6677", "#44aa99", "#aa4499", "#999933", "#882255", "#000000")
 DRAWN = 300_000  # particles at most: more do not show in a picture
 
 
@@ -36,7 +39,8 @@ def draw_particles(frames: Any, box: Any, view: Tuple[int, int], particles: Part
         values, limits = values % 10, (-0.5, 9.5)
     else:
         limits = frames.range
-    colours = matplotlib.colormaps[frames.field.colours].with_extremes(bad="0.6")
+    named = frames.field.colours
+    colours = (ListedColormap(RANKS) if named == "ranks" else matplotlib.colormaps[named]).with_extremes(bad="0.6")
     marks = box.scatter(particles.position[order, view[0]], particles.position[order, view[1]], s=size**2, linewidths=0, c=values,
                         cmap=colours, vmin=limits[0], vmax=limits[1], zorder=1, plotnonfinite=True)
     frames.around.draw(box, view, particles.time)

@@ -31,7 +31,8 @@ Plot = collections.namedtuple("Plot", "name title caption figure columns rows ht
 
 
 def colours(count):
-    return [pyplot.get_cmap("tab10")(k % 10) for k in range(count)]
+    from moraine.panels import RANKS
+    return [RANKS[k % len(RANKS)] for k in range(count)]
 
 
 def log_axis(axis, values):

@@ -147,10 +147,21 @@ def pictures(runs):
     return f"<h3>At the same times</h3>{planes.colour_bar(alike[0][0])}{''.join(rows)}"
 
 
+def differences(runs):
+    """HTML of maps of each run less those of the last, over the ground; empty where they have none in common."""
+    try:
+        import hazards
+        return hazards.differences([run.path for run in runs], [run.name for run in runs])
+    except ImportError:
+        return ""
+    except Exception as wrong:  # a record that cannot be drawn costs its pictures, and not the page
+        return f"<p>Differences of maps are not shown: {html.escape(str(wrong) or type(wrong).__name__)}</p>"
+
+
 def flows(runs, distinct, charts):
     """The section of runs side by side; `distinct` are those that ended in different states, `charts` theirs."""
     shown = "".join(map(section, charts))
-    return (f"<section>\n<h2>Side by side</h2>\n{answers(runs)}\n{pictures(distinct)}"
+    return (f"<section>\n<h2>Side by side</h2>\n{answers(runs)}\n{differences(distinct)}{pictures(distinct)}"
             + (f'<div class="charts">{shown}</div>' if shown else "") + "\n</section>")
 
 

@@ -208,7 +208,7 @@ std::string HazardMaps::outline() const {
     std::vector<bool> reached;
     for (const Column& c : columns_) reached.push_back(c[max_depth] >= scene_.hazard.threshold);
     const auto polygons = outline_of(reached, size_, {scene_.min[0], scene_.min[1]}, scene_.hazard.cell);
-    return has_gdal() ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold)
+    return has_gdal() ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, {})
                       : outline_json(polygons, scene_.hazard.threshold);
 }
 

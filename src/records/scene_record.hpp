@@ -13,6 +13,7 @@
 #include "io/json_text.hpp"
 #include "records/version.hpp"
 #include "scene/scene_identity.hpp"
+#include "seeding/seed_region.hpp"
 
 namespace moraine {
 
@@ -37,6 +38,8 @@ inline Json walls(const Scene& scene) {
 inline Json ground(const Scene& scene, const StructureSpec& s) {
     Json::Named named{{"name", s.name}, {"shape", scene.dimensions == 2 ? "polygon" : "ground"}};
     named.emplace_back("file", (std::filesystem::path(scene.path).parent_path() / s.file).string());
+    named.emplace_back("spacing", s.ground->spacing);
+    named.emplace_back("crs", s.ground->crs);
     if (scene.dimensions == 3) return named;
     const auto place = [&](std::int64_t i) { return s.ground->first[0] + static_cast<double>(i) * s.ground->spacing; };
     std::vector<Json> points{std::vector<double>{place(0), scene.min[1]}};
@@ -80,6 +83,20 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     return named;
 }
 
+/// Releases and inflows with their volume [m3] and thickness over the ground [m].
+inline Json sources(const Scene& scene) {
+    std::vector<Json> list;
+    for (const BodySpec& b : scene.bodies)
+        if (b.shape == BodyShape::layer || b.shape == BodyShape::inflow)
+            list.push_back(Json::Named{{"name", b.name},
+                                       {"kind", b.shape == BodyShape::inflow ? "inflow" : "release"},
+                                       {"material", scene.materials[static_cast<std::size_t>(b.material)].name},
+                                       {"volume_m3", measure_of(b, scene.dimensions)},
+                                       {"thickness_m", b.thickness},
+                                       {"start_s", b.release_time}});
+    return list;
+}
+
 /// What [hazard] asks for, with the places and lines of its files.
 inline Json hazard(const HazardSpec& h) {
     const auto line = [](const std::vector<std::array<double, 2>>& points) {
@@ -121,6 +138,7 @@ inline Json surroundings(const Scene& scene) {
                     {"wall", scene_record::walls(scene)},
                     {"structure", structures}};
     if (scene.hazard.cell > 0) all.emplace_back("hazard", scene_record::hazard(scene.hazard));
+    all.emplace_back("source", scene_record::sources(scene));
     all.emplace_back("keys", scene_record::keys(scene));
     return all;
 }
