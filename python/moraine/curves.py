@@ -69,6 +69,18 @@ class Band:
     mean_difference: float
 
 
+def around(away: NDArray[Any]) -> NDArray[Any]:
+    """Root mean square over a fifth of the range around each point: where two levels happen to cross they are not exact.
+
+    >>> around(numpy.array([3.0, 4.0])).round(3).tolist()
+    [3.536, 3.536]
+    """
+    reach = max(1, len(away) // 10)
+    total = numpy.concatenate([[0.0], numpy.cumsum(away**2)])
+    ends = [(max(0, k - reach), min(len(away), k + reach + 1)) for k in range(len(away))]
+    return numpy.sqrt(numpy.array([(total[b] - total[a]) / (b - a) for a, b in ends]))
+
+
 def band_of(runs: Sequence[Run], cells: Sequence[float], name: CurveName) -> Band:
     """Of the finest three levels, over the range that all have."""
     curves = [name.read(run) for run in runs[-3:]]
@@ -83,7 +95,7 @@ def band_of(runs: Sequence[Run], cells: Sequence[float], name: CurveName) -> Ban
     order = observed_order(list(cells[-3:]), [before + mean, mean, 0.0]) if len(laid) > 2 and mean > 0 and before > 0 else None
     if order is None:
         return Band(at, laid[-1], numpy.full(POINTS, numpy.nan), None, mean)
-    error = safety_factor(order) / math.expm1(order * math.log(cells[-2] / cells[-1])) * away
+    error = safety_factor(order) / math.expm1(order * math.log(cells[-2] / cells[-1])) * around(away)
     return Band(at, laid[-1], error, order, mean)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .errors import Error
 from .map_values import MAP_VALUES, map_value
 from .record_columns import RECORDS, column_of, names_of
+from .records import read_table
 from .results import Run
 from .runout import OF_PARTICLES, Runout, value_of
 
@@ -66,7 +67,10 @@ class Quantity:
         if len(parts) != 3 or parts[1] not in names:
             said = f"the {kind}s are {', '.join(names)}" if names else f"the scene has no {kind}"
             raise Error(f"--quantity {self.name} is not there ({said}). Did you mean {f'{self.kind}.{names[0]}.{column}' if names else 'front'}?")
-        self._record(run)
+        if self.kind == "structure":  # which has no rows yet
+            column_of(read_table(run.path / RECORDS[self.kind]), parts[2], RECORDS[self.kind])
+        else:
+            self._record(run)
 
     def _record(self, run: Run) -> Tuple[NDArray[Any], NDArray[Any]]:
         _, name, column = self.name.split(".")

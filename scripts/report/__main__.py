@@ -117,6 +117,7 @@ def left_out(plots, runs):
     words = [f"How {html.escape(run.name)} shared its work: it has no summary.json yet." for run in runs if not run.finished]
     if shared and not names & {"strong_scaling", "weak_scaling"}:
         words.append("Scaling: give runs of one scene on two or more numbers of ranks.")
+    words += [f"The speed of {html.escape(run.name)} in scaling: {html.escape(run.not_measurable())}." for run in runs if run.finished and run.not_measurable()]
     if any(run.loads is None for run in shared):
         words.append("Owners and causes of imbalance: of runs with <code>--set output.block_loads=on</code>.")
     if any(run.loads is None and "asleep" in run.history for run in runs if run.finished):
