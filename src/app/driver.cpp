@@ -18,6 +18,7 @@
 #include "records/summary.hpp"
 #include "records/surroundings_file.hpp"
 #include "records/time_report.hpp"
+#include "seeding/seed_region.hpp"
 
 namespace moraine {
 
@@ -131,7 +132,10 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
-    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_));
+    std::vector<double> volumes;
+    for (const BodySpec& body : scene_.bodies)
+        volumes.push_back(body.shape == BodyShape::table ? 0 : measure_of(body, scene_.dimensions));
+    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_, volumes));
     if (!options_.no_particles) {
         comm_.agree_no_error<MachineError>(message_of([&] {
             if (comm_.is_root() && has_surroundings(scene_))

@@ -75,7 +75,7 @@ std::string geotiff_bytes(const MapImage& image);
 using Rings = std::vector<std::vector<std::array<double, 2>>>;
 
 /// The bytes of a GeoPackage of one layer "outline", whose feature has the threshold and the tags; the same of the same
-/// polygons, at any time of day. Without a system it is undefined Cartesian. Throws MachineError.
+/// polygons, at any time of day. Without a system it is on a plane. Throws MachineError.
 std::string outline_bytes(const std::vector<Rings>& polygons, const std::string& crs, double threshold,
                           const MapTags& tags);
 

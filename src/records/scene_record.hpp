@@ -13,7 +13,6 @@
 #include "io/json_text.hpp"
 #include "records/version.hpp"
 #include "scene/scene_identity.hpp"
-#include "seeding/seed_region.hpp"
 
 namespace moraine {
 
@@ -83,15 +82,15 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     return named;
 }
 
-/// Releases and inflows with their volume [m3] and thickness over the ground [m].
-inline Json sources(const Scene& scene) {
+/// Releases and inflows with their volume [m3] and thickness over the ground [m]; `volumes`: of each body.
+inline Json sources(const Scene& scene, const std::vector<double>& volumes) {
     std::vector<Json> list;
-    for (const BodySpec& b : scene.bodies)
-        if (b.shape == BodyShape::layer || b.shape == BodyShape::inflow)
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+        if (const BodySpec& b = scene.bodies[k]; b.shape == BodyShape::layer || b.shape == BodyShape::inflow)
             list.push_back(Json::Named{{"name", b.name},
                                        {"kind", b.shape == BodyShape::inflow ? "inflow" : "release"},
                                        {"material", scene.materials[static_cast<std::size_t>(b.material)].name},
-                                       {"volume_m3", measure_of(b, scene.dimensions)},
+                                       {"volume_m3", volumes[k]},
                                        {"thickness_m", b.thickness},
                                        {"start_s", b.release_time}});
     return list;
@@ -125,7 +124,7 @@ inline Json keys(const Scene& scene) {
 
 }  // namespace scene_record
 
-inline Json surroundings(const Scene& scene) {
+inline Json surroundings(const Scene& scene, const std::vector<double>& volumes) {
     std::vector<Json> structures;
     for (const StructureSpec& s : scene.structures) structures.push_back(scene_record::structure(scene, s));
     Json::Named all{{"version", version_text},
@@ -138,7 +137,7 @@ inline Json surroundings(const Scene& scene) {
                     {"wall", scene_record::walls(scene)},
                     {"structure", structures}};
     if (scene.hazard.cell > 0) all.emplace_back("hazard", scene_record::hazard(scene.hazard));
-    all.emplace_back("source", scene_record::sources(scene));
+    all.emplace_back("source", scene_record::sources(scene, volumes));
     all.emplace_back("keys", scene_record::keys(scene));
     return all;
 }

@@ -12,7 +12,7 @@
 namespace moraine {
 namespace {
 
-std::vector<std::string> words_of(const std::string& line) {
+std::vector<std::string> split_row(const std::string& line) {
     std::vector<std::string> words(1);
     for (const char c : line)
         if (c == ',')
@@ -44,16 +44,16 @@ double cells_per_step(const std::string& directory) {
     std::ifstream file(directory + "/history.csv");
     std::string line;
     std::getline(file, line);
-    const std::vector<std::string> names = words_of(line);
+    const std::vector<std::string> names = split_row(line);
     const auto column = [&](const char* name) { return std::find(names.begin(), names.end(), name) - names.begin(); };
     const auto dt = static_cast<std::size_t>(column("dt_s")), speed = static_cast<std::size_t>(column("max_speed_m_s"));
     if (!(cell > 0) || dt == names.size() || speed == names.size()) return 0;
     double sum = 0;
     std::int64_t rows = 0;
     while (std::getline(file, line)) {
-        const std::vector<std::string> words = words_of(line);
-        if (words.size() != names.size() || number_of(words[dt]) <= 0) continue;  // no step yet
-        sum += number_of(words[dt]) * number_of(words[speed]) / cell;
+        const std::vector<std::string> parts = split_row(line);
+        if (parts.size() != names.size() || number_of(parts[dt]) <= 0) continue;  // no step yet
+        sum += number_of(parts[dt]) * number_of(parts[speed]) / cell;
         ++rows;
     }
     return rows > 0 ? sum / static_cast<double>(rows) : 0;
