@@ -6,6 +6,7 @@
 
 #include "core/courant.hpp"
 #include "core/ground_curvature.hpp"
+#include "core/plan_samples.hpp"
 #include "core/rest_interval.hpp"
 #include "core/scene_sleep.hpp"
 #include "predict/prediction.hpp"
@@ -129,6 +130,11 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     if (run.writes_particles) text += output_line(scene, p);
     text += fmt::format("memory     {} on each of {} rank{}\n", bytes_text(bytes_per_rank(scene, p, ranks)), ranks,
                         ranks == 1 ? "" : "s");
+    if (scene.hazard.cell > 0)
+        text += fmt::format(
+            "           hazard maps take {} bytes more for each column that soil comes to: {} in all if "
+            "that is all of the domain\n",
+            PlanColumns::kept_bytes, bytes_text(map_bytes_at_most(scene)));
     text += fmt::format("           {} on one GPU (--device cuda), beside what the driver takes\n",
                         bytes_text(bytes_on_device(scene, p)));
     if (ranks > 1)

@@ -119,6 +119,33 @@ void Comm::gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes
     }
 }
 
+std::vector<std::int64_t> Comm::swap_counts(const std::vector<std::int64_t>& mine) const {
+    std::vector<std::int64_t> theirs(mine.size());
+    MPI_Alltoall(mine.data(), 1, MPI_INT64_T, theirs.data(), 1, MPI_INT64_T, comm_);
+    return theirs;
+}
+
+void Comm::exchange_rows(const void* rows, const std::vector<std::int64_t>& sent, void* into,
+                         const std::vector<std::int64_t>& received, std::size_t bytes) const {
+    const auto places = [](const std::vector<std::int64_t>& counts, std::vector<int>& n) {
+        std::vector<int> at;
+        int sum = 0;
+        for (std::int64_t count : counts) {
+            n.push_back(static_cast<int>(count));
+            at.push_back(sum);
+            sum += static_cast<int>(count);
+        }
+        return at;
+    };
+    std::vector<int> to, from;
+    const std::vector<int> to_at = places(sent, to), from_at = places(received, from);
+    MPI_Datatype row = MPI_DATATYPE_NULL;
+    MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    MPI_Alltoallv(rows, to.data(), to_at.data(), row, into, from.data(), from_at.data(), row, comm_);
+    MPI_Type_free(&row);
+}
+
 std::string Comm::first_words(const std::string& mine) const {
     const std::int64_t speaks = mine.empty() ? size_ : rank_;
     std::int64_t first = size_;

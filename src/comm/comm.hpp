@@ -69,6 +69,27 @@ class Comm {
         return all;
     }
 
+    /// Rows to all ranks, so many to each; returns those for this one, rank by rank. `counts` becomes how many came
+    /// from each. Collective.
+    template <class T>
+    std::vector<T> exchange(const std::vector<T>& rows, std::vector<std::int64_t>& counts) const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const std::vector<std::int64_t> sent = counts;
+        counts = swap_counts(sent);
+        std::int64_t total = 0;
+        for (auto n : counts) total += n;
+        std::vector<T> all(static_cast<std::size_t>(total));
+        exchange_rows(rows.data(), sent, all.data(), counts, sizeof(T));
+        return all;
+    }
+    /// The same where both know how many rows there are, of so many values each. Collective.
+    template <class T>
+    void exchange(const std::vector<T>& rows, const std::vector<std::int64_t>& sent, std::vector<T>& into,
+                  const std::vector<std::int64_t>& received, std::size_t values) const {
+        static_assert(std::is_trivially_copyable_v<T>);
+        exchange_rows(rows.data(), sent, into.data(), received, values * sizeof(T));
+    }
+
     /// Over ranks, element by element, of what is added without regard to order (core/exact_sum.hpp, maxima): as many
     /// elements on every rank; one reduction, none of no elements. Collective.
     template <class Sum>
@@ -97,6 +118,9 @@ class Comm {
     void reduce(void* rows, std::size_t count, std::size_t bytes, MPI_User_function* add) const;
     std::vector<std::int64_t> gather_counts(std::int64_t mine) const;
     void gather_bytes(const void* mine, const std::vector<std::int64_t>& bytes, void* all) const;
+    std::vector<std::int64_t> swap_counts(const std::vector<std::int64_t>& mine) const;
+    void exchange_rows(const void* rows, const std::vector<std::int64_t>& sent, void* into,
+                       const std::vector<std::int64_t>& received, std::size_t bytes) const;
     std::string first_words(const std::string& mine) const;
 
     MPI_Comm comm_ = MPI_COMM_NULL;

@@ -52,18 +52,22 @@ inline Layers resting_layers(Layers occupied, int ground) {
     return resting;
 }
 
-/// Columns of a map, and the rectangle of them that is summed.
+/// Columns of a map, and the tiles of them that are summed.
 struct PlanColumns {
-    static constexpr int sums = 5;  ///< of a column: volume, mass, momentum
+    static constexpr int sums = 5;                               ///< of a column: volume, mass, momentum
+    static constexpr std::int64_t edge = 16, in_tile = 16 * 16;  ///< columns along a tile, and in it
+    static constexpr std::size_t kept_bytes = 64;                ///< of a column in hazard maps, where soil has been
 
     PlanPlaces places;
-    double side;                      ///< a [m]
-    std::int64_t size[2];             ///< columns of the map along x and y
-    std::int64_t first[2], count[2];  ///< of the rectangle
-    double volume_unit, mass_unit;    ///< [m3, kg]
-    double momentum_unit;             ///< [kg m/s]
-    const double* floor = nullptr;    ///< lowest ground of each column of the rectangle [m]
-    const Layers* resting = nullptr;  ///< the layers of each that are summed; null: all
+    double side;                         ///< a [m]
+    std::int64_t size[2];                ///< columns of the map along x and y
+    std::int64_t first[2], count[2];     ///< of the rectangle around these tiles, in tiles
+    double volume_unit, mass_unit;       ///< [m3, kg]
+    double momentum_unit;                ///< [kg m/s]
+    std::int64_t tiles = 0;              ///< so many
+    const std::int32_t* tile = nullptr;  ///< which each tile of the rectangle is; < 0: none
+    const double* floor = nullptr;       ///< lowest ground of each column of the tiles [m]
+    const Layers* resting = nullptr;     ///< the layers of each that are summed; null: all
 
     MORAINE_HD std::int64_t along(int axis, double x) const {
         using std::floor;
@@ -72,11 +76,13 @@ struct PlanColumns {
     }
     /// Place of the sums of column (i, j) of the map.
     MORAINE_HD std::size_t place(std::int64_t i, std::int64_t j) const { return std::size_t(sums) * column(i, j); }
-    /// Place of column (i, j) of the map in the rectangle.
+    /// Place of column (i, j) of the map among those of the tiles.
     MORAINE_HD std::size_t column(std::int64_t i, std::int64_t j) const {
-        return static_cast<std::size_t>(i - first[0] + count[0] * (j - first[1]));
+        const std::int64_t at = (i / edge - first[0]) + count[0] * (j / edge - first[1]);
+        return static_cast<std::size_t>(tile[at] * in_tile + edge * (j % edge) + i % edge);
     }
-    std::size_t all() const { return static_cast<std::size_t>(count[0] * count[1]); }
+    std::size_t all_tiles() const { return static_cast<std::size_t>(count[0] * count[1]); }  ///< of the rectangle
+    std::size_t all() const { return static_cast<std::size_t>(tiles * in_tile); }
     std::size_t all_sums() const { return std::size_t(sums) * all(); }
     /// The layer of a particle as a bit.
     MORAINE_HD Layers layer(std::size_t column, double z) const {

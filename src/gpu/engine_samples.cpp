@@ -12,7 +12,9 @@ void DeviceEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vecto
     if constexpr (Dim == 3) {
         samples_.floor.assign(columns.floor, columns.all());
         samples_.layers.resize(columns.all());
+        samples_.tiles.assign(columns.tile, columns.all_tiles());
         PlanColumns there = columns;
+        there.tile = samples_.tiles.data();
         there.floor = samples_.floor.data();
         check(cudaMemsetAsync(samples_.layers.data(), 0, columns.all() * sizeof(Layers), stream_), "Emptying layers");
         gpu::find_layers(view(), there, samples_.layers.data(), stream_);
@@ -29,7 +31,9 @@ double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vec
         check(cudaMemsetAsync(samples_.sums.data(), 0, columns.all_sums() * sizeof(std::int64_t), stream_),
               "Emptying sums");
         check(cudaMemsetAsync(samples_.fastest.data(), 0, sizeof(std::uint64_t), stream_), "Emptying sums");
+        samples_.tiles.assign(columns.tile, columns.all_tiles());
         PlanColumns there = columns;
+        there.tile = samples_.tiles.data();
         if (columns.resting) {
             samples_.floor.assign(columns.floor, columns.all());
             samples_.layers.assign(columns.resting, columns.all());

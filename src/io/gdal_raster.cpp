@@ -170,9 +170,12 @@ std::string geotiff_bytes(const MapImage& image) {
     g.GDALSetRasterNoDataValue(band, image.no_data);
     g.GDALSetRasterUnitType(band, image.unit.c_str());
     g.GDALSetDescription(band, image.name.c_str());
-    auto* values = const_cast<float*>(image.values.data());
-    if (g.GDALRasterIOEx(band, GF_Write, 0, 0, nx, ny, values, nx, ny, GDT_Float32, 0, 0, nullptr) != CE_None)
-        throw MachineError(fmt::format("GDAL cannot write a map ({}).", gdal_message()));
+    std::vector<float> row(static_cast<std::size_t>(nx));
+    for (int j = 0; j < ny; ++j) {
+        image.row(j, row.data());
+        if (g.GDALRasterIOEx(band, GF_Write, 0, j, nx, 1, row.data(), nx, 1, GDT_Float32, 0, 0, nullptr) != CE_None)
+            throw MachineError(fmt::format("GDAL cannot write a map ({}).", gdal_message()));
+    }
     dataset.reset();
     return bytes_in_memory(name);
 }

@@ -65,7 +65,7 @@ struct MapImage {
     double cell = 0;                 ///< [m]
     std::string crs, name, unit;
     double no_data = -9999;
-    std::vector<float> values;  ///< x fastest, rows from north to south
+    std::function<void(std::int64_t, float*)> row;  ///< writes the values of a row, counted from the north
     MapTags tags{};
 };
 /// The bytes of the file. Throws MachineError.

@@ -10,6 +10,7 @@
 #include "comm/lead_rule.hpp"
 #include "core/block.hpp"
 #include "core/method.hpp"
+#include "core/plan_samples.hpp"
 #include "core/scene_sleep.hpp"
 #include "core/shape.hpp"
 #include "predict/prediction.hpp"
@@ -84,7 +85,22 @@ double held_output(const Scene& scene, const Prediction& p, int ranks) {
     return o.row_bytes * o.rows / ranks;
 }
 
+/// Tiles of hazard maps (records/hazard_maps.hpp) over what lies at the start, as if it were a square: kept, and in
+/// what a sample is made of.
+double map_bytes(const Scene& scene, const Prediction& p, int ranks) {
+    if (!(scene.hazard.cell > 0)) return 0;
+    constexpr double of_sample = 3 * 40 + 4 * 8 + 3 * 8, tile = 16;
+    const double side = std::sqrt(static_cast<double>(p.blocks)) * 4 * scene.cell / scene.hazard.cell;
+    return std::pow(side + 2 * tile, 2) * (static_cast<double>(PlanColumns::kept_bytes) + of_sample) / ranks;
+}
+
 }  // namespace
+
+double map_bytes_at_most(const Scene& scene) {
+    double columns = 1;
+    for (std::size_t a = 0; a < 2; ++a) columns *= (scene.max[a] - scene.min[a]) / scene.hazard.cell;
+    return static_cast<double>(PlanColumns::kept_bytes) * columns;
+}
 
 double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const int d = scene.dimensions;
@@ -97,7 +113,7 @@ double bytes_per_rank(const Scene& scene, const Prediction& p, int ranks) {
     const double tables = 4 * (std::pow(3, d) + std::pow(4, d) + 3 * std::pow(2, d)) + 100;
     return static_cast<double>(p.particles) / ranks * particle +
            mine * (tile_bytes(scene) + pressure_bytes(scene, false)) + grown(scene, mine, 1) * node_block_bytes(scene) +
-           grown(scene, mine, 2) * tables + held_output(scene, p, ranks);
+           grown(scene, mine, 2) * tables + held_output(scene, p, ranks) + map_bytes(scene, p, ranks);
 }
 
 namespace {
@@ -205,7 +221,8 @@ double host_bytes_with_device(const Scene& scene, const Prediction& p, int ranks
     const double lattice = 200 * std::min(particles / ranks, 1048576.0);
     const double seeding = is_lattice(scene) ? lattice : std::max(lattice, rows_on_host(scene, p, ranks));
     const double output = writes_particles ? column * particles / ranks + held_output(scene, p, ranks) : 0;
-    return 1e9 + blocks * replicated + grown(scene, blocks / ranks, 2) * own + std::max(seeding, output);
+    return 1e9 + blocks * replicated + grown(scene, blocks / ranks, 2) * own + std::max(seeding, output) +
+           map_bytes(scene, p, ranks);
 }
 
 }  // namespace moraine

@@ -42,7 +42,11 @@ Prediction predict(const Scene& scene);
 ///             laws R; APIC and TPIC d^2 R; b (4 or 6) R; stretch of GIMP d R; sleep 16, its forecast 48
 ///   block:    tile (4 + w - 1)^d 8 R; w: width of the stencil. Nodes 4^d 8 R, also of one more layer
 ///             of blocks, and tables, of two more, as if the body were a cube
+///   maps:     hazard maps of what lies at the start, 240 a column
 double bytes_per_rank(const Scene& scene, const Prediction& prediction, int ranks);
+
+/// Of hazard maps that reach all of the domain, over all ranks [B].
+double map_bytes_at_most(const Scene& scene);
 
 /// Of the GPU of one of `ranks` ranks, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the
 /// arrays of gpu/memory/particles.hpp, gpu/kernels/cells/lists.hpp, gpu/memory/device_tables.hpp and gpu/engine.hpp,

@@ -128,17 +128,19 @@ std::int64_t twice_area(const std::vector<Corner>& ring) {
 
 }  // namespace
 
-std::vector<Rings> outline_of(const std::vector<bool>& reached, const std::array<std::int64_t, 2>& size,
-                              const std::array<double, 2>& corner, double cell) {
-    const Border border(reached, size);
+std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid) {
+    const auto place = [&](std::size_t axis, std::int64_t index) {
+        const std::int64_t of_map = grid.first[axis] + index;
+        return of_map == grid.whole[axis] ? grid.end[axis]
+                                          : grid.corner[axis] + grid.cell * static_cast<double>(of_map);
+    };
+    const Border border(reached, grid.size);
     std::vector<Rings> polygons(static_cast<std::size_t>(border.parts()));
     border.each_ring([&](int part, const std::vector<Corner>& ring) {
         std::vector<std::array<double, 2>> points;
         for (std::size_t k = 0, n = ring.size(); k < n; ++k) {
             const Corner &before = ring[(k + n - 1) % n], &at = ring[k], &after = ring[(k + 1) % n];
-            if ((before[0] == at[0]) != (at[0] == after[0]))
-                points.push_back(
-                    {corner[0] + cell * static_cast<double>(at[0]), corner[1] + cell * static_cast<double>(at[1])});
+            if ((before[0] == at[0]) != (at[0] == after[0])) points.push_back({place(0, at[0]), place(1, at[1])});
         }
         Rings& rings = polygons[static_cast<std::size_t>(part)];
         rings.insert(twice_area(ring) > 0 ? rings.begin() : rings.end(), points);

@@ -13,9 +13,17 @@
 
 namespace moraine {
 
-/// `reached`: x fastest, y rising; corner i of the cells is at corner + i cell [m].
-std::vector<Rings> outline_of(const std::vector<bool>& reached, const std::array<std::int64_t, 2>& size,
-                              const std::array<double, 2>& corner, double cell);
+/// A part of the cells of a map.
+struct PlanGrid {
+    std::array<std::int64_t, 2> size, first;  ///< so many cells, from this one of the map on
+    std::array<double, 2> corner;             ///< of the map [m]
+    double cell;                              ///< [m]
+    std::array<std::int64_t, 2> whole;        ///< cells of the map; the last ends at `end`
+    std::array<double, 2> end;                ///< [m]
+};
+
+/// `reached`: x fastest, y rising.
+std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid);
 
 /// As GeoJSON, in the coordinates of the model.
 std::string outline_json(const std::vector<Rings>& polygons, double threshold);

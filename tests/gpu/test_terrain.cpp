@@ -20,13 +20,20 @@ std::unique_ptr<Simulation<Real, 3>> started(const Scene& scene, const Comm& com
     return sim;
 }
 
+/// All tiles of a map, the last first; `tiles` has their numbers and must outlive it.
 template <class Real>
-PlanColumns columns_of(const Simulation<Real, 3>& sim, double side) {
+PlanColumns columns_of(const Simulation<Real, 3>& sim, double side, std::vector<std::int32_t>& tiles) {
     PlanColumns c{};
     c.places = sim.plan_places();
     c.side = side;
-    for (int a = 0; a < 2; ++a)
-        c.size[a] = c.count[a] = std::llround(std::ceil(sim.scene().max[static_cast<std::size_t>(a)] / side));
+    for (int a = 0; a < 2; ++a) {
+        c.size[a] = std::llround(std::ceil(sim.scene().max[static_cast<std::size_t>(a)] / side));
+        c.count[a] = (c.size[a] + PlanColumns::edge - 1) / PlanColumns::edge;
+    }
+    c.tiles = c.count[0] * c.count[1];
+    tiles.resize(static_cast<std::size_t>(c.tiles));
+    for (std::size_t t = 0; t < tiles.size(); ++t) tiles[t] = static_cast<std::int32_t>(tiles.size() - 1 - t);
+    c.tile = tiles.data();
     c.volume_unit = 1e-12, c.mass_unit = 1e-9, c.momentum_unit = 1e-7;
     return c;
 }
@@ -136,7 +143,8 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         const Scene scene = small_valley(InterfaceLaw::voellmy, true);
         auto host = started<double>(scene, comm, {});
         auto device = started<double>(scene, comm, choose_device("cuda", comm));
-        PlanColumns columns = columns_of(*device, side);
+        std::vector<std::int32_t> tiles;
+        PlanColumns columns = columns_of(*device, side, tiles);
         std::vector<std::int64_t> of_host(columns.all_sums(), 0), of_device(columns.all_sums(), 0);
         CHECK(host->sum_columns(columns, of_host) == device->sum_columns(columns, of_device));
         CHECK(of_host == of_device);

@@ -33,9 +33,20 @@ class TestFolder {
     std::filesystem::path path_;
 };
 
+struct Plane : MapImage {
+    std::vector<float> values;  ///< rows from north to south
+};
+
+std::string bytes_of(Plane image) {
+    image.row = [&](std::int64_t j, float* to) {
+        std::copy_n(image.values.begin() + j * image.size[0], image.size[0], to);
+    };
+    return geotiff_bytes(image);
+}
+
 /// 40 x 30 heights 100 + x + 2 y of cells of 2 m from (500000, 5300000) on; one of them not known.
-MapImage plane(const std::string& crs) {
-    MapImage image{{40, 30}, {500000, 5300000}, 2, crs, "height", "m", -9999, {}};
+Plane plane(const std::string& crs) {
+    Plane image{{{40, 30}, {500000, 5300000}, 2, crs, "height", "m", -9999, {}}, {}};
     for (int j = 29; j >= 0; --j)
         for (int i = 0; i < 40; ++i) image.values.push_back(float(100 + (2 * i + 1) + 2 * (2 * j + 1)));
     image.values[0] = -9999;  // north-western corner
@@ -93,7 +104,7 @@ const std::string zone = "EPSG:25832";
 
 TEST_CASE("a GeoTIFF is the grid that it was, with its system and what is not known") {
     const TestFolder folder;
-    const std::string path = folder.with("g.tif", geotiff_bytes(plane(zone)));
+    const std::string path = folder.with("g.tif", bytes_of(plane(zone)));
     std::vector<std::string> notices;
     const Ground g = read_model(path, low, high, notices);
     CHECK(notices.empty());
@@ -116,9 +127,8 @@ TEST_CASE("a GeoTIFF is the grid that it was, with its system and what is not kn
 
 TEST_CASE("a model that is not in metres, turned or of several bands is refused with what it is") {
     const TestFolder folder;
-    CHECK(has(said_of_model(folder.with("g.tif", geotiff_bytes(plane("EPSG:4326")))),
-              "is in degrees (WGS 84 (EPSG:4326))"));
-    CHECK(has(said_of_model(folder.with("g.tif", geotiff_bytes(plane("EPSG:2263")))), "is in US survey foot"));
+    CHECK(has(said_of_model(folder.with("g.tif", bytes_of(plane("EPSG:4326")))), "is in degrees (WGS 84 (EPSG:4326))"));
+    CHECK(has(said_of_model(folder.with("g.tif", bytes_of(plane("EPSG:2263")))), "is in US survey foot"));
     const auto vrt = [&](const std::string& text) { return said_of_model(folder.with("g.vrt", text)); };
     CHECK(vrt(virtual_raster(upright, "Float32", "")).empty());
     CHECK(has(vrt(virtual_raster("500000, 2, 0.1, 5300060, 0, -2", "Float32", "")), "cells must be squares"));
@@ -131,12 +141,11 @@ TEST_CASE("a model that is not in metres, turned or of several bands is refused 
     CHECK(has(said_of_model(folder.with("g.tif", "II*")), "the terrain model cannot be read"));
     CHECK(has(said_of_model("/nowhere/g.tif"), "no such file"));
     CHECK(has(said_of_model("/tmp"), "not a regular file"));
-    MapImage image = plane(zone);
+    Plane image = plane(zone);
     image.values[20 * 40 + 10] = INFINITY;
-    CHECK(
-        has(said_of_model(folder.with("g.tif", geotiff_bytes(image))), "the height at (500021, 5300019) is infinite"));
+    CHECK(has(said_of_model(folder.with("g.tif", bytes_of(image))), "the height at (500021, 5300019) is infinite"));
     image.corner[0] += 100;
-    CHECK(has(said_of_model(folder.with("g.tif", geotiff_bytes(image))), "the model reaches from 500100 to 500180"));
+    CHECK(has(said_of_model(folder.with("g.tif", bytes_of(image))), "the model reaches from 500100 to 500180"));
 }
 
 TEST_CASE("a model that would not fit into memory is refused before it is read, with its size") {
@@ -155,9 +164,9 @@ TEST_CASE("a model that would not fit into memory is refused before it is read, 
 
 TEST_CASE("rows from south to north and scaled numbers are heights as any") {
     const TestFolder folder;
-    MapImage image = plane(zone);
+    Plane image = plane(zone);
     std::vector<std::string> notices;
-    const std::string tif = folder.with("g.tif", geotiff_bytes(image));
+    const std::string tif = folder.with("g.tif", bytes_of(image));
     const std::string source =
         "<Scale>2</Scale><Offset>1</Offset><SimpleSource><SourceFilename relativeToVRT=\"1\">g.tif</SourceFilename>"
         "<SourceBand>1</SourceBand></SimpleSource>";
@@ -169,20 +178,20 @@ TEST_CASE("rows from south to north and scaled numbers are heights as any") {
 TEST_CASE("rasters of other values are of the part that they have, in the model's system") {
     const TestFolder folder;
     std::vector<std::string> notices;
-    const std::string path = folder.with("g.tif", geotiff_bytes(plane(zone)));
+    const std::string path = folder.with("g.tif", bytes_of(plane(zone)));
     const Ground model = read_model(path, low, high, notices);
     const RasterUse use{"raster of friction", "terrain.friction", "friction"};
-    const auto said = [&](MapImage image) {
+    const auto said = [&](Plane image) {
         try {
-            read_values(folder.with("v.tif", geotiff_bytes(image)), use, model, low, high, notices);
+            read_values(folder.with("v.tif", bytes_of(image)), use, model, low, high, notices);
         } catch (const InputError& e) {
             return std::string(e.what());
         }
         return std::string();
     };
-    MapImage part = plane(zone);
+    Plane part = plane(zone);
     part.corner = {500040, 5300020};
-    const Ground values = read_values(folder.with("v.tif", geotiff_bytes(part)), use, model, low, high, notices);
+    const Ground values = read_values(folder.with("v.tif", bytes_of(part)), use, model, low, high, notices);
     CHECK(values.first == std::array<double, 2>{500041, 5300021});
     CHECK(values.count == std::array<std::int64_t, 2>{6, 11});
     CHECK(raster_value(values, 500042, 5300022) == doctest::Approx(100 + 2 + 2 * 2));

@@ -8,6 +8,7 @@
 #include "predict/prediction.hpp"
 #include "predict/scene_warnings.hpp"
 #include "scene/scene_text.hpp"
+#include "terrain_scene.hpp"
 
 using namespace moraine;
 
@@ -90,6 +91,26 @@ TEST_CASE("memory follows who would sleep where that is recorded, not block load
     CHECK(bytes("on", "off") == bytes("off", "off"));
     CHECK(bytes("sleep", "off") - bytes("off", "off") == doctest::Approx(48));
     CHECK(bytes("sleep", "on") == bytes("off", "on"));
+}
+
+TEST_CASE("memory of hazard maps follows the soil, not the domain, and is told of all of it") {
+    Scene scene = test::small_valley(InterfaceLaw::voellmy, false);
+    scene.path = "valley";
+    Prediction p = predict(scene);
+    const double none = bytes_per_rank(scene, p, 1), of_host = host_bytes_with_device(scene, p, 1, false);
+    CHECK(check_report(scene, {}).find("hazard maps") == std::string::npos);
+    scene.hazard.cell = 0.1;
+    const double maps = bytes_per_rank(scene, p, 1) - none;
+    CHECK(maps > 240 * 10 * 10);
+    CHECK(maps < 240 * 80 * 80);
+    CHECK(host_bytes_with_device(scene, p, 1, false) - of_host == doctest::Approx(maps));
+    CHECK(bytes_per_rank(scene, p, 4) - bytes_per_rank(test::small_valley(InterfaceLaw::voellmy, false), p, 4) ==
+          doctest::Approx(maps / 4));
+    CHECK(check_report(scene, {}).find("64 bytes more for each column that soil comes to: 0.0 MB in all") !=
+          std::string::npos);
+    scene.max[0] = 26000, scene.max[1] = 12000, scene.hazard.cell = 1;
+    CHECK(map_bytes_at_most(scene) == doctest::Approx(64 * 26e3 * 12e3));
+    CHECK(bytes_per_rank(scene, p, 1) < none + maps);
 }
 
 TEST_CASE("boxes on a lattice are predicted in closed form as particle by particle, and in no time") {

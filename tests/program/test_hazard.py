@@ -1,6 +1,8 @@
 """Hazard maps, gauges and sections: they hold what flowed, on any number of ranks and after a restart."""
 import json
 import math
+import os
+import subprocess
 import unittest
 
 import geotiff
@@ -10,6 +12,22 @@ from valley import GDAL, SCENE, ZONE, ValleyTest, grid, read_map, total
 
 
 class Hazard(ValleyTest):
+    def test_memory_is_for_where_soil_is_and_not_for_the_domain(self):
+        self.write(grid(columns=9, rows=9, side=500.0, at=lambda x, y: 4.0), "valley.asc")
+        self.write("x,y\n1001,1002\n1011,1002\n1011,1012\n1001,1012\n", "area.csv")
+        self.write(SCENE.replace("min = [0.0, 0.0, 0.0]", "min = [0, 0, 0]").replace(
+            "max = [24.0, 12.0, 16.0]", "max = [4000, 3500, 16]"))
+        directory = self.folder / "large"
+        command = moraine.command(["run", self.scene, "--output", directory, "--device", "cpu", "--quiet",
+                                   *sets(time__end=0.01, hazard__maps='["deposit"]')])
+        started = subprocess.Popen(command, env=moraine.environment())
+        _, status, used = os.wait4(started.pid, 0)
+        started.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(started.returncode, 0)
+        self.assertLess(used.ru_maxrss, 500e3)  # KiB; 14 million columns of 60 bytes would be 820 MiB alone
+        volume = summary(directory)["mass_kg"] / 1800
+        self.assertAlmostEqual(total(read_map(directory, "deposit")), volume, delta=1e-6 * volume)
+
     def test_the_maps_hold_what_flowed(self):
         directory = self.run_scene(self.scene, "run")
         found = summary(directory)

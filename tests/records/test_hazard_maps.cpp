@@ -37,12 +37,37 @@ Scene leaving() {
     return s;
 }
 
+/// Columns along an axis and the side of the last [m]: what is narrower than a cell is of the one before.
+struct Cut {
+    std::int64_t columns;
+    double last;
+
+    Cut(const Scene& s, std::size_t axis) {
+        const double length = s.max[axis] - s.min[axis], a = s.hazard.cell;
+        columns = std::llround(std::ceil(length / a - 1e-9));
+        if (length - double(columns - 1) * a < s.cell - 1e-9) --columns;
+        last = length - double(columns - 1) * a;
+    }
+    double side(std::int64_t index, double a) const { return index + 1 < columns ? a : last; }
+};
+
+/// What rank 0 stores, on all.
+std::vector<double> stored_in(const HazardMaps& maps) {
+    const Comm comm(MPI_COMM_WORLD);
+    const std::vector<double> mine = maps.stored();
+    return comm.all_gather(comm.is_root() ? mine : std::vector<double>{});
+}
+
 /// Of the last sample, from what a checkpoint keeps of the maps [m3].
-double volume_in(const HazardMaps& maps, double cell) {
-    const std::vector<double> all = maps.stored();
+double volume_in(const HazardMaps& maps, const Scene& s) {
+    const std::vector<double> all = stored_in(maps);
+    const Cut x(s, 0), y(s, 1);
     double sum = 0;
-    for (std::size_t at = 1; at < all.size(); at += 7) sum += all[at + 6];
-    return sum * cell * cell;
+    for (std::size_t at = 1; at < all.size(); at += 7) {
+        const std::int64_t k = std::llround(all[at]);
+        sum += all[at + 6] * x.side(k % x.columns, s.hazard.cell) * y.side(k / x.columns, s.hazard.cell);
+    }
+    return sum;
 }
 
 template <class Real>
@@ -76,11 +101,13 @@ double resting_volume(Simulation<Real, 3>& sim, const Comm& comm) {
     const double a = scene.hazard.cell;
     const Ground& ground = *scene.structures[0].ground;
     const int parts = std::max(2, static_cast<int>(std::ceil(2 * a / ground.spacing)));
+    const Cut cut_x(scene, 0), cut_y(scene, 1);
     const auto ends = [&](std::int64_t i, std::int64_t j) {
+        const double along_x = cut_x.side(i, a), along_y = cut_y.side(j, a);
         std::pair<double, double> low_high{1e9, -1e9};
         for (int n = 0; n <= parts; ++n)
             for (int m = 0; m <= parts; ++m) {
-                const Vec<double, 3> at{{a * (double(i) + double(n) / parts), a * (double(j) + double(m) / parts), 0}};
+                const Vec<double, 3> at{{a * double(i) + along_x * n / parts, a * double(j) + along_y * m / parts, 0}};
                 const double height = ground_at<3>(ground.table.data(), at).height;
                 low_high = {std::min(low_high.first, height), std::max(low_high.second, height)};
             }
@@ -89,7 +116,8 @@ double resting_volume(Simulation<Real, 3>& sim, const Comm& comm) {
     const ParticleView<Real, 3> p = sim.patch().particles.view();
     std::vector<Piece> mine;
     each_particle(sim, [&](std::uint32_t s, const std::array<double, 3>& x) {
-        const auto i = static_cast<std::int64_t>(x[0] / a), j = static_cast<std::int64_t>(x[1] / a);
+        const auto i = std::min(cut_x.columns - 1, static_cast<std::int64_t>(x[0] / a));
+        const auto j = std::min(cut_y.columns - 1, static_cast<std::int64_t>(x[1] / a));
         const auto layer = static_cast<std::int64_t>(std::floor((x[2] - ends(i, j).first) / scene.cell));
         mine.push_back({1000 * j + i, std::max<std::int64_t>(0, layer), double(p.volume[s])});
     });
@@ -125,7 +153,7 @@ void maps_hold_all() {
         sim.step(), sim.balance();
         sim.bin();
         maps.sample(sim);
-        const double depth = volume_in(maps, scene.hazard.cell), resting = resting_volume(sim, comm);
+        const double depth = volume_in(maps, scene), resting = resting_volume(sim, comm);
         worst = std::max(worst, std::fabs(depth / resting - 1));
         if (flies(sim, comm)) continue;
         CHECK(resting == doctest::Approx(volume_of(sim, comm)).epsilon(1e-12));
@@ -155,11 +183,11 @@ void lands() {
     sim.bin();
     maps.sample(sim);
     CHECK(flies(sim, comm));
-    CHECK(volume_in(maps, scene.hazard.cell) == 0);
+    CHECK(volume_in(maps, scene) == 0);
     while (flies(sim, comm) && sim.clock().time < 0.5) sim.step(), sim.balance();
     sim.bin();
     maps.sample(sim);
-    CHECK(volume_in(maps, scene.hazard.cell) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
+    CHECK(volume_in(maps, scene) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
     sim.conclude();
 }
 
@@ -202,9 +230,43 @@ TEST_CASE("thin layers and one particle on 45 degrees are all depth, with map ce
             HazardMaps maps(scene, comm);
             maps.sample(sim);
             CHECK(volume_of(sim, comm) > 0);
-            CHECK(volume_in(maps, side) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
+            CHECK(volume_in(maps, scene) == doctest::Approx(volume_of(sim, comm)).epsilon(1e-6));
             sim.conclude();
         }
+}
+
+TEST_CASE("a map cell that sticks out of the domain has the depth that lies there") {
+    const Comm comm(MPI_COMM_WORLD);
+    for (double side : {0.35, 0.3, 0.23, 0.15, 0.2}) {
+        CAPTURE(side);
+        Scene scene = leaving();
+        scene.structures[0].ground = std::make_shared<Ground>(
+            test::ground_of({-0.55, -0.55}, 26, 0.17, false, [](double, double) { return 0.5; }));
+        scene.bodies = {late(scene, 0, 0)};
+        scene.bodies[0].points = {{0.6, 0.2}, {1.6, 0.2}, {1.6, 1.2}, {0.6, 1.2}};
+        scene.hazard.cell = side;
+        Simulation<double, 3> sim(scene, comm);
+        sim.seed();
+        sim.bin();
+        HazardMaps maps(scene, comm);
+        maps.sample(sim);
+        sim.conclude();
+        const std::vector<double> all = stored_in(maps);
+        const Cut x(scene, 0), y(scene, 1);
+        int edge = 0;
+        for (std::size_t at = 1; at < all.size(); at += 7) {
+            const std::int64_t k = std::llround(all[at]), i = k % x.columns, j = k / x.columns;
+            if ((i + 1 < x.columns || double(j) * side < 0.45) && (j + 1 < y.columns || double(i) * side < 0.85))
+                continue;
+            CAPTURE(i);
+            CAPTURE(j);
+            CHECK(all[at + 1] > 0.15);
+            CHECK(all[at + 1] < 0.27);
+            if (i + 1 == x.columns && j + 1 == y.columns && side != 0.23) CHECK(all[at + 1] == doctest::Approx(0.2));
+            ++edge;
+        }
+        CHECK(edge > 2);
+    }
 }
 
 TEST_CASE("maps have the volume of the particles in 1e-6, with releases that come late and soil that leaves") {

@@ -16,6 +16,7 @@ namespace moraine::gpu {
 /// What the samples of a run are made in.
 struct DeviceSamples {
     Array<std::int64_t> sums;
+    Array<std::int32_t> tiles;
     Array<double> floor;  ///< of columns [m]
     Array<Layers> layers;
     Array<std::uint64_t> fastest;  ///< bits of a square speed, not negative [m2/s2]
@@ -24,7 +25,7 @@ struct DeviceSamples {
     Array<std::uint32_t> count;
 };
 
-/// Adds the layers in which the share has particles. columns: with `floor` on the device. Asynchronous.
+/// Adds the layers in which the share has particles. columns: with `tile` and `floor` on the device. Asynchronous.
 template <class Real>
 void find_layers(const View<Real, 3>& view, const PlanColumns& columns, Layers* layers, cudaStream_t stream);
 
