@@ -13,6 +13,7 @@
 #include "predict/scene_warnings.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/frame_choice.hpp"
+#include "records/map_tags.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
@@ -282,7 +283,7 @@ void Driver<Real, Dim>::checkpoint() {
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
               rest_ ? rest_->stored() : std::vector<std::int64_t>{},
               flow_ ? flow_->stored() : std::vector<std::int64_t>{}, path_ ? path_->stored() : std::vector<double>{}});
-        if (maps_) maps_->write(directory_);
+        if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -337,7 +338,7 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     const RunClock<Dim>& clock = sim_.clock();
     if (path_) path_->write();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
-    if (maps_) maps_->write(directory_);
+    if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
     write_summary(comm_, directory_ + "/summary.json",

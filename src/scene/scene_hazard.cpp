@@ -12,7 +12,7 @@
 
 namespace moraine {
 
-void check_hazard(const Scene& scene, const Places& places) {
+void check_hazard(Scene& scene, const Places& places) {
     if (scene.dimensions == 2)
         refuse(places.of("hazard"), "[hazard] in a scene of 2 dimensions", "maps are in plan", "Remove it?");
     if (scene.structures.empty() || scene.structures[0].shape != StructureShape::ground)
@@ -22,6 +22,7 @@ void check_hazard(const Scene& scene, const Places& places) {
         refuse(places.of("hazard.cell"), fmt::format("hazard.cell = {}", scene.hazard.cell),
                fmt::format("less than domain.cell, {} m: columns would hold single particles", scene.cell),
                "Use a larger one?");
+    scene.hazard.origin = scene.structures[0].ground->whole;
     const std::vector<std::string>& valid = hazard_map_names();
     for (const std::string& name : scene.hazard.maps)
         if (std::find(valid.begin(), valid.end(), name) == valid.end())

@@ -150,7 +150,8 @@ const std::vector<KeyRow<Scene>> hazards{
       .name = "cell",
       .unit = "m",
       .range = {0, std::numeric_limits<double>::infinity(), true, false},
-      .meaning = "Side of a cell of the maps, from the lower corner of the domain on; at least domain.cell."},
+      .meaning = "Side of a cell of the maps, which lie on a grid from the first height of the model on; at least "
+                 "domain.cell."},
      [](Scene& s, const V& v) { s.hazard.cell = v.real; }},
     {{.table = "hazard",
       .name = "maps",
