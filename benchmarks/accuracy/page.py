@@ -221,8 +221,8 @@ def results(lines, words):
             text.append(summary_row(case, about, mine))
     text += ["", f"B0: {B0}, the method paper's scheme, dt = 0.3 h/c. The default: {DEFAULT}, the program's at its own step. In double.", "",
              *[f"* {about}: {', '.join(cases)}" for about, cases in machines.items()], "", "## Repeat", "", "    benchmarks/accuracy/run [CASE ...]", "",
-             "makes this page, a page and a plot of each case, and [results.jsonl](results.jsonl), which has every line; `page.py` says how the figures are made of them. "
-             "Hours on one core. [device.jsonl](device.jsonl): whole scenes on a GPU by `benchmarks/validation/run`, for the tables of docs/accuracy.md.", "",
+             "makes this page, a page and a plot of each case, and results.jsonl, which has every line; `page.py` says how the figures are made of them. "
+             "Hours on one core. Whole scenes on a GPU by `benchmarks/validation/run`, for the tables of docs/accuracy.md.", "",
              "## What the columns are", "",
              "* **The machines were shared.** Times are of the processor, over the step loop only, without the body force of E3. Neighbours disturb these too, so ratios stand "
              "beside those of particle-steps. A run below 0.2 s is the median of up to five.",

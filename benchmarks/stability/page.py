@@ -76,7 +76,7 @@ def results(lines, words):
             text.append(summary_row(case, about, mine))
     return plain_names.in_words("\n".join(text + [
         "", f"`-`: no goal. Commits {commits}, on", "", *machines, "", "## Repeat", "", "    benchmarks/stability/run [CASE ...]", "",
-        "makes this page, a page of each case, the map of S1 and [results.jsonl](results.jsonl), which has every line. Hours on one core. S5 and S11 are taken from "
+        "makes this page, a page of each case, the map of S1 and results.jsonl, which has every line. Hours on one core. S5 and S11 are taken from "
         "[accuracy](../accuracy/results.md).", "",
         f"{WHOLE} in results.jsonl: the scenes of S22 that fail at the program's own step instead of 0.2 to 0.9 of it, by a build with `random_share` of random.cpp at 1."]) + "\n")
 

@@ -80,8 +80,8 @@ def write(lines, cases, folder):
             "| case | what | goals met |", "|---|---|---|", *summary, "", "Measured on: " + machines(lines) + ".", "",
             "Wall times are of whole runs with their output, on a host that may have been shared, many side by side on one GPU.", "",
             "## Repeat", "", "    benchmarks/validation/run CASE ... [--device cuda]", "",
-            "writes a line per run, with its command, to [results.jsonl](results.jsonl), this page, and a page of each case with its goals met and missed, reasons, plots and runs. "
-            "[cases/](cases/) say how figures and goals are made of them.", ""]
+            "writes a line per run, with its command, to results.jsonl, this page, and a page of each case with its goals met and missed, reasons, plots and runs. "
+            "Modules in cases/ say how figures and goals are made of them.", ""]
     (folder / "results.md").write_text(plain_names.in_words("\n".join(text).rstrip() + "\n"))
     draw(drawn)
 

@@ -260,6 +260,6 @@ def write(rows, folder):
     lines = [f"# {title}", "", text.strip(), "", "![Depth at four times](slurry-reference.svg)", ""]
     for name, part in parts.items():
         lines += [f"## {name}", "", *part, ""]
-    lines += [about(rows), "", "Repeat: `benchmarks/validation/beside_openfoam`. All rows: [slurry-reference.jsonl](slurry-reference.jsonl)."]
+    lines += [about(rows), "", "Repeat: `benchmarks/validation/beside_openfoam`. All rows: slurry-reference.jsonl."]
     (folder / "slurry-reference.md").write_text(plain_names.in_words("\n".join(lines) + "\n"))
     draw(rows, folder / "slurry-reference.svg")

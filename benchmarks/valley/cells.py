@@ -17,8 +17,7 @@ import time
 
 from maps import largest, overlap, read_map
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 THICKNESS, MAP_CELL = 4.0, 4.0
 BELOW = 60.0  # from there on nothing is released [m]
 
@@ -87,7 +86,7 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "build/release/moraine"))
     parser.add_argument("--cells", default="1.2,4,6,8,12")
     parser.add_argument("--runs", default=str(ROOT / "runs/valley-cells"))
-    parser.add_argument("--results", default=str(HERE / "results.jsonl"))
+    parser.add_argument("--results", default=str(ROOT / "runs/benchmarks/valley/results.jsonl"))
     parser.add_argument("options", nargs="*")
     words = parser.parse_args()
     runs, rows = pathlib.Path(words.runs), []
@@ -107,6 +106,7 @@ def main():
     kept = [json.loads(line) for line in results.read_text().splitlines()] if results.exists() else []
     rows += [orders(rows)] if len(rows) > 2 else []
     kept = [row for row in kept if not row["case"].startswith("cells")] + rows
+    results.parent.mkdir(parents=True, exist_ok=True)
     results.write_text("".join(json.dumps(row) + "\n" for row in kept))
 
 

@@ -26,8 +26,7 @@ import sys
 
 from maps import write_grid
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 THICKNESS, LENGTH, WIDTH = 4.0, 40.0, 15.0  # of the release and the slab [m]
 MAPS = '\n[hazard]\ncell = 2.0\nthreshold = 0.2\n'
 SLAB = """\
@@ -122,6 +121,7 @@ def row_of(group, case, runs, words):
 def save(results, rows):
     kept = [json.loads(line) for line in results.read_text().splitlines()] if results.exists() else []
     kept = [old for old in kept if old["case"] != "cost" or old["device"] != rows[0]["device"]] + rows
+    results.parent.mkdir(parents=True, exist_ok=True)
     results.write_text("".join(json.dumps(old) + "\n" for old in kept))
 
 
@@ -133,7 +133,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--groups", nargs="+", default=["valley", "slab"])
     parser.add_argument("--runs", default=str(ROOT / "runs/valley-cost"))
-    parser.add_argument("--results", default=str(HERE / "results.jsonl"))
+    parser.add_argument("--results", default=str(ROOT / "runs/benchmarks/valley/results.jsonl"))
     parser.add_argument("options", nargs="*")
     words = parser.parse_args()
     folder, rows = pathlib.Path(words.runs), []

@@ -9,12 +9,13 @@ import records
 import sheet
 
 BENCHMARKS = pathlib.Path(__file__).resolve().parents[1]
+MEASURED = BENCHMARKS.parent / "runs/benchmarks"
 WORDS = {True: "met", False: "**not met**", None: "-"}
 Row = collections.namedtuple("Row", "case norm figure goal met")
 
 
 def lines_of(name):
-    return records.read(BENCHMARKS / name / "results.jsonl")
+    return records.read(MEASURED / name / "results.jsonl")
 
 
 def module(name, file):
@@ -130,7 +131,7 @@ def about_tests(lines):
     seconds = sum({x["program"]: x.get("program_s", 0) for x in lines}.values())
     long = sorted({x["program"].removeprefix("verification.test_") for x in lines if x["long"]})
     return (f"Programs of tests/verification, {seconds:.0f} s of wall time on a shared host; with the long refinement studies: {', '.join(long) or 'none'}. One row per "
-            "check, its worst figure. What they print besides is in [tests.jsonl](tests.jsonl) (`said`).")
+            "check, its worst figure. What they print besides is in tests.jsonl (`said`).")
 
 
 def parts(tests):
@@ -138,10 +139,10 @@ def parts(tests):
     stable = [x for x in lines_of("stability") if x["case"] != stability.WHOLE]
     return {
         "tests": ("Tests of exact solutions", about_tests(tests), list(of_tests(tests)), []),
-        "accuracy": ("Run time against error", "From [accuracy/results.jsonl](../accuracy/results.jsonl): processor time of one core, B0 = gimp FLIP USL at dt = 0.3 h/c, "
+        "accuracy": ("Run time against error", "From accuracy/results.jsonl: processor time of one core, B0 = gimp FLIP USL at dt = 0.3 h/c, "
                      f"the default = {accuracy.DEFAULT} (its own step is 0.688 h/c).", list(of_accuracy(lines_of("accuracy"))), []),
-        "stability": ("Stability", "From [stability/results.jsonl](../stability/results.jsonl).", list(of_stability(stable)), ["## What fails, and why", "", *failing(stable)]),
-        "scenes": ("Whole scenes", "From [validation/results.jsonl](../validation/results.jsonl).", list(of_validation(lines_of("validation"))), [])}
+        "stability": ("Stability", "From stability/results.jsonl.", list(of_stability(stable)), ["## What fails, and why", "", *failing(stable)]),
+        "scenes": ("Whole scenes", "From validation/results.jsonl.", list(of_validation(lines_of("validation"))), [])}
 
 
 def met_of(rows):

@@ -2,10 +2,10 @@
 import html
 
 WIDE, TALL = 480, 200
-STYLE = """svg { --ink: #1c1f23; --soil: #d9c7a3; --fluid: #a9cbe8; --solid: #c3c8ce; color: var(--ink); }
-@media (prefers-color-scheme: dark) { svg { --ink: #e6e8eb; --soil: #7d6a45; --fluid: #33648c; --solid: #5b636c; } }
-text { font: 15px sans-serif; fill: var(--ink); } .edge { stroke: var(--ink); stroke-width: 1.5; fill: none; } .thin { stroke: var(--ink); stroke-width: 1; fill: none; }
-.dash { stroke-dasharray: 5 4; } .soil { fill: var(--soil); } .fluid { fill: var(--fluid); } .solid { fill: var(--solid); } .head { fill: var(--ink); stroke: none; }"""
+STYLE = """svg{--ink:#1c1f23;--soil:#d9c7a3;--fluid:#a9cbe8;--solid:#c3c8ce;color:var(--ink)}
+@media(prefers-color-scheme:dark){svg{--ink:#e6e8eb;--soil:#7d6a45;--fluid:#33648c;--solid:#5b636c}}
+text{font:15px sans-serif;fill:var(--ink)}.edge,.thin{stroke:var(--ink);stroke-width:1.5;fill:none}.thin{stroke-width:1}
+.dash{stroke-dasharray:5 4}.soil{fill:var(--soil)}.fluid{fill:var(--fluid)}.solid{fill:var(--solid)}.head{fill:var(--ink);stroke:none}"""
 
 
 class Sketch:
@@ -40,9 +40,9 @@ class Sketch:
         length = ((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5
         tx, ty = (x1 - x0) / length, (y1 - y0) / length
         nx, ny = -ty * side, tx * side
-        for k in range(int(length // 12) + 1):
-            x, y = x0 + tx * 12 * k, y0 + ty * 12 * k
-            self.line((round(x, 1), round(y, 1)), (round(x - 6 * tx + 8 * nx, 1), round(y - 6 * ty + 8 * ny, 1)), kind="thin")
+        stroke = f"l{-6 * tx + 8 * nx:.3g},{-6 * ty + 8 * ny:.3g}"
+        begins = ((x0 + tx * 12 * k, y0 + ty * 12 * k) for k in range(int(length // 12) + 1))
+        self.curve("".join(f"M{x:.4g},{y:.4g}{stroke}" for x, y in begins), kind="thin")
         return self
 
     def arrow(self, x0, y0, x1, y1, words="", dx=6, dy=-4, both=False):

@@ -8,7 +8,7 @@ from .command_line import Parser, exit_code
 from .curve_plot import write_curve
 from .curves import band_of, parse_curve, read_data
 from .errors import Error
-from .picture import draw
+from .drawing import draw
 from .results import Run
 
 

@@ -42,7 +42,7 @@ class Chart:
 
     @property
     def figure(self):
-        from plots import pyplot
+        from canvas import pyplot  # not before a figure is wanted: it may not be there
         figure, axes = pyplot.subplots(figsize=(8, 3))
         for k, line in enumerate(self.lines):
             axes.plot(line.x, line.y, color=line.colour or COLOURS[k % len(COLOURS)], linestyle="--" if line.dashed else "-",

@@ -1,19 +1,10 @@
 """The plots of a report: each is a figure, the sentence under it, and the table of its points."""
 import collections
 
-import matplotlib
 import numpy
+from canvas import pyplot
 from charts import Chart, Line, bars
-
-matplotlib.use("svg")
-import matplotlib.pyplot as pyplot  # noqa: E402  (the backend comes first)
-from matplotlib import ticker  # noqa: E402
-
-matplotlib.rcParams.update({
-    "svg.fonttype": "none", "svg.hashsalt": "moraine", "font.family": "DejaVu Sans", "font.size": 9.5,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.alpha": 0.25,
-    "axes.titlesize": 10.5, "legend.frameon": False, "figure.constrained_layout.use": True,
-})
+from matplotlib import ticker
 
 COMPUTING = ("computing, mean of the ranks", "#4d9221")
 CAUSES = {  # of lost time: what it is called, and its colour

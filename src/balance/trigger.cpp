@@ -16,8 +16,8 @@ double share_removed(const LoadSummary& now, const LoadSummary& plan) {
     return (now.imbalance() - plan.imbalance()) / (now.imbalance() - 1);
 }
 
-Decision by_threshold(const TriggerInput& in, double threshold) {
-    if (in.now.imbalance() <= threshold) return {false, "balanced"};
+/// Of loads above the threshold.
+Decision by_threshold(const TriggerInput& in) {
     if (share_removed(in.now, in.plan) < least_share_removed) return {false, "no better plan"};
     return {true, "threshold"};
 }
@@ -93,7 +93,7 @@ Decision RepartitionTrigger::decide(const TriggerInput& input) const {
         case Trigger::every:
             return {true, "every"};
         case Trigger::threshold:
-            return by_threshold(input, threshold_);
+            return needs_plan(input.now) ? by_threshold(input) : Decision{false, "balanced"};
         case Trigger::planned:
             return by_plan(input);
     }

@@ -1,30 +1,27 @@
 #pragma once
 // How one rank's share is stepped: on the threads of the host (comm/host_engine.hpp) or on a device (gpu/).
 //
-// The simulation knows the order of a step and speaks with the other ranks about dt and ownership; an engine does the
-// work of each part and holds the share. What a step tells (signal speed, faults, sums for the budget) is taken once
-// per step, by take_report(): on a device that is the only moment at which the host waits for it.
+// The simulation keeps the order of a step and agrees with the other ranks on dt and ownership; an engine runs the
+// kernels of each part and holds the share. The report of a step (signal speed, faults, sums for the budget) is taken
+// once per step, by take_report(): on a device that is the only moment at which the host waits for it.
 
 #include <array>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "comm/agreement.hpp"
-#include "comm/block_move.hpp"
+#include "comm/engine_query.hpp"
+#include "comm/epoch_start.hpp"
 #include "comm/lead_rule.hpp"
 #include "comm/share_piece.hpp"
-#include "core/lattice.hpp"
 #include "core/method.hpp"
-#include "core/over_filling.hpp"
-#include "core/plan_samples.hpp"
 #include "core/structure_set.hpp"
 #include "core/totals.hpp"
 
 namespace moraine {
 
-/// What the particles of the last step tell the step control and the budget.
+/// What the step control and the budget take from the particles of the last step.
 template <int Dim>
 struct StepReport {
     double signal = 0;        ///< largest c + |v| [m/s]
@@ -39,14 +36,6 @@ struct StepReport {
     std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };
 
-/// A particle that went wrong.
-template <int Dim>
-struct FaultRecord {
-    std::uint64_t id;
-    std::uint32_t faults;
-    std::array<double, Dim> x;  ///< [m]
-};
-
 /// What holds for all particles of a step.
 template <int Dim>
 struct StepScales {
@@ -57,12 +46,16 @@ struct StepScales {
     const StructureSet<Dim>* structures = nullptr;  ///< null: the scene has none
 };
 
+/// No limit of memory is known.
+inline constexpr std::int64_t unlimited_particles = std::int64_t(1) << 60;
+
 /// Occupied blocks of this rank.
 struct BlockCounts {
     std::vector<Key> key;  ///< ascending
     std::vector<std::uint32_t> count;
-    std::vector<std::int64_t> cells;   ///< that hold particles; empty unless asked for
-    std::vector<std::uint8_t> asleep;  ///< 1: the block sleeps; empty in scenes without sleep
+    std::vector<std::int64_t> cells;              ///< that hold particles; empty unless asked for
+    std::vector<std::uint8_t> asleep;             ///< 1: the block sleeps; empty in scenes without sleep
+    std::int64_t capacity = unlimited_particles;  ///< particles that the memory of this rank can hold
 };
 
 /// Sizes of the share in the last binned state.
@@ -79,19 +72,41 @@ struct Traffic {
     std::int64_t crossed_particles = 0;
 };
 
+/// What an engine steps on.
+struct EngineDevice {
+    std::string name = "cpu";       ///< for the records: "cpu", or a device's own name
+    bool leaves_host_free = false;  ///< the host's threads have nothing to do during a step
+};
+
+/// The blocks that other ranks need, and all others.
+enum class SharePart { boundary, interior };
+
+/// The kernels of a substep of the grid's pressure (core/grid_pressure.hpp).
+enum class SubstepStage {
+    find_pressures,  ///< once a step: the cells that hold particles, and their geometry
+    sum_boundary,    ///< forces of the cells' pressures on the nodes
+    sum_interior,
+    solve_nodes,  ///< velocities; in the last substep also the pressures that particles take
+};
+
+/// Asks an engine to step by itself (lead_rule.hpp). What `step` says of dt has no meaning.
+template <int Dim>
+struct LeadRequest {
+    LeadRule<Dim> rule;
+    LeadClock<Dim> clock;
+    StepScales<Dim> step;
+};
+
 template <class Real, int Dim>
 class Engine {
   public:
-    static constexpr std::int64_t unlimited = std::int64_t(1) << 60;
     using Share = Patch<Host, Real, Dim>;
     virtual ~Engine() = default;
 
-    virtual std::string device() const = 0;  ///< for the records: "cpu", or a device's name
-    /// Whether the host's threads are free while it steps. Not collective.
-    virtual bool leaves_host_free() const { return false; }
+    const EngineDevice& device() const { return device_; }
 
     /// The share in the memory of the host; in the binned state it is that of now. What is changed in it counts after
-    /// adopt(). Not collective.
+    /// begin_epoch() with a HostShare. Not collective.
     virtual Share& share() = 0;
     /// Calls f for the share piece by piece, in list order, so that the host need not have capacity for all of a
     /// device's; `only`: the columns that are wanted, all if empty. Binned state only. Not collective.
@@ -99,83 +114,58 @@ class Engine {
     virtual void each_piece(const PieceReader& f, const std::vector<std::string>& only = {}) {
         f(whole_of(share(), only));
     }
+    /// Answers a question about the particles where they are (engine_query.hpp). Binned state only.
+    virtual void answer(const EngineQuery<Dim>& query) = 0;
     virtual Census census() const = 0;
-    /// Particles that the memory of this rank can hold, by what those of now take. Not collective.
-    virtual std::int64_t capacity() const { return unlimited; }
-    /// Waits for what is under way. Not collective.
-    virtual void synchronize() {}
     /// Of the last binning. Not collective; binned state only, unless it leaves the host free.
     virtual BlockCounts block_counts(bool with_cells) = 0;
+    virtual Traffic traffic() const = 0;
+    /// Waits for the kernels that are queued. Not collective.
+    virtual void synchronize() {}
 
-    /// Begins an epoch with what the host's share holds; `binned` are blocks of tables.own. Collective.
-    virtual void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) = 0;
-    /// Begins an epoch with what the lattice has in the blocks of tables.own. Collective.
-    virtual void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) = 0;
-    /// Tables that renew() or repartition() will get, if any: may be called by another thread, during a step. Not
-    /// collective.
+    /// Copies tables to where a later begin_epoch() will want them, if any: may be called by another thread, during a
+    /// step. Not collective.
     virtual void prepare(const EpochTables<Dim>& /*tables*/) {}
-    /// Begins an epoch with the same particles, now or with the next binning. Binned state only, unless it leaves the
-    /// host free. Collective.
-    virtual void renew(EpochTables<Dim> tables) = 0;
-    /// Begins an epoch in which this rank's occupied block i belongs to owner[i]: blocks travel. Binned state only.
-    /// Collective.
-    virtual BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) = 0;
-    /// Volumes at the nodes that this rank counts; nothing where an engine cannot tell. Binned state only. Collective
-    /// over peers.
-    virtual std::optional<NodeVolumes> node_volumes() { return std::nullopt; }
-    /// Adds to each column of a map the layers in which this rank has particles. Scenes in 3-D, binned state only. Not
-    /// collective.
-    virtual void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) = 0;
-    /// Adds the particles of this rank to the sums of a map's columns, and returns the largest |v|^2 of all [m2/s2].
-    /// Scenes in 3-D, binned state only. Not collective.
-    virtual double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) = 0;
-    /// The particles of this rank near lines, which are the same in all calls; in any order. Scenes in 3-D, binned
-    /// state only. Not collective.
-    virtual std::vector<NearParticle> particles_near(const PlanLines& lines) = 0;
+    /// Begins an epoch with these particles (epoch_start.hpp); what travelled. Binned state only, but for KeptBlocks
+    /// with an engine that leaves the host free: there it may begin with the next binning. Collective.
+    virtual BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) = 0;
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 
-    /// Who falls asleep and who wakes (core/sleep.hpp); the `first` of a run puts nobody to sleep. Binned state only.
-    /// Scenes with sleep only; structures: null where there are none. Collective over peers.
+    /// Puts blocks at rest to sleep and wakes others (core/sleep.hpp); the `first` check of a run puts none to sleep.
+    /// Binned state only. Scenes with sleep only; structures: null where there are none. Collective over peers.
     virtual void check_sleep(bool /*first*/, const Quantum& /*quantum*/, const StructureSet<Dim>* /*structures*/) {}
 
-    /// Begins steps that it makes by itself, dt included (lead_rule.hpp), behind the one under way: at most
-    /// clock.steps. Returns whether it does. What `step` says of dt means nothing. Alone only. Not collective.
-    virtual bool take_lead(const LeadRule<Dim>& /*rule*/, const LeadClock<Dim>& /*clock*/,
-                           const StepScales<Dim>& /*step*/) {
-        return false;
-    }
-    /// Whether it makes the step behind the last report taken by itself: that one has no parts, but its report. Waits
-    /// until it is known. Where it ends here, all is as after bin(). Not collective.
-    virtual bool leads() { return false; }
+    /// Whether the engine makes the next step by itself: then the only verb of that step is take_report(), for the
+    /// step before. Waits for the device's decision; after `false` all is as after bin(). With a request it
+    /// first begins to make steps, if it can and does not yet. Alone only. Not collective.
+    virtual bool leads(const LeadRequest<Dim>* /*request*/ = nullptr) { return false; }
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
-    /// The gaps to them are found with the sums of the next round, and kept for the step. Scenes with structures only.
-    virtual void find_gaps(const StructureSet<Dim>& structures) = 0;
-    /// Which mean the sums of this step make besides.
-    virtual void sum_mean(NodeMean /*mean*/) {}
-    virtual void sum_boundary() = 0;
+    /// What the sums of this step find besides mass and momentum: a mean for fluids; in the next round also the gaps
+    /// to structures (null: the scene has none), which are kept for the step.
+    virtual void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) = 0;
+    virtual void sum(SharePart part) = 0;  ///< P2G: the boundary, and the interior after send_halo()
     virtual void send_halo() = 0;
-    virtual void sum_interior() = 0;
-    /// Before the gather: no more leave than `bound`, the same on all ranks. Collective.
+    /// Before receive_halo(): no more particles leave than `bound`, the same on all ranks. Collective.
     virtual void expect_outgoing(const MigrationBound& /*bound*/) {}
     virtual void receive_halo() = 0;
     virtual void solve_nodes(const Round& round, const StepScales<Dim>& step) = 0;
-    // Between solve_nodes and the gather of a round that holds (NodeTask::hold): the grid's pressure
-    // (grid_pressure.hpp). The halo travels once per substep.
-    virtual void find_cells(const Substep& /*first*/) {}
-    virtual void sum_boundary_cells(const Substep& /*substep*/) {}
-    virtual void sum_interior_cells(const Substep& /*substep*/) {}
-    virtual void solve_substep(const Substep& /*substep*/, const StepScales<Dim>& /*step*/) {}
+    /// Between solve_nodes() and gather() of a round that holds (NodeTask::hold); the halo travels between the sums and
+    /// the nodes of each substep.
+    virtual void substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) = 0;
     virtual void gather(const Round& round, const StepScales<Dim>& step) = 0;
     virtual void send_outgoing(const StepScales<Dim>& step) = 0;
 
     /// Of the steps since it was last taken. Binned state only. Not collective.
     virtual StepReport<Dim> take_report() = 0;
-    /// The first particle of each block with faults, or of the share. Not collective.
-    virtual std::vector<FaultRecord<Dim>> fault_records() = 0;
-    virtual Traffic traffic() const = 0;
+
+  protected:
+    explicit Engine(EngineDevice device = {}) : device_(std::move(device)) {}
+
+  private:
+    EngineDevice device_;
 };
 
 /// Place of a particle of an own block [m].

@@ -5,12 +5,26 @@
 namespace moraine {
 
 template <class Real, int Dim>
+void HostEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
+    switch (stage) {
+        case SubstepStage::find_pressures:
+            return find_pressures(substep);
+        case SubstepStage::sum_boundary:
+            return sum_cells(patch_.boundary(), substep);
+        case SubstepStage::sum_interior:
+            return sum_cells(patch_.interior(), substep);
+        case SubstepStage::solve_nodes:
+            return solve_substep(substep, step);
+    }
+}
+
+template <class Real, int Dim>
 CellContext<Real, Dim> HostEngine<Real, Dim>::cell_context() {
     return {method_.context, patch_.table(), patch_.grid(), cells_.data(), held_.data(), whole_cell_.data()};
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find_cells(const Substep& first) {
+void HostEngine<Real, Dim>::find_pressures(const Substep& first) {
     const auto tiles = static_cast<std::size_t>(patch_.tiles_in_use() + patch_.table().ghosts);
     cells_.resize(tiles * Block<Dim>::cells);
     factors_.resize(tiles * Block<Dim>::cells * CellContext<Real, Dim>::nodes);

@@ -4,7 +4,7 @@
 
 namespace moraine {
 
-/// -m g . (x - domain.min) of a particle whose place is told in the block `carry` blocks from the own one [J].
+/// -m g . (x - domain.min) of a particle whose place is relative to the block `carry` blocks from the own one [J].
 template <class Real, int Dim>
 double HostEngine<Real, Dim>::potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry) {
     const ParticleView<Real, Dim> p = patch_.particles.view();

@@ -27,21 +27,23 @@ BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) {
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostShare& share) {
     ended_ = traffic();
     halo_.reset();
     migration_.reset();
-    patch_.install(std::move(tables), binned);
+    patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
                                               method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
+    return {};
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share) {
+    const LatticeTables<Real, Dim>& lattice = share.lattice;
     BinnedBlocks binned;
     std::vector<std::uint32_t> first{0};
     std::vector<Vec<std::int32_t, Dim>> position;
@@ -59,15 +61,16 @@ void HostEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<R
         const auto i = static_cast<std::size_t>(b);
         fill_block(lattice.view(), position[i], first[i], p);
     });
-    adopt(std::move(tables), binned);
+    return begin(std::move(tables), HostShare{binned});
 }
 
 template <class Real, int Dim>
-BlockMoveCount HostEngine<Real, Dim>::repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) {
-    BlockMoveCount moved;
-    const BinnedBlocks next = move_blocks(comm_, patch_, patch_.binned(), {owner.begin(), owner.end()}, moved);
-    adopt(std::move(tables), next);
-    return moved;
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const MovedBlocks& moved) {
+    BlockMoveCount count;
+    const BinnedBlocks next =
+        move_blocks(comm_, patch_, patch_.binned(), {moved.owner.begin(), moved.owner.end()}, count);
+    begin(std::move(tables), HostShare{next});
+    return count;
 }
 
 template <class Real, int Dim>
@@ -142,9 +145,9 @@ void HostEngine<Real, Dim>::receive_halo() {
     finding_ = false;
 }
 
-/// The sums of a step with volumes in place of masses; the next step makes all tiles anew.
+/// The sums of a step with volumes in place of masses; the next step writes all tiles again.
 template <class Real, int Dim>
-std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
+void HostEngine<Real, Dim>::find(VolumeQuery& query) {
     const auto sum_volumes = [&](std::span<const std::int32_t> blocks) {
         TransferCall<Real, Dim> call = transfer_call(blocks);
         call.particles.mass = call.particles.volume;
@@ -161,9 +164,8 @@ std::optional<NodeVolumes> HostEngine<Real, Dim>::node_volumes() {
                        CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,
                                                method_.stencil.origin, std::pow(scene_.cell, -Dim), volumes.data()});
     if (sleepers_) sleepers_->forget_tiles();
-    NodeVolumes sum;
-    for (const NodeVolumes& v : volumes) sum.add(v);
-    return sum;
+    query.volumes = {};
+    for (const NodeVolumes& v : volumes) query.volumes.add(v);
 }
 
 template <class Real, int Dim>
@@ -296,7 +298,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
     record_energy(quantum, moved);
 }
 
-/// Notes who went wrong in a block, before binning moves it on.
+/// Records the faulty particle of a block, before binning moves it on.
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::note_fault(std::int32_t block, const BlockOutcome& out, bool moved) {
     const ListView<Dim> list = patch_.list();

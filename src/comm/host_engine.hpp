@@ -22,46 +22,57 @@ class HostEngine final : public Engine<Real, Dim> {
     /// All must outlive it. Not collective.
     HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method);
 
-    std::string device() const override { return "cpu"; }
     Share& share() override { return patch_; }
     Census census() const override {
         return {patch_.count(), patch_.tiles_in_use(), {}, sleepers_ ? sleepers_->particles() : 0};
     }
     BlockCounts block_counts(bool with_cells) override;
+    Traffic traffic() const override;
+    void answer(const EngineQuery<Dim>& query) override {
+        std::visit([this](auto* asked) { find(*asked); }, query);
+    }
 
-    void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) override;
-    void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
-    void renew(EpochTables<Dim> tables) override { adopt(std::move(tables), patch_.binned()); }
-    BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
-    std::optional<NodeVolumes> node_volumes() override;
-    void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) override;
-    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
-    std::vector<NearParticle> particles_near(const PlanLines& lines) override;
+    BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) override {
+        return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
+    }
     void refresh_memory(bool always) override { patch_.refresh_memory(always ? -1 : 0.1); }
 
     void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
-    void find_gaps(const StructureSet<Dim>& structures) override;
-    void sum_boundary() override { sum(patch_.boundary(), pairs_.boundary()); }
+    void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) override {
+        if (structures) find_gaps(*structures);
+        mean_ = mean;
+    }
+    void sum(SharePart part) override {
+        part == SharePart::boundary ? sum(patch_.boundary(), pairs_.boundary())
+                                    : sum(patch_.interior(), pairs_.interior());
+    }
     void send_halo() override {
         halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr, sleepers_ ? sleepers_->asleep() : nullptr);
     }
-    void sum_interior() override { sum(patch_.interior(), pairs_.interior()); }
     void receive_halo() override;
-    void sum_mean(NodeMean mean) override { mean_ = mean; }
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
-    void find_cells(const Substep& first) override;
-    void sum_boundary_cells(const Substep& substep) override { sum_cells(patch_.boundary(), substep); }
-    void sum_interior_cells(const Substep& substep) override { sum_cells(patch_.interior(), substep); }
-    void solve_substep(const Substep& substep, const StepScales<Dim>& step) override;
+    void substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>& step) override;
 
     StepReport<Dim> take_report() override;
-    std::vector<FaultRecord<Dim>> fault_records() override { return fault_records_; }
-    Traffic traffic() const override;
 
   private:
+    BlockMoveCount begin(EpochTables<Dim> tables, const KeptBlocks&) {
+        return begin(std::move(tables), HostShare{patch_.binned()});
+    }
+    BlockMoveCount begin(EpochTables<Dim> tables, const MovedBlocks& moved);
+    BlockMoveCount begin(EpochTables<Dim> tables, const HostShare& share);
+    BlockMoveCount begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share);
+    void find(LayerQuery& query);
+    void find(ColumnQuery& query);
+    void find(LineQuery& query);
+    void find(VolumeQuery& query);
+    void find(FaultQuery<Dim>& query) const { query.found = fault_records_; }
+    void find_gaps(const StructureSet<Dim>& structures);
+    void find_pressures(const Substep& first);
+    void solve_substep(const Substep& substep, const StepScales<Dim>& step);
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step);
     template <bool Contact>

@@ -7,12 +7,13 @@
 namespace moraine {
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vector<Layers>& layers) {
+void HostEngine<Real, Dim>::find(LayerQuery& query) {
     if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
         const ListView<Dim> list = patch_.list();
         const ParticleView<Real, Dim> p = patch_.particles.view();
         const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
-        Layers* const all = layers.data();
+        Layers* const all = query.layers.data();
 #pragma omp parallel for schedule(dynamic, 64)
         for (int b = 0; b < patch_.own(); ++b) {
             const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
@@ -30,13 +31,14 @@ void HostEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vector<
 }
 
 template <class Real, int Dim>
-double HostEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
-    double fastest = 0;
+void HostEngine<Real, Dim>::find(ColumnQuery& query) {
     if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
+        double fastest = 0;
         const ListView<Dim> list = patch_.list();
         const ParticleView<Real, Dim> p = patch_.particles.view();
         const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
-        std::int64_t* const all = sums.data();
+        std::int64_t* const all = query.sums.data();
 #pragma omp parallel for schedule(dynamic, 64) reduction(max : fastest)
         for (int b = 0; b < patch_.own(); ++b) {
             const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
@@ -55,13 +57,14 @@ double HostEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vecto
                                            });
             }
         }
+        query.square_speed = fastest;
     }
-    return fastest;
 }
 
 template <class Real, int Dim>
-std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines& lines) {
-    std::vector<NearParticle> near;
+void HostEngine<Real, Dim>::find(LineQuery& query) {
+    const PlanLines& lines = query.lines;
+    query.near.clear();
     const ListView<Dim> list = patch_.list();
     const ParticleView<Real, Dim> p = patch_.particles.view();
     for (int b = 0; b < patch_.own(); ++b) {
@@ -72,17 +75,17 @@ std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines&
             const double x = lines.places.of<Real>(0, at[0], p.position[s][0]);
             const double y = lines.places.of<Real>(1, at[1], p.position[s][1]);
             if (lines.is_near(x, y, lines.reach))
-                near.push_back({p.id[s], {x, y}, static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s])});
+                query.near.push_back(
+                    {p.id[s], {x, y}, static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s])});
         }
     }
-    return near;
 }
 
 /// Of one precision and dimension.
-#define MORAINE_SAMPLES(Real, Dim)                                                                      \
-    template void HostEngine<Real, Dim>::find_layers(const PlanColumns&, std::vector<Layers>&);         \
-    template double HostEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
-    template std::vector<NearParticle> HostEngine<Real, Dim>::particles_near(const PlanLines&);
+#define MORAINE_SAMPLES(Real, Dim)                           \
+    template void HostEngine<Real, Dim>::find(LayerQuery&);  \
+    template void HostEngine<Real, Dim>::find(ColumnQuery&); \
+    template void HostEngine<Real, Dim>::find(LineQuery&);
 MORAINE_SAMPLES(float, 2)
 MORAINE_SAMPLES(float, 3)
 MORAINE_SAMPLES(double, 2)

@@ -1,12 +1,12 @@
 #pragma once
-// Steps that an engine makes by itself, ahead of what the simulation has heard of them: how each dt is made, and when
-// it must stop, because somebody wants to look at the particles, or has to decide.
+// Steps that a device makes by itself, ahead of the reports that the simulation has taken: how each dt is made, and
+// when the device must stop, because the particles are to be read, or the host has to decide.
 //
 //   dt = C h / (c + |v|), or what the scene says;   t += dt;   integral of gravity += g dt
 //
 // These are the operations of Simulation::agree_on_dt() and EpochLifetime::step(), in their order, so that an engine
-// that leads and the simulation that follows agree to the bit: products are not contracted on a device either. One
-// function for both, that knows no memory: what stops a device is tested on the host.
+// that leads and the simulation that follows agree bitwise: products are not contracted on a device either. One pure
+// function serves both: what stops a device is tested on the host.
 
 #include <cstdint>
 
@@ -15,8 +15,8 @@
 
 namespace moraine {
 
-/// Where steps are long the host is not waited for, and the end of a lead costs what its pauses saved: one NVIDIA H200,
-/// single precision, 2.1 million particles 3 to 4 % faster, 16.8 and 64 million 2 and 1 % slower.
+/// In longer steps the device does not wait for the host, and the end of a lead costs more than it saved: one NVIDIA
+/// H200, single precision, 2.1 million particles 3 to 4 % faster, 16.8 and 64 million 2 and 1 % slower.
 inline constexpr std::int64_t most_led_particles = 4'000'000;
 
 template <int Dim>
@@ -24,7 +24,7 @@ struct LeadRule {
     double dt;     ///< that the scene says [s]; 0: by the signal
     double reach;  ///< C h [m]
     double end;    ///< of the run [s]
-    double until;  ///< nobody looks before the first step at or past it [s]
+    double until;  ///< particles are read after the first step at or past it, not before [s]
     double gravity[Dim];
 };
 
@@ -45,7 +45,7 @@ struct LeadReport {
     bool stops;  ///< a fault, or more blocks than there is space for
 };
 
-/// Whether the next step is made, by what the last one told. If so the clock is that of the step's end.
+/// Whether the next step is made, by the report of the last one. If so the clock is that of the step's end.
 template <int Dim>
 MORAINE_HD bool goes_on(const LeadRule<Dim>& rule, const LeadReport& last, LeadClock<Dim>& clock) {
     clock.in_guard_layer = last.in_guard_layer ? clock.in_guard_layer + last.moved : 0;

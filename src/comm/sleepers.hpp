@@ -18,11 +18,6 @@
 
 namespace moraine {
 
-/// Gives what blocks of the boundary do to the peers that have them as ghosts; activity: of own blocks, then ghosts.
-/// Collective over peers.
-template <int Dim>
-void exchange_activity(PointToPoint& messages, const EpochTables<Dim>& tables, std::vector<double>& activity);
-
 template <class Real, int Dim>
 class Sleepers {
   public:

@@ -1,8 +1,11 @@
 #pragma once
 // Contact of soil with rigid structures, at the nodes.
 //
-//   f_n = (m_i / dt) S(d) max(0, -g_i / dt - w_n) n   where  w = v_i' - V:  in a step the soil goes as far as it has
-//   space f_t opposes what is left of w along the surface, at most mu |f_n|, or alpha s_u A_i, or what stops it (rough)
+//   f_n = (m_i / dt) S(d) max(0, -g_i / dt - w_n) n,   w = v_i' - V
+//
+//   |f_t| <= mu |f_n|, or alpha s_u A_i, or what stops it (rough)
+//
+// f_n: in a step the soil goes as far as it has space. f_t opposes what is left of w along the surface.
 //
 // This is Signorini's condition at the level of velocities (Moreau 1988): the gap does not close beyond zero, nothing
 // is drawn back, and no stiffness, no time of contact is chosen. A gap of zero makes it the momentum exchange of

@@ -5,6 +5,7 @@
 // blocks follow: foreign neighbours of own blocks. Node blocks hold the sums and values of the nodes
 // of a block; own and upper neighbours of own blocks have one.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/block.hpp"

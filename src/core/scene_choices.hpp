@@ -35,4 +35,8 @@ enum class InterfaceLaw { smooth, rough, coulomb, undrained, voellmy };
 enum class Volumetric { particle, cell, grid };
 enum class Trigger { never, every, threshold, planned };
 
+/// What fluids take from the grid besides their motion: nothing; the means of nodes (core/pressure_smoothing.hpp,
+/// core/particle_shifting.hpp); these, and the pressure of cells (core/grid_pressure.hpp).
+enum class FluidGrid { none, means, pressure };
+
 }  // namespace moraine

@@ -7,10 +7,11 @@
 namespace moraine::gpu {
 
 template <class Real, int Dim>
-DeviceSleepers<Real, Dim>::DeviceSleepers(const Scene& scene, const Method<Host, Real, Dim>& method,
+DeviceSleepers<Real, Dim>::DeviceSleepers(const Scene& scene, const KernelKey& key,
+                                          const Method<Host, Real, Dim>& method,
                                           const std::uint16_t* material_of)
     : method_(method), material_of_(scene.materials.size() > 1 ? material_of : nullptr), rule_(sleep_rule(scene)) {
-    for (const MaterialSpec& material : scene.materials) waves_.push_back(make_waves<Real, Dim>(material));
+    for (std::size_t m = 0; m < scene.materials.size(); ++m) waves_.emplace_back(key, scene.materials[m], m);
     accounts_.assign(std::vector<SleepAccount<Dim>>(account_parts));
     counts_.resize(4);
     gpu::check(cudaMemset(report_.device(), 0, sizeof(SleepAccount<Dim>)), "Making sleepers");
@@ -48,7 +49,7 @@ SleepView<Dim> DeviceSleepers<Real, Dim>::state(const RestWords& rest) const {
     return s;
 }
 
-/// What sleeps goes on to sleep from binning to binning; its waves are asked for when an epoch begins.
+/// Sleeping blocks keep their wave speed from binning to binning; it is found again when an epoch begins.
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::find(const V& view, const RestWords& rest, const std::uint32_t* former_first,
                                      cudaStream_t stream) {
@@ -65,7 +66,7 @@ void DeviceSleepers<Real, Dim>::keep_awake(const V& view, const ContactField<Dim
 template <class Real, int Dim>
 void DeviceSleepers<Real, Dim>::find_waves(const V& view, cudaStream_t stream) {
     for (std::size_t k = 0; k < waves_.size(); ++k)
-        waves_[k]->run(view, asleep_.data(), wave_.data(), material_of_, static_cast<int>(k), stream);
+        waves_[k].run(view, asleep_.data(), wave_.data(), material_of_, static_cast<int>(k), stream);
     waves_known_ = true;
 }
 

@@ -2,7 +2,8 @@
 // The sleeping blocks of one device: their state for an epoch, and the lists that a step's kernels run over
 // (gpu/kernels/sleep/sleep.hpp). What comm/sleepers.hpp is to the host.
 //
-// Nothing here waits for the device. Tiles of sleepers are kept while their number says that nobody has written there.
+// No function waits for the device. Tiles of sleeping blocks are kept from step to step while their number is that of
+// the sums that wrote them.
 
 #include <memory>
 #include <vector>
@@ -22,9 +23,10 @@ class DeviceSleepers {
     using V = View<Real, Dim>;
 
     /// All must outlive it. Not collective.
-    DeviceSleepers(const Scene& scene, const Method<Host, Real, Dim>& method, const std::uint16_t* material_of);
+    DeviceSleepers(const Scene& scene, const KernelKey& key, const Method<Host, Real, Dim>& method,
+                   const std::uint16_t* material_of);
 
-    /// New tables: who sleeps in them is to be found again. Asynchronous, as all that follows.
+    /// New tables: find() must follow. Asynchronous, as all functions below.
     void open(std::size_t own, std::size_t ghosts, cudaStream_t stream);
     /// All tiles are lost, or have been written by others.
     void forget_tiles() { ++made_; }
@@ -35,17 +37,19 @@ class DeviceSleepers {
     void wake_entered(const V& view, const RestWords& rest, const std::uint32_t* former_first, cudaStream_t stream) {
         gpu::wake_entered(view, state(rest), former_first, stream);
     }
-    /// By the tables of now; former_first: and wake_entered(), null: nobody has moved. What that says is the report's
-    /// after count() or report(), once the stream has been waited for.
+    /// Finds the sleeping blocks by the present tables, and wakes those that particles have entered; former_first: as
+    /// in wake_entered(), null: no particle has moved. count() or report() write the counts; they are there once the
+    /// stream has been waited for.
     void find(const V& view, const RestWords& rest, const std::uint32_t* former_first, cudaStream_t stream);
     void count(cudaStream_t stream) { count_sleepers(accounts_.data(), report_.device(), stream); }
     /// With what sleep took; makes the step's report, too.
     void report(const ReportWork<Dim>& step, cudaStream_t stream) {
         fold_reports(step, accounts_.data(), report_.device(), stream);
     }
-    /// Of structures that move, in a sleep check and in every step: who is kept awake by them.
+    /// Finds the blocks that moving structures keep awake: in a sleep check and in every step.
     void keep_awake(const V& view, const ContactField<Dim>& structures, cudaStream_t stream);
-    /// A sleep check: first what the blocks do, then, once that of ghosts is there, who falls asleep and who wakes.
+    /// A sleep check: the activity of the own blocks; then, once that of ghosts is there, change() puts blocks to sleep
+    /// and wakes others.
     void find_activity(const V& view, const RestWords& rest, cudaStream_t stream) {
         gpu::find_activity(view, state(rest), stream);
     }
@@ -62,7 +66,7 @@ class DeviceSleepers {
     /// boundary: 1 where some peer needs the block.
     void hold(const V& view, const RestWords& rest, const std::uint8_t* near, const Quantum& quantum,
               const std::uint8_t* boundary, cudaStream_t stream);
-    /// Who is awake after hold().
+    /// The blocks that are awake after hold().
     Chosen awake(int part) const { return chosen(2 + part); }
 
     std::uint8_t* asleep() const { return asleep_.data(); }  ///< own blocks, then ghosts
@@ -83,7 +87,7 @@ class DeviceSleepers {
     const Method<Host, Real, Dim>& method_;
     const std::uint16_t* material_of_;
     const SleepRule rule_;
-    std::vector<std::unique_ptr<WaveKernel<Real, Dim>>> waves_;  ///< by material
+    std::vector<WaveKernel<Real, Dim>> waves_;  ///< by material
     PoolArray<std::uint8_t> asleep_, binned_, kept_;
     PoolArray<std::uint8_t> kept_awake_;  ///< own; empty: no structure moves
     PoolArray<double> activity_, wave_;

@@ -1,8 +1,5 @@
 #include "gpu/engine.hpp"
 
-#include <algorithm>
-
-#include "comm/fused_blocks.hpp"
 
 namespace moraine::gpu {
 
@@ -21,71 +18,38 @@ cudaDeviceProp properties_of_device() {
 template <class Real, int Dim>
 DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
                                       const TransportFactory* transports, int refresh_interval)
-    : scene_(scene),
+    : Engine<Real, Dim>({properties_of_device().name, true}),
+      scene_(scene),
       method_(method),
-      name_(properties_of_device().name),
       memory_(properties_of_device().totalGlobalMem),
       share_(method.needs, method.stencil.width),
-      particles_(method.needs),
-      refresh_clock_(refresh_interval),
-      cache_(static_cast<std::size_t>(properties_of_device().l2CacheSize)) {
-    check(cudaGetDevice(&device_), "Asking for the device");
-    choose_kernels();
-    half_size_.assign(method.context.half_size, scene.bodies.size());
-    std::vector<std::uint16_t> materials;
-    for (const BodySpec& body : scene.bodies) materials.push_back(static_cast<std::uint16_t>(body.material));
-    material_of_.assign(materials);
-    if (fuses_by_block(scene))
-        materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, method.needs.affine, material_of_.data());
-    take_fluids();
-    if (method.averaged()) averaged_.assign(method.averaged(), scene.bodies.size());
-    if (method.stiffness()) {
-        stiffness_.assign(method.stiffness(), scene.bodies.size());
-        for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-            full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
-        limited_count_.resize(2 * LimitedBlocks::lists);
-    }
-    if (scene.sleep.on) sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, method, material_of_.data());
-    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means());
-    counters_.assign(std::vector<Counters>{{}});
-    accounts_.resize(account_parts);
-    empty_accounts(accounts_.data(), stream_);
-}
-
-template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::choose_kernels() {
-    const bool affine = method_.needs.affine, fluid = method_.fluid(), of_grid = method_.grid_bulk();
-    if (takes_means())
-        p2g_mean_ = choose_p2g_mean<Real, Dim>(scene_.shape, affine);
-    else
-        p2g_ = choose_p2g<Real, Dim>(scene_.shape, affine);
-    find_limited_ = choose_find_limited<Real, Dim>(scene_.shape);
-    if (fuses(scene_)) {
-        const MaterialSpec& material = scene_.materials.front();
-        gather_ = of_grid ? make_fused_pressure_gather<Real, Dim>(material, affine)
-                  : fluid ? make_fused_fluid_gather<Real, Dim>(material, affine)
-                          : make_fused_gather<Real, Dim>(material, scene_.shape, affine);
-        return;
-    }
-    gather_ = of_grid ? make_pressure_gather<Real, Dim>(affine)
-              : fluid ? make_fluid_gather<Real, Dim>(scene_.shape, affine)
-                      : make_gather<Real, Dim>(scene_.shape, affine, method_.averaged() != nullptr);
-    for (const MaterialSpec& material : scene_.materials) stress_.push_back(make_stress<Real, Dim>(material));
+      epoch_(method.stencil.width, comm.size() > 1),
+      store_(method.needs, refresh_interval, static_cast<std::size_t>(properties_of_device().l2CacheSize)),
+      kernels_(scene),
+      bodies_(scene, method) {
+    if (kernels_.key.way == GatherWay::by_material)
+        materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, kernels_.key, bodies_.material_of.data());
+    fluid_.start(method, scene.bodies.size());
+    light_.start(method, scene.bodies.size());
+    if (scene.sleep.on)
+        sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, kernels_.key, method, bodies_.material_of.data());
+    if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means(method));
+    reports_.start(stream_);
 }
 
 template <class Real, int Dim>
 View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     View<Real, Dim> v{};
-    v.table = tables_.view();
-    v.list = lists_.view();
-    v.grid = {lists_.tile_of(), reinterpret_cast<Real*>(tiles_.data()), node_of_.data(),
-              reinterpret_cast<Real*>(nodes_.data())};
-    v.p = columns_of_lead_ ? *columns_of_lead_ : particles_.view();
+    v.table = epoch_.table.view();
+    v.list = epoch_.lists.view();
+    v.grid = {epoch_.lists.tile_of(), reinterpret_cast<Real*>(epoch_.tiles.data()), epoch_.node_of.data(),
+              reinterpret_cast<Real*>(epoch_.nodes.data())};
+    v.p = lead_ && lead_->captured_columns() ? *lead_->captured_columns() : store_.rows.view();
     v.context = method_.context;
-    v.context.half_size = half_size_.data();
-    v.moves = lists_.moves();
-    v.changed = lists_.changed();
-    v.accounts = accounts_.data();
+    v.context.half_size = bodies_.half_size.data();
+    v.moves = epoch_.lists.moves();
+    v.changed = epoch_.lists.changed();
+    v.accounts = reports_.accounts.data();
     return v;
 }
 

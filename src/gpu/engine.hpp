@@ -1,37 +1,33 @@
 #pragma once
-// The engine of one device: the share lives there; the host sees it for output, checkpoints and block moves only.
+// The engine of one device: the share lives there; the host reads it for output, checkpoints and block moves only.
 //
 // A step is queued on one stream:  binning, report, P2G | nodes, G2P, outgoing particles.  At the bar the host waits
-// once, for the report of the step before (dt needs it), while P2G runs; what concerns the boundary (its P2G, the halo,
-// its G2P, who leaves it) goes on a concurrent stream, ahead of the interior. Nothing
-// is allocated in a step, but when the flow has come to occupy more blocks than there are tiles (then P2G has found
-// empty lists, and is queued again) or more particles may arrive than there is capacity for.
+// once, for the report of the step before (dt needs it), while P2G runs. The boundary's kernels (its P2G, the halo, its
+// G2P, outgoing particles) go on a concurrent stream, ahead of the interior. A step allocates nothing, but when the
+// flow occupies more blocks than there are tiles (then P2G has found empty lists, and is queued again) or when more
+// particles may arrive than there is capacity for.
+//
+// The state is in parts: kernels, bodies, epoch, particles, contact, fluid, light nodes, reports, exchange, sleepers,
+// lead. The engine is the order in which they work.
 
 #include <cuda_runtime.h>
 
 #include <memory>
-#include <optional>
-#include <span>
 
 #include "comm/engine.hpp"
+#include "gpu/body_tables.hpp"
+#include "gpu/contact_state.hpp"
 #include "gpu/device_sleepers.hpp"
+#include "gpu/engine_kernels.hpp"
+#include "gpu/epoch_state.hpp"
 #include "gpu/exchange/exchange.hpp"
-#include "gpu/kernels/cells/lists.hpp"
-#include "gpu/kernels/g2p/g2p.hpp"
-#include "gpu/kernels/gaps/gaps.hpp"
-#include "gpu/kernels/nodes/near_blocks.hpp"
-#include "gpu/kernels/nodes/nodes.hpp"
-#include "gpu/kernels/p2g/p2g.hpp"
-#include "gpu/kernels/pressure/pressure.hpp"
+#include "gpu/fluid_state.hpp"
 #include "gpu/kernels/samples/samples.hpp"
-#include "gpu/kernels/step_report.hpp"
 #include "gpu/lead.hpp"
+#include "gpu/light_state.hpp"
 #include "gpu/material_gathers.hpp"
-#include "gpu/memory/device_tables.hpp"
-#include "gpu/memory/particles.hpp"
-#include "gpu/memory/refresh_clock.hpp"
-#include "gpu/memory/stopwatch.hpp"
-#include "gpu/memory/stream.hpp"
+#include "gpu/particle_store.hpp"
+#include "gpu/step_reports.hpp"
 
 namespace moraine::gpu {
 
@@ -45,190 +41,137 @@ class DeviceEngine final : public Engine<Real, Dim> {
     DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
                  const TransportFactory* transports, int refresh_interval = 0);
 
-    std::string device() const override { return name_; }
-    bool leaves_host_free() const override { return true; }
     Share& share() override;
-    Census census() const override { return census_; }
-    std::int64_t capacity() const override;
-    void synchronize() override { stream_.wait(); }
-    BlockCounts block_counts(bool with_cells) override;
-
     using PieceReader = typename Engine<Real, Dim>::PieceReader;
     void each_piece(const PieceReader& f, const std::vector<std::string>& only) override;
+    void answer(const EngineQuery<Dim>& query) override {
+        std::visit([this](auto* asked) { find(*asked); }, query);
+    }
+    Census census() const override { return census_; }
+    BlockCounts block_counts(bool with_cells) override;
+    Traffic traffic() const override;
+    void synchronize() override { stream_.wait(); }
 
-    void adopt(EpochTables<Dim> tables, const BinnedBlocks& binned) override;
-    void adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) override;
-    void prepare(const EpochTables<Dim>& tables) override;
-    void renew(EpochTables<Dim> tables) override;
-    BlockMoveCount repartition(EpochTables<Dim> tables, std::span<const std::int32_t> owner) override;
-    std::optional<NodeVolumes> node_volumes() override;
-    void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) override;
-    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) override;
-    std::vector<NearParticle> particles_near(const PlanLines& lines) override;
+    void prepare(const EpochTables<Dim>& tables) override { epoch_.prepare(tables); }
+    BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) override {
+        return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
+    }
     void refresh_memory(bool) override {}  // every few steps, by itself
 
-    bool take_lead(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, const StepScales<Dim>& step) override;
-    bool leads() override;
+    bool leads(const LeadRequest<Dim>* request) override;
 
     void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
-    void find_gaps(const StructureSet<Dim>& structures) override;
-    void sum_mean(NodeMean mean) override { mean_ = mean; }
-    void sum_boundary() override;
+    void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) override;
+    void sum(SharePart part) override;
     void send_halo() override;
-    void sum_interior() override;
-    void receive_halo() override;
     void expect_outgoing(const MigrationBound& bound) override;
+    void receive_halo() override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
-    void find_cells(const Substep& first) override;
-    void sum_boundary_cells(const Substep& substep) override;
-    void sum_interior_cells(const Substep& substep) override;
-    void solve_substep(const Substep& substep, const StepScales<Dim>& step) override;
+    void substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) override;
     void gather(const Round& round, const StepScales<Dim>& step) override;
     void send_outgoing(const StepScales<Dim>&) override;
-
     StepReport<Dim> take_report() override;
-    std::vector<FaultRecord<Dim>> fault_records() override;
-    Traffic traffic() const override;
 
   private:
-    void choose_kernels();
-    void take_fluids();
-    void take_tables(EpochTables<Dim> tables);
+    // engine_epoch.cpp, engine_share.cpp: epochs, capacity, blocks as a whole
+    BlockMoveCount begin(EpochTables<Dim> tables, const KeptBlocks&);
+    BlockMoveCount begin(EpochTables<Dim> tables, const MovedBlocks& travelling);
+    BlockMoveCount begin(EpochTables<Dim> tables, const HostShare& share);
+    BlockMoveCount begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share);
+    void begin_with(std::size_t particles, std::size_t blocks, std::size_t most);
+    void install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks);
     void change_tables();
     void open_epoch();
-    std::size_t capacity_for(std::size_t particles) const;
-    void begin(std::size_t particles, std::size_t blocks, std::size_t most);
+    void bound_cells();
     void count_boundary();
     void count_migration_bound();
-    void grow_tiles();
+    std::int64_t capacity() const;
+    std::size_t capacity_for(std::size_t particles) const;
     void make_tiles(std::size_t tiles);
-    void sum();
+    void grow_tiles();
+    void refresh();
+    void refresh_and_grow(std::size_t most);
+    void set_stored(std::size_t n);
+
+    // engine_samples.cpp, engine_fluid.cpp, engine_step.cpp: answers
+    void find(LayerQuery& query);
+    void find(ColumnQuery& query);
+    void find(LineQuery& query);
+    void find(VolumeQuery& query);
+    void find(FaultQuery<Dim>& query);
+
+    // engine_step.cpp and engine_fluid.cpp: sums, nodes, reports
+    void queue_sums();
+    void sum_part(int part, cudaStream_t stream);
+    void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
+                   const NodeContact<Dim>* contact);
+    const NodeContact<Dim>& contact_at_nodes(const StructureSet<Dim>& structures);
+    NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
+    LightMarks<Real> light_marks_of(const Round& round) const;
     bool limits(const Round& round) const {
         return (round.nodes == NodeTask::solve || round.nodes == NodeTask::hold) && method_.stiffness();
     }
-    bool takes_means() const { return method_.fluid() || method_.grid_bulk(); }
-    NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
-    LightMarks<Real> light_marks_of(const Round& round) const;
-    void hold(const Round& round, const StepScales<Dim>& step);
-    CellTask<Real> cell_task(const Substep& substep) const;
-    void sum_part(int part, cudaStream_t stream);
-    void find_sleepers();
     void report(const std::uint32_t* former_first);
-    ReportWork<Dim> report_work(Report<Dim>* to) const {
-        return {accounts_.data(), lists_.particles(), lists_.occupied(), lists_.in_guard_layer(), counters_.data(), to};
-    }
-    void report_lead();
-    void take_entry(StepReport<Dim>& report);
-    bool can_lead() const;
-    void queue_lead();
-    void capture_lead(LeadGraph& graph, const StepScales<Dim>& step, const Columns<Real, Dim>& columns);
-    std::vector<LeadLaunch> lead_launches() const;
-    std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const StepScales<Dim>& step) const;
-    HaloSleepers halo_sleepers() const;
-    RecordLayout records() const { return record_layout(particles_.view(), particles_.rest()); }
-    std::size_t tile_quads() const {
-        return static_cast<std::size_t>(2 * power<Dim>(tile_side(method_.stencil.width)));
-    }
-    void hold_sleepers(const StepScales<Dim>& step);
-    Chosen awake_of(int part) const { return sleepers_ ? sleepers_->awake(part) : chosen_of(part); }
-    void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
-                   const NodeContact<Dim>* contact);
-    NodeContact<Dim> node_contact(const StructureSet<Dim>& structures);
-    FluidArgs<Real> fluid_args() const;
+    void take_census();
+
+    // engine_pressure.cpp: the grid's pressure
+    void hold(const Round& round, const StepScales<Dim>& step);
+    void find_pressures(const Substep& first);
+    void sum_boundary_pressures(const Substep& substep);
+    void sum_interior_pressures(const Substep& substep);
+    void solve_substep(const Substep& substep, const StepScales<Dim>& step);
+
+    // engine_gather.cpp; part: 0 is the boundary, 1 the interior
     FluidGatherArgs<Real, Dim> gather_args(const Round& round, const StepScales<Dim>& step) const;
     void gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args, const Launch& launch);
     void gather_blocks(const Chosen& chosen, const Chosen* limited, const Round& round,
                        const FluidGatherArgs<Real, Dim>& args, const Lanes& lanes);
-    void refresh();
-    void refresh_and_grow(std::size_t most);
-    void set_stored(std::size_t n);
-    const Report<Dim>& last_report() const;
-    void take_census();
+    Chosen chosen_of(int part) const { return part == 0 ? epoch_.lists.boundary() : epoch_.lists.interior(); }
+    Chosen awake_of(int part) const { return sleepers_ ? sleepers_->awake(part) : chosen_of(part); }
     int blocks_of(int part) const { return part == 0 ? boundary_blocks_ : interior_blocks(); }
-    Chosen chosen_of(int part) const { return part == 0 ? lists_.boundary() : lists_.interior(); }
-    std::vector<ListRange> ranges() const;
-    void bound_cells();
-    void install(EpochTables<Dim> tables, const std::vector<ListRange>& blocks);
-    View<Real, Dim> view() const;
     int interior_blocks() const { return static_cast<int>(census_.blocks) - boundary_blocks_; }
+    View<Real, Dim> view() const;
+
+    // engine_sleep.cpp
+    void find_sleepers();
+    void hold_sleepers(const StepScales<Dim>& step);
+    HaloSleepers halo_sleepers() const;
+
+    // engine_lead.cpp
+    bool can_lead() const;
+    bool begin_lead(const LeadRequest<Dim>& request);
+    void queue_lead();
+    void capture_lead(bool next, const StepScales<Dim>& step, const Columns<Real, Dim>& columns);
+    void take_entry(StepReport<Dim>& report);
+    void report_lead();
 
     const Scene& scene_;
     const Method<Host, Real, Dim>& method_;
-    std::string name_;
-    std::size_t memory_;  ///< of the device [bytes]
+    const std::size_t memory_;  ///< of the device [bytes]
     Stream stream_;
-    Event reported_;
-
-    P2g<Real, Dim> p2g_ = nullptr;
-    P2gMean<Real, Dim> p2g_mean_ = nullptr;  ///< in its place where fluids want a mean
-    NodeMean mean_ = NodeMean::none;
-    Array<FluidTerms<Real>> fluid_;   ///< by body
-    FluidTerms<Real> first_fluid_{};  ///< of the first one
-    PressureState<Real, Dim> pressure_;
-    Array<ExactSum> volumes_;  ///< of NodeVolumes
-    std::unique_ptr<GatherKernel<Real, Dim>> gather_;
-    std::vector<std::unique_ptr<StressKernel<Real, Dim>>> stress_;  ///< by material; none: the gather has it
-    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;         ///< of blocks of one material; null: none is apart
-
+    Stream reading_{Stream::Rank::apart};
     Share share_;  ///< the host's
     bool share_is_of_now_ = true;
-    std::unique_ptr<Exchange<Real, Dim>> exchange_;  ///< none: this rank is alone
-    EpochTables<Dim> epoch_;
-    Tables<Dim> tables_, next_tables_;
-    ListTables next_list_tables_;
-    Routes next_routes_;
-    std::optional<EpochTables<Dim>> pending_;  ///< of the epoch that begins with the next binning
-    Stream upload_{Stream::Rank::apart}, reading_{Stream::Rank::apart};
-    int device_ = 0;
-    std::int64_t prepared_ = 0;  ///< serial of the tables that next_tables_ and next_routes_ hold; 0: of none
-    Lists<Dim> lists_;
-    DeviceParticles<Real, Dim> particles_;
-    PoolArray<Quad<Real>> tiles_, nodes_;
-    PoolArray<std::int32_t> node_of_;  ///< 0, 1, 2, ...
-    Array<Vec<Real, Dim>> half_size_;
-    Array<std::uint16_t> material_of_;
-    Array<std::uint8_t> averaged_;  ///< by body; empty: all or none
-    FindLimited<Real, Dim> find_limited_ = nullptr;
-    Array<Stiffness<Real>> stiffness_;               ///< by body; empty: nothing is limited
-    PoolArray<std::uint8_t> light_marks_, limited_;  ///< of node blocks, of own blocks
-    PoolArray<std::int32_t> limited_blocks_;         ///< LimitedBlocks of the boundary, then of the interior
-    Array<std::uint32_t> limited_count_;             ///< of both
-    Real full_mass_ = 0;                             ///< the largest of the bodies' [kg]
-    Array<Real> gradient_;
-    Array<Account<Dim>> accounts_;
-    DeviceStructures<Dim> structures_;
-    DeviceGaps<Dim> gaps_;
-    DeviceNearBlocks<Dim> near_blocks_;
-    ContactField<Dim> contact_{};      ///< of this step's gaps
-    NodeContact<Dim> node_contact_{};  ///< of this step's nodes
-    bool finding_ = false;             ///< gaps, in this round
-    bool limiting_ = false;            ///< depths, once a step: the sums may be made twice
+
+    EpochState<Real, Dim> epoch_;
+    ParticleStore<Real, Dim> store_;
+    Kernels<Real, Dim> kernels_;
+    BodyTables<Real, Dim> bodies_;
+    ContactState<Dim> contact_;
+    FluidState<Real, Dim> fluid_;
+    LightState<Real, Dim> light_;
+    StepReports<Dim> reports_;
     DeviceSamples samples_;
-    std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;  ///< null: none sleep in this scene
-    Array<Counters> counters_;
-    Pinned<Report<Dim>> report_;
-    std::unique_ptr<Lead<Dim>> lead_;                      ///< null: the host makes dt
-    StepScales<Dim> lead_scales_{};                        ///< of the lead under way, but for dt
-    const Report<Dim>* told_ = nullptr;                    ///< the last report, where the device made it by itself
-    const Columns<Real, Dim>* columns_of_lead_ = nullptr;  ///< those that a graph is captured for
-    Stopwatch watch_;  ///< of the steps: binning with P2G, nodes, G2P; not of waiting
+    std::unique_ptr<MaterialGathers<Real, Dim>> materials_;  ///< of blocks of one material; null: none is apart
+    std::unique_ptr<Exchange<Real, Dim>> exchange_;          ///< null: this rank is alone
+    std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;    ///< null: none sleep in this scene
+    std::unique_ptr<Lead<Real, Dim>> lead_;                  ///< null: the host makes dt
 
     Census census_;
     int boundary_blocks_ = 0;  ///< occupied, as far as known: makes grids, any number is right
-    std::size_t tile_capacity_ = 0;
-    std::size_t ghost_capacity_ = 0;
-    std::size_t stored_ = 0;  ///< slots in use when the last report was made
-    RefreshClock refresh_clock_;
-    std::size_t cache_;         ///< of the device [bytes]
-    std::uint32_t faults_ = 0;  ///< of the last report
-    std::uint64_t faulty_id_ = 0;
-    bool moving_ = false;              ///< the last step's moves are not binned
-    bool summed_ = false;              ///< P2G of this round is queued, the nodes are not
-    bool unreported_ = false;          ///< the last step is binned, but not reported: the device has led
-    std::uint64_t layout_ = 0;         ///< serial of what else launches depend on: tables, memory
-    bool timed_ = false;               ///< the watch runs since binning
-    bool report_is_of_epoch_ = false;  ///< no epoch has begun since the report was made
+    bool moving_ = false;      ///< the last step's moves are not binned
+    bool summed_ = false;      ///< P2G of this round is queued, the nodes are not
 };
 
 }  // namespace moraine::gpu

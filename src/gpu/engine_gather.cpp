@@ -17,16 +17,15 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     std::copy(step.gravity_impulse.begin(), step.gravity_impulse.end(), args.gravity_impulse);
     args.quantum = step.quantum;
     args.averages = method_.averaged() != nullptr;
-    args.averaged = stress_.size() > 1 ? averaged_.data() : nullptr;
-    if (limits(round))
-        args.light = {stiffness_.data(), method_.limits, full_mass_, light_marks_.data(), limited_.data()};
-    args.fluid = fluid_args();
+    args.averaged = kernels_.stress.size() > 1 ? bodies_.averaged.data() : nullptr;
+    if (limits(round)) args.light = light_.args(method_.limits);
+    args.fluid = fluid_.args(method_, scene_.materials.size() > 1);
     if (method_.grid_bulk()) {
-        const PressureView<Real, Dim> pressure = pressure_.view();
+        const PressureView<Real, Dim> pressure = fluid_.pressure.view();
         args.cell = pressure.cell, args.bulk = pressure.bulk;
     }
-    args.gradient = gradient_.data();
-    args.gradient_stride = static_cast<std::uint64_t>(particles_.capacity());
+    args.gradient = store_.gradient.data();
+    args.gradient_stride = static_cast<std::uint64_t>(store_.rows.capacity());
     return args;
 }
 
@@ -35,14 +34,12 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather_part(int part, const Round& round, const FluidGatherArgs<Real, Dim>& args,
                                           const Launch& launch) {
     const Chosen chosen = awake_of(part);
-    const bool limiting = limits(round) && !epoch_.own.empty();
+    const bool limiting = limits(round) && !epoch_.tables.own.empty();
     LimitedBlocks found{};
     if (materials_) materials_->sort(part, view(), chosen, limiting, launch);
     if (limiting) {
-        const std::size_t most = epoch_.own.size();
-        std::int32_t* blocks = limited_blocks_.data() + static_cast<std::size_t>(LimitedBlocks::lists * part) * most;
-        found = {blocks, blocks + most, limited_count_.data() + part};
-        find_limited_(view(), chosen, args, found, launch);
+        found = light_.found(part, epoch_.own());
+        kernels_.find_limited(view(), chosen, args, found, launch);
     }
     const Chosen of_limited{found.limited, found.count};
     const Chosen* limited = limiting ? &of_limited : nullptr;
@@ -57,24 +54,27 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather_blocks(const Chosen& chosen, const Chosen* limited, const Round& round,
                                             const FluidGatherArgs<Real, Dim>& args, const Lanes& lanes) {
     const View<Real, Dim> v = view();
-    gather_->run(v, chosen, args, lanes[0]);
-    if (limited) gather_->run_limited(v, *limited, args, lanes[1]);
+    kernels_.gather->run(v, chosen, args, lanes[0]);
+    if (limited) kernels_.gather->run_limited(v, *limited, args, lanes[1]);
     if (!(round.gather & gather_gradient)) return;
     if (materials_) materials_->meet(lanes);
-    StressArgs<Real, Dim> stress{
-        args.dt, args.quantum, args.gradient, args.gradient_stride, stress_.size() > 1 ? material_of_.data() : nullptr,
-        0};
-    for (; stress.mine < static_cast<int>(stress_.size()); ++stress.mine)
-        stress_[static_cast<std::size_t>(stress.mine)]->run(v, chosen, stress, lanes[0]);
+    StressArgs<Real, Dim> stress{args.dt,
+                                 args.quantum,
+                                 args.gradient,
+                                 args.gradient_stride,
+                                 kernels_.stress.size() > 1 ? bodies_.material_of.data() : nullptr,
+                                 0};
+    for (; stress.mine < static_cast<int>(kernels_.stress.size()); ++stress.mine)
+        kernels_.stress[static_cast<std::size_t>(stress.mine)].run(v, chosen, stress, lanes[0]);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    watch_.begin(2, stream_);
-    if (materials_ && materials_->choose_grids()) ++layout_;
+    reports_.watch.begin(2, stream_);
+    if (materials_ && materials_->choose_grids()) ++epoch_.layout;
     const FluidGatherArgs<Real, Dim> args = gather_args(round, step);
     if (sleepers_) hold_sleepers(step);
-    if (exchange_) {  // the boundary goes first: who leaves it travels while the interior moves
+    if (exchange_) {  // the boundary goes first: its outgoing particles travel during the gather of the interior
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);
         gather_part(0, round, args, {boundary_blocks_, exchange_->stream});
@@ -82,8 +82,8 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     }
     gather_part(1, round, args, {interior_blocks(), stream_});
     if (exchange_) stream_.wait_for(exchange_->boundary_moved);
-    watch_.end(2, stream_);
-    timed_ = false;
+    reports_.watch.end(2, stream_);
+    reports_.timed = false;
 }
 
 template class DeviceEngine<float, 2>;

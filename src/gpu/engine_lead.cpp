@@ -1,5 +1,5 @@
-// Steps that the device makes by itself (comm/lead_rule.hpp): dt by a kernel, launches by a graph, and a host that
-// hears of each step later. Scenes in which a step needs its host are stepped as ever: can_lead() says which.
+// Steps that the device makes by itself (comm/lead_rule.hpp, gpu/lead.hpp): a kernel sets dt, a graph launches, and the
+// host takes the report of each step later. can_lead() says in which scenes; in all others the host launches each step.
 
 #include <algorithm>
 #include <bit>
@@ -19,106 +19,103 @@ constexpr int binning_launches = 4;
 /// With a stress kernel each, and a gather; a graph has space for that.
 constexpr std::size_t most_materials = 16;
 
-}  // namespace
-
-/// One rank, one round whose dt is known before the nodes, and nothing that the host does within a step: structures to
-/// place, sleepers to look for, means or pressures that go by the number of the step.
+/// The launches of a step behind the decision, in the order of capture_lead(). by_material: materials have gathers of
+/// their own; stresses: how many materials have a stress kernel.
 template <class Real, int Dim>
-bool DeviceEngine<Real, Dim>::can_lead() const {
-    return !exchange_ && !sleepers_ && !takes_means() && !pending_ && scene_.structures.empty() &&
-           method_.rounds.size() == 1 && method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
-           census_.particles <= most_led_particles && !epoch_.own.empty() && stress_.size() <= most_materials &&
-           LeadGraph::is_possible();
-}
-
-/// Behind the decision, in the order of capture_lead().
-template <class Real, int Dim>
-std::vector<LeadLaunch> DeviceEngine<Real, Dim>::lead_launches() const {
+std::vector<LeadLaunch> lead_launches(bool limiting, bool by_material, std::size_t stresses) {
     using Args = GatherArgs<Real, Dim>;
     using Stress = StressArgs<Real, Dim>;
     const DtPlace of_nodes = dt_of_nodes<Real, Dim>();
     const LeadLaunch other{}, sums{true}, nodes{false, 0, of_nodes.offset, 0, of_nodes.size};
     const LeadLaunch gather{false, 2, offsetof(Args, dt), offsetof(Args, gravity_impulse), sizeof(Args)};
     const LeadLaunch stress{false, 2, offsetof(Stress, dt), 0, sizeof(Stress)};
-    const bool limiting = limits(method_.rounds.front());
     std::vector<LeadLaunch> launches{sums, nodes};
-    if (materials_) launches.push_back(other);
+    if (by_material) launches.push_back(other);
     if (limiting) launches.insert(launches.end(), {other, gather});
-    if (materials_) launches.insert(launches.end(), stress_.size(), gather);
-    if (materials_ && limiting) launches.push_back(other);
+    if (by_material) launches.insert(launches.end(), stresses, gather);
+    if (by_material && limiting) launches.push_back(other);
     launches.insert(launches.end(), limiting ? 2 : 1, gather);
-    launches.insert(launches.end(), stress_.size(), stress);
+    launches.insert(launches.end(), stresses, stress);
     launches.insert(launches.end(), binning_launches, other);
     return launches;
 }
 
 /// What a captured step depends on, dt and what comes of it apart.
 template <class Real, int Dim>
-std::vector<std::uint64_t> DeviceEngine<Real, Dim>::lead_key(const Columns<Real, Dim>& columns,
-                                                             const StepScales<Dim>& step) const {
+std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const EpochState<Real, Dim>& epoch,
+                                    const StepScales<Dim>& step) {
     constexpr std::size_t words = sizeof(Columns<Real, Dim>) / sizeof(std::uint64_t);
     static_assert(sizeof(Columns<Real, Dim>) % sizeof(std::uint64_t) == 0);
     std::vector<std::uint64_t> key(words);
     std::memcpy(key.data(), &columns, sizeof(columns));
-    const ListView<Dim> list = lists_.view();
+    const ListView<Dim> list = epoch.lists.view();
     for (const void* p : {static_cast<const void*>(list.first), static_cast<const void*>(list.slot)})
         key.push_back(reinterpret_cast<std::uintptr_t>(p));
     for (double x : {step.mass_cutoff, step.quantum.scale}) key.push_back(std::bit_cast<std::uint64_t>(x));
-    key.insert(key.end(), {layout_, tile_capacity_});
+    key.insert(key.end(), {epoch.layout, epoch.tile_capacity});
     return key;
+}
+
+}  // namespace
+
+/// One rank, one round whose dt is known before the nodes, and nothing that the host does within a step: structures to
+/// place, sleepers to look for, means or pressures that go by the number of the step.
+template <class Real, int Dim>
+bool DeviceEngine<Real, Dim>::can_lead() const {
+    return !exchange_ && !sleepers_ && !takes_means(method_) && !epoch_.pending && scene_.structures.empty() &&
+           method_.rounds.size() == 1 && method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
+           census_.particles <= most_led_particles && !epoch_.tables.own.empty() &&
+           kernels_.stress.size() <= most_materials && LeadGraph::is_possible();
 }
 
 /// columns: where they will be when the graph runs. Grids are for as many blocks as there is space for: more of them
 /// end the lead, and an idle thread block costs half a nanosecond.
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::capture_lead(LeadGraph& graph, const StepScales<Dim>& step,
-                                           const Columns<Real, Dim>& columns) {
+void DeviceEngine<Real, Dim>::capture_lead(bool next, const StepScales<Dim>& step, const Columns<Real, Dim>& columns) {
     const Round& round = method_.rounds.front();
-    const cudaStream_t stream = lead_->capturing();
-    const std::int64_t occupied = std::exchange(census_.blocks, static_cast<std::int64_t>(tile_capacity_));
-    columns_of_lead_ = &columns;
-    graph.capture(lead_launches(), stream, [&](const LeadNodes& behind) {
-        lead_->decide_beside(report_work(&lead_->state()->report), behind, static_cast<int>(sizeof(Real)),
-                             [&] { sum_part(1, stream); });
-        gpu::solve_nodes<Real, Dim>(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
-                                    light_marks_of(round), stream);
+    const std::int64_t occupied = std::exchange(census_.blocks, static_cast<std::int64_t>(epoch_.tile_capacity));
+    const auto launch_step = [&](const LeadNodes& behind, cudaStream_t stream) {
+        lead_->decide_concurrently(reports_.work(epoch_.lists, &lead_->state()->report), behind,
+                                   [&] { sum_part(1, stream); });
+        kernels_.nodes.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum, light_marks_of(round),
+                       stream, nullptr);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
-        lists_.collect(tables_.view(), Part::all, interior_blocks(), stream);
-        lists_.make(tables_.view(), stream);
-    });
-    columns_of_lead_ = nullptr;
+        epoch_.lists.collect(epoch_.table.view(), Part::all, interior_blocks(), stream);
+        epoch_.lists.make(epoch_.table.view(), stream);
+    };
+    lead_->capture(next, lead_key(columns, epoch_, step),
+                   lead_launches<Real, Dim>(limits(round), materials_ != nullptr, kernels_.stress.size()), columns,
+                   launch_step);
     census_.blocks = occupied;
-    graph.set_key(lead_key(columns, step));
 }
 
-/// In an epoch whose guard layer nobody is in, a lead goes on to the next refresh; else the host must come by, to make
-/// the next one.
+/// Lasts to the next refresh of memory; shorter where some particle is in the guard layer, so that the host can make
+/// the next epoch in time.
 template <class Real, int Dim>
-bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock,
-                                        const StepScales<Dim>& step) {
-    if (!can_lead() || (!moving_ && !unreported_)) return false;
+bool DeviceEngine<Real, Dim>::begin_lead(const LeadRequest<Dim>& request) {
+    const LeadClock<Dim>& clock = request.clock;
+    const StepScales<Dim>& step = request.step;
+    if (!can_lead() || (!moving_ && !reports_.is_missing)) return false;
     if (clock.steps < LeadGraph::steps) return false;
     if (!lead_) {
-        lead_ = std::make_unique<Lead<Dim>>();
-        watch_.time_all();  // of the steps that are left to the host
+        lead_ = std::make_unique<Lead<Real, Dim>>();
+        reports_.watch.time_all();  // of the steps that are left to the host
     }
     if (moving_) {
-        lists_.make(tables_.view(), stream_);
+        epoch_.lists.make(epoch_.table.view(), stream_);
         moving_ = false;
-        unreported_ = true;
+        reports_.is_missing = true;
         lead_->forget_clock();
     }
-    if (refresh_clock_.left() <= 1) refresh();
-    if (materials_ && materials_->choose_grids()) ++layout_;
-    const Columns<Real, Dim> columns = particles_.view();
-    if (lead_->next_graph().holds(lead_key(columns, step))) lead_->take_next_graph();
-    if (!lead_->graph().holds(lead_key(columns, step))) capture_lead(lead_->graph(), step, columns);
+    if (store_.clock.left() <= 1) refresh();
+    if (materials_ && materials_->choose_grids()) ++epoch_.layout;
+    const Columns<Real, Dim> columns = store_.rows.view();
+    if (!lead_->take_graph(lead_key(columns, epoch_, step))) capture_lead(false, step, columns);
 
     LeadClock<Dim> begins = clock;
-    const int most = clock.in_guard_layer > 0 ? steps_ahead : std::max(refresh_clock_.left(), steps_ahead);
+    const int most = clock.in_guard_layer > 0 ? steps_ahead : std::max(store_.clock.left(), steps_ahead);
     begins.steps = std::min<std::int64_t>(clock.steps, most);
-    lead_->begin(rule, begins, static_cast<std::uint32_t>(tile_capacity_), stream_);
-    lead_scales_ = step;
+    lead_->begin(request.rule, begins, step, static_cast<std::uint32_t>(epoch_.tile_capacity), stream_);
     share_is_of_now_ = false;
     queue_lead();
     return true;
@@ -127,13 +124,14 @@ bool DeviceEngine<Real, Dim>::take_lead(const LeadRule<Dim>& rule, const LeadClo
 /// A graph for after the next refresh is made while the device is busy with the last steps before it.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::queue_lead() {
-    if (!lead_->queue(stream_) || refresh_clock_.left() > lead_->to_come() + 1) return;
-    const Columns<Real, Dim> next = particles_.view_after_refresh();
-    if (!lead_->next_graph().holds(lead_key(next, lead_scales_))) capture_lead(lead_->next_graph(), lead_scales_, next);
+    if (!lead_->queue(stream_) || store_.clock.left() > lead_->to_come() + 1) return;
+    const Columns<Real, Dim> next = store_.rows.view_after_refresh();
+    if (!lead_->has_next_graph(lead_key(next, epoch_, lead_->scales()))) capture_lead(true, lead_->scales(), next);
 }
 
 template <class Real, int Dim>
-bool DeviceEngine<Real, Dim>::leads() {
+bool DeviceEngine<Real, Dim>::leads(const LeadRequest<Dim>* request) {
+    if (request && !begin_lead(*request)) return false;
     if (!lead_ || !lead_->is_under_way()) return false;
     if (lead_->is_used_up()) {  // the last of its steps is under way
         lead_->end();
@@ -141,12 +139,12 @@ bool DeviceEngine<Real, Dim>::leads() {
     }
     queue_lead();
     const LeadEntry<Dim>& entry = lead_->next(stream_);
-    told_ = &entry.report;
-    report_is_of_epoch_ = true;
+    reports_.of_lead = &entry.report;
+    reports_.is_of_epoch = true;
     if (entry.goes_on) return true;
-    stream_.wait();  // until what was queued behind has passed by
-    if (lead_->taken() % 2 != 0) lists_.turn();
-    unreported_ = false;
+    stream_.wait();  // the steps queued behind it run, switched off
+    if (lead_->taken() % 2 != 0) epoch_.lists.turn();
+    reports_.is_missing = false;
     lead_->end();
     return false;
 }
@@ -161,13 +159,13 @@ void DeviceEngine<Real, Dim>::take_entry(StepReport<Dim>& report) {
     if (entry.report.in_guard_layer) lead_->queue_no_more();
 }
 
-/// Where the device has gone on to the end of its lead, nobody has asked for the last report yet.
+/// Makes the report of a lead's last step, which no kernel has written yet.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::report_lead() {
-    if (!unreported_) return;
-    unreported_ = false;
+    if (!reports_.is_missing) return;
+    reports_.is_missing = false;
     report(nullptr);
-    report_is_of_epoch_ = true;
+    reports_.is_of_epoch = true;
 }
 
 template class DeviceEngine<float, 2>;

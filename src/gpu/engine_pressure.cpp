@@ -6,11 +6,22 @@
 
 namespace moraine::gpu {
 
+namespace {
+
+/// Cells take the velocities of the substep before with the sums of this one.
+template <class Real>
+CellTask<Real> cell_task(const Substep& substep) {
+    return {!substep.is_first(), static_cast<Real>(substep.dt),
+            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt), true, static_cast<Real>(substep.damping())};
+}
+
+}  // namespace
+
 /// The nodes begin their substeps.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& step) {
     HoldWork<Real, Dim> work{view(),
-                             pressure_.view(),
+                             fluid_.pressure.view(),
                              method_.stencil.origin,
                              static_cast<Real>(step.mass_cutoff),
                              static_cast<Real>(std::pow(scene_.cell, -Dim)),
@@ -18,38 +29,47 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures) work.contact = node_contact(*step.structures);
-    hold_nodes(work, stream_);
+    if (step.structures) work.contact = contact_at_nodes(*step.structures);
+    kernels_.pressure.hold_nodes(work, stream_);
     summed_ = false;
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_cells(const Substep& first) {
+void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
+    switch (stage) {
+        case SubstepStage::find_pressures:
+            return find_pressures(substep);
+        case SubstepStage::sum_boundary:
+            return sum_boundary_pressures(substep);
+        case SubstepStage::sum_interior:
+            return sum_interior_pressures(substep);
+        case SubstepStage::solve_nodes:
+            return solve_substep(substep, step);
+    }
+}
+
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
     const auto find = [&](const Chosen& chosen, int blocks) {
-        gpu::find_cells(view(), pressure_.view(), method_.capacity, chosen, blocks, first, stream_);
+        kernels_.pressure.find_cells(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first, stream_);
     };
-    if (exchange_) find(lists_.boundary(), boundary_blocks_);
-    find(lists_.interior(), interior_blocks());
-}
-
-/// Cells take the velocities of the substep before with the sums of this one.
-template <class Real, int Dim>
-CellTask<Real> DeviceEngine<Real, Dim>::cell_task(const Substep& substep) const {
-    return {!substep.is_first(), static_cast<Real>(substep.dt),
-            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt), true, static_cast<Real>(substep.damping())};
+    if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
+    find(epoch_.lists.interior(), interior_blocks());
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::sum_boundary_cells(const Substep& substep) {
+void DeviceEngine<Real, Dim>::sum_boundary_pressures(const Substep& substep) {
     if (!exchange_) return;
     exchange_->solved.record(stream_);
     exchange_->stream.wait_for(exchange_->solved);
-    advance_cells(view(), pressure_.view(), lists_.boundary(), boundary_blocks_, cell_task(substep), exchange_->stream);
+    kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.boundary(), boundary_blocks_,
+                               cell_task<Real>(substep), exchange_->stream);
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::sum_interior_cells(const Substep& substep) {
-    advance_cells(view(), pressure_.view(), lists_.interior(), interior_blocks(), cell_task(substep), stream_);
+void DeviceEngine<Real, Dim>::sum_interior_pressures(const Substep& substep) {
+    kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.interior(), interior_blocks(),
+                               cell_task<Real>(substep), stream_);
     if (exchange_) exchange_->halo.post();
 }
 
@@ -58,23 +78,24 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     NodeRound<Real, Dim> round = node_round(NodeTask::substep, substep.dt, step);
     round.first_substep = substep.is_first();
     round.step = static_cast<Real>(step.dt);
-    const PressureView<Real, Dim> pressure = pressure_.view();
+    const PressureView<Real, Dim> pressure = fluid_.pressure.view();
     const auto solve = [&](const NodeContact<Dim>* contact) {
-        solve_substep_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
+        kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
     if (step.structures) {
-        const NodeContact<Dim> contact = node_contact(*step.structures);
+        const NodeContact<Dim> contact = contact_at_nodes(*step.structures);
         solve(&contact);
-        structures_.fetch(stream_);
+        contact_.structures.fetch(stream_);
     } else {
         solve(nullptr);
     }
     if (!substep.is_last()) return;
-    CellTask<Real> task = cell_task({substep.number + 1, substep.count, substep.dt});
+    CellTask<Real> task = cell_task<Real>({substep.number + 1, substep.count, substep.dt});
     task.sums = false;
-    if (exchange_) advance_cells(view(), pressure, lists_.boundary(), boundary_blocks_, task, stream_);
-    advance_cells(view(), pressure, lists_.interior(), interior_blocks(), task, stream_);
-    watch_.end(1, stream_);
+    if (exchange_)
+        kernels_.pressure.advance_cells(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
+    kernels_.pressure.advance_cells(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
+    reports_.watch.end(1, stream_);
 }
 
 template class DeviceEngine<float, 2>;

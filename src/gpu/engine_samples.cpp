@@ -1,5 +1,5 @@
-// The engine's samples for hazard maps and sections (core/plan_samples.hpp): what goes to the host are sums of columns
-// and the particles near a line, not the share.
+// The engine's answers to hazard maps and sections (core/plan_samples.hpp): sums of columns and the particles near a
+// line go to the host, not the share.
 
 #include <bit>
 
@@ -8,8 +8,9 @@
 namespace moraine::gpu {
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vector<Layers>& layers) {
+void DeviceEngine<Real, Dim>::find(LayerQuery& query) {
     if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
         samples_.floor.assign(columns.floor, columns.all());
         samples_.layers.resize(columns.all());
         samples_.tiles.assign(columns.tile, columns.all_tiles());
@@ -19,13 +20,14 @@ void DeviceEngine<Real, Dim>::find_layers(const PlanColumns& columns, std::vecto
         check(cudaMemsetAsync(samples_.layers.data(), 0, columns.all() * sizeof(Layers), stream_), "Emptying layers");
         gpu::find_layers(view(), there, samples_.layers.data(), stream_);
         stream_.wait();
-        layers = samples_.layers.host(reading_);
+        query.layers = samples_.layers.host(reading_);
     }
 }
 
 template <class Real, int Dim>
-double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) {
+void DeviceEngine<Real, Dim>::find(ColumnQuery& query) {
     if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
         samples_.sums.resize(columns.all_sums());
         samples_.fastest.resize(1);
         check(cudaMemsetAsync(samples_.sums.data(), 0, columns.all_sums() * sizeof(std::int64_t), stream_),
@@ -41,16 +43,16 @@ double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns& columns, std::vec
         }
         gpu::sum_columns(view(), there, samples_.sums.data(), samples_.fastest.data(), stream_);
         stream_.wait();
-        sums = samples_.sums.host(reading_);
-        return std::bit_cast<double>(samples_.fastest.host(reading_).front());
+        query.sums = samples_.sums.host(reading_);
+        query.square_speed = std::bit_cast<double>(samples_.fastest.host(reading_).front());
     }
-    return 0;
 }
 
-/// Where more are near than there is capacity for, they are asked for again.
+/// Where more particles are near than the list holds, it grows and they are found again.
 template <class Real, int Dim>
-std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLines& lines) {
+void DeviceEngine<Real, Dim>::find(LineQuery& query) {
     if constexpr (Dim == 3) {
+        const PlanLines& lines = query.lines;
         if (samples_.segments.size() == 0) {
             samples_.segments.assign(lines.segment, static_cast<std::size_t>(lines.count));
             samples_.near.resize(256);
@@ -66,17 +68,18 @@ std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLine
             const std::size_t n = samples_.count.host(reading_).front();
             const bool fits = n <= samples_.near.capacity();
             samples_.near.resize(n);
-            if (fits) return samples_.near.host(reading_);
+            if (!fits) continue;
+            query.near = samples_.near.host(reading_);
+            return;
         }
     }
-    return {};
 }
 
 /// Of one precision and dimension.
-#define MORAINE_SAMPLES(Real, Dim)                                                                        \
-    template void DeviceEngine<Real, Dim>::find_layers(const PlanColumns&, std::vector<Layers>&);         \
-    template double DeviceEngine<Real, Dim>::sum_columns(const PlanColumns&, std::vector<std::int64_t>&); \
-    template std::vector<NearParticle> DeviceEngine<Real, Dim>::particles_near(const PlanLines&);
+#define MORAINE_SAMPLES(Real, Dim)                             \
+    template void DeviceEngine<Real, Dim>::find(LayerQuery&);  \
+    template void DeviceEngine<Real, Dim>::find(ColumnQuery&); \
+    template void DeviceEngine<Real, Dim>::find(LineQuery&);
 MORAINE_SAMPLES(float, 2)
 MORAINE_SAMPLES(float, 3)
 MORAINE_SAMPLES(double, 2)

@@ -1,4 +1,4 @@
-// The engine's share without the memory of the host: particles that begin on the device, and are looked at in pieces.
+// The engine's share without the memory of the host: particles that are made on the device, and are read in pieces.
 
 #include "gpu/engine.hpp"
 #include "gpu/memory/lattice_seeding.hpp"
@@ -9,34 +9,36 @@ namespace moraine::gpu {
 constexpr std::uint32_t piece_particles = 1 << 20;
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::adopt(EpochTables<Dim> tables, const LatticeTables<Real, Dim>& lattice) {
+BlockMoveCount DeviceEngine<Real, Dim>::begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share) {
+    const LatticeTables<Real, Dim>& lattice = share.lattice;
     stream_.wait();
-    take_tables(std::move(tables));
-    BinnedBlocks binned;  // slots are 0, 1, ...: nobody lists them
+    epoch_.take(std::move(tables), exchange_.get());
+    BinnedBlocks binned;  // slots are 0, 1, ...: no list of them is needed
     std::size_t n = 0;
-    for (std::size_t b = 0; b < epoch_.own.size(); ++b) {
-        const std::uint32_t count = lattice.view().count(epoch_.position[b]);
+    for (std::size_t b = 0; b < epoch_.tables.own.size(); ++b) {
+        const std::uint32_t count = lattice.view().count(epoch_.tables.position[b]);
         if (count == 0) continue;
-        binned.key.push_back(epoch_.own[b]);
+        binned.key.push_back(epoch_.tables.own[b]);
         binned.count.push_back(count);
         n += count;
     }
     const std::size_t most = capacity_for(n);
-    lists_.install(epoch_, tables_.view(), binned, most);
-    particles_.clear(most);
+    epoch_.lists.install(epoch_.tables, epoch_.table.view(), binned, most);
+    store_.rows.clear(most);
     const DeviceLattice<Real, Dim> there(lattice);
-    seed_blocks(tables_.view().own, there.view(), tables_.view().position, lists_.view().first, particles_.view(),
-                stream_);
-    begin(n, binned.key.size(), most);
+    seed_blocks(epoch_.table.view().own, there.view(), epoch_.table.view().position, epoch_.lists.view().first,
+                store_.rows.view(), stream_);
+    begin_with(n, binned.key.size(), most);
     share_is_of_now_ = false;
+    return {};
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::each_piece(const PieceReader& f, const std::vector<std::string>& only) {
     if (share_is_of_now_) return f(whole_of(share_, only));
     stream_.wait();
-    const std::vector<std::uint32_t> first = lists_.first();
-    const int own = static_cast<int>(epoch_.own.size());
+    const std::vector<std::uint32_t> first = epoch_.lists.first();
+    const int own = static_cast<int>(epoch_.tables.own.size());
     Particles<Host, Real, Dim> rows(method_.needs);
     std::vector<std::uint32_t> slots;
     const auto start = [&](int b) { return first[static_cast<std::size_t>(b)]; };
@@ -48,8 +50,8 @@ void DeviceEngine<Real, Dim>::each_piece(const PieceReader& f, const std::vector
         rows.resize(n);
         while (slots.size() < n) slots.push_back(static_cast<std::uint32_t>(slots.size()));
         const std::vector<ColumnBytes> columns = named(rows.columns(), only);
-        particles_.download(columns, lists_.slots() + start(begin), n);
-        f(SharePiece<Real, Dim>{epoch_, begin, end, first.data(), slots.data(), rows.view(), columns});
+        store_.rows.download(columns, epoch_.lists.slots() + start(begin), n);
+        f(SharePiece<Real, Dim>{epoch_.tables, begin, end, first.data(), slots.data(), rows.view(), columns});
     }
 }
 

@@ -1,45 +1,46 @@
 // The engine's parts of a step that concern sleeping blocks (core/sleep.hpp).
 
-#include "comm/sleepers.hpp"
+#include "comm/activity_exchange.hpp"
 #include "gpu/engine.hpp"
 
 namespace moraine::gpu {
 
-/// In the tables of now, where no binning follows that would.
+/// In the present tables, where no binning follows that would find them.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_sleepers() {
     if (!sleepers_) return;
-    sleepers_->find(view(), particles_.rest(), nullptr, stream_);
+    sleepers_->find(view(), store_.rows.rest(), nullptr, stream_);
     sleepers_->count(stream_);
     stream_.wait();
     census_.asleep = sleepers_->particles();
 }
 
-/// The host passes on what blocks of the boundary do, where there are others; else it does not wait. Its counts come
-/// with the report of the last binning, its accounts with that of the next.
+/// With other ranks the host waits and sends the activity of the boundary's blocks; alone it does not wait. Counts come
+/// with the report of the last binning, accounts with that of the next.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) {
-    const RestWords rest = particles_.rest();
+    const RestWords rest = store_.rows.rest();
     if (structures && structures->any_moves())
-        sleepers_->keep_awake(view(), structures_.place(*structures, stream_), stream_);
+        sleepers_->keep_awake(view(), contact_.structures.place(*structures, stream_), stream_);
     sleepers_->find_activity(view(), rest, stream_);
     if (exchange_) {
         stream_.wait();
         std::vector<double> activity = sleepers_->activity(reading_);
-        exchange_activity(exchange_->activity, epoch_, activity);
+        exchange_activity(exchange_->activity, epoch_.tables, activity);
         sleepers_->set_activity(activity);
     }
     sleepers_->change(view(), rest, first, quantum, stream_);
-    reported_.record(stream_);
+    reports_.reported.record(stream_);
     share_is_of_now_ = false;
 }
 
-/// Who has a fast node or a structure that moves near wakes; the lists of the gather are of those that are awake.
+/// Wakes blocks with a fast node or near a moving structure; the gather runs over the lists of awake blocks.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::hold_sleepers(const StepScales<Dim>& step) {
-    if (step.structures && step.structures->any_moves()) sleepers_->keep_awake(view(), node_contact_.field, stream_);
-    sleepers_->hold(view(), particles_.rest(), step.structures ? node_contact_.near.mark : nullptr, step.quantum,
-                    lists_.is_boundary(), stream_);
+    if (step.structures && step.structures->any_moves())
+        sleepers_->keep_awake(view(), contact_.at_nodes.field, stream_);
+    sleepers_->hold(view(), store_.rows.rest(), step.structures ? contact_.at_nodes.near.mark : nullptr, step.quantum,
+                    epoch_.lists.is_boundary(), stream_);
 }
 
 template <class Real, int Dim>

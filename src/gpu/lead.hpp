@@ -1,10 +1,11 @@
 #pragma once
-// What an engine that leads (comm/lead_rule.hpp) keeps: graphs of steps, and what the device tells of each.
+// A lead: steps that a device makes by itself (comm/lead_rule.hpp), as graphs of kernels, and the reports of each.
 //
-// Entry k of a lead holds the report of the step before its step k, and whether that one is made. An entry is read once
-// its serial is there; the stream is not waited for. A lead may be long: steps are queued a few ahead of those that the
-// host has heard of, so that little has to pass by where it ends, and entries are a ring.
+// Entry k of a lead holds the report of the step before its step k, and whether step k is made. The host reads an entry
+// once its serial is there, and does not wait for the stream. Steps are queued a few ahead of the entries that the host
+// has taken, because what is queued behind the end of a lead still runs, switched off; so entries are a ring.
 
+#include "comm/engine.hpp"
 #include "gpu/lead_graph.hpp"
 #include "gpu/memory/stopwatch.hpp"
 
@@ -19,7 +20,7 @@ struct LeadEntries {
 inline constexpr int steps_ahead = 12;
 static_assert(steps_ahead < lead_entries, "the entry that was taken last is still read");
 
-template <int Dim>
+template <class Real, int Dim>
 class Lead {
   public:
     Lead() {
@@ -27,37 +28,57 @@ class Lead {
         state_.resize(1);
     }
 
+    using Key = std::vector<std::uint64_t>;
     LeadState<Dim>* state() const { return state_.data(); }
-    cudaStream_t capturing() const { return capturing_; }
-    LeadGraph& graph() { return graph_[now_]; }
-    LeadGraph& next_graph() { return graph_[1 - now_]; }
-    void take_next_graph() { now_ = 1 - now_; }
+    /// Takes the graph of `key` if there is one: else it is to be captured, as the present one.
+    bool take_graph(const Key& key) {
+        if (graph_[1 - now_].holds(key)) now_ = 1 - now_;
+        return graph_[now_].holds(key);
+    }
+    bool has_next_graph(const Key& key) const { return graph_[1 - now_].holds(key); }
+    /// Captures a graph, the present one or the next: step(behind, stream) launches one step with these columns, as
+    /// `launches` says. While it does captured_columns() are these.
+    template <class F>
+    void capture(bool next, Key key, const std::vector<LeadLaunch>& launches, const Columns<Real, Dim>& columns,
+                 const F& step) {
+        LeadGraph& graph = graph_[next ? 1 - now_ : now_];
+        captured_columns_ = &columns;
+        graph.capture(launches, capturing_, [&](const LeadNodes& behind) { step(behind, capturing_); });
+        captured_columns_ = nullptr;
+        graph.set_key(std::move(key));
+    }
+    const Columns<Real, Dim>* captured_columns() const { return captured_columns_; }
 
     /// Begins a lead of at most clock.steps steps, behind what `stream` has; they are made once queue() has launched
-    /// them.
-    void begin(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, std::uint32_t tiles, cudaStream_t stream) {
-        begin_lead(state(), {rule, clock, entries_.device()->entry, serial_, tiles}, graph().nodes(),
-                   graph().node_count(), stream);
+    /// them. scales: of its steps, but for dt.
+    void begin(const LeadRule<Dim>& rule, const LeadClock<Dim>& clock, const StepScales<Dim>& scales,
+               std::uint32_t tiles, cudaStream_t stream) {
+        const LeadGraph& graph = graph_[now_];
+        begin_lead(state(), {rule, clock, entries_.device()->entry, serial_, tiles}, graph.nodes(), graph.node_count(),
+                   stream);
+        scales_ = scales;
         most_ = static_cast<int>(clock.steps) + static_cast<int>(clock.steps) % LeadGraph::steps;
         queued_ = taken_ = 0;
     }
-    /// Launches graph() until steps_ahead steps are queued that were not taken. Whether that was the last launch.
+    const StepScales<Dim>& scales() const { return scales_; }
+    /// Launches the present graph until steps_ahead steps are queued that were not taken. Whether that was the last
+    /// launch.
     bool queue(cudaStream_t stream) {
         if (queued_ == most_) return false;
         for (; queued_ < most_ && queued_ - taken_ <= steps_ahead - LeadGraph::steps; queued_ += LeadGraph::steps)
-            graph().launch(stream);
+            graph_[now_].launch(stream);
         return queued_ == most_;
     }
     /// It ends with what is queued.
     void queue_no_more() { most_ = queued_; }
     /// Entries that may still be taken.
     int to_come() const { return most_ - taken_; }
-    /// The decision, and beside it sum(), which waits for no dt; both are captured on capturing().
+    /// The decision on a stream of its own, concurrent with sum(), which needs no dt. Both are captured.
     template <class F>
-    void decide_beside(const ReportWork<Dim>& work, const LeadNodes& behind, int real_bytes, const F& sum) {
+    void decide_concurrently(const ReportWork<Dim>& work, const LeadNodes& behind, const F& sum) {
         before_.record(capturing_);
         deciding_.wait_for(before_);
-        decide(work, state(), behind, real_bytes, deciding_);
+        decide(work, state(), behind, static_cast<int>(sizeof(Real)), deciding_);
         sum();
         decided_.record(deciding_);
         capturing_.wait_for(decided_);
@@ -80,7 +101,7 @@ class Lead {
             const cudaError_t state = cudaStreamQuery(stream);
             if (state == cudaErrorNotReady) continue;
             check(state, "A step on the device");
-            if (!is_there()) throw MachineError("A step on the device told nothing. Is the device in order?");
+            if (!is_there()) throw MachineError("A step on the device wrote no report. Is the device in order?");
         }
         return entry;
     }
@@ -110,6 +131,8 @@ class Lead {
     Event before_, decided_;
     LeadGraph graph_[2];
     int now_ = 0;
+    const Columns<Real, Dim>* captured_columns_ = nullptr;  ///< null: no graph is being captured
+    StepScales<Dim> scales_{};
     Array<LeadState<Dim>> state_;
     Pinned<LeadEntries<Dim>> entries_;
     std::uint32_t serial_ = 0;               ///< of the last entry of the leads before

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "gpu/compile/driver.hpp"
+
 namespace moraine::gpu {
 
 namespace {
@@ -30,10 +32,12 @@ cudaGraphDeviceNode_t handle_of(cudaGraphNode_t node) {
 
 /// Where the parameter of a kernel begins in its arguments [bytes].
 std::size_t place_of(cudaGraphNode_t node, const LeadLaunch& launch) {
-    cudaKernelNodeParams kernel{};
-    check(cudaGraphKernelNodeGetParams(node, &kernel), "Looking at a launch");
+    const Driver& driver = Driver::instance();  // the runtime does not know kernels that it has not loaded
+    CUDA_KERNEL_NODE_PARAMS kernel{};
+    check(driver.parameters_of_node(node, &kernel), "Looking at a launch");
+    if (!kernel.func) check(driver.function_of_kernel(&kernel.func, kernel.kern), "Looking at a launch");
     std::size_t offset = 0, size = 0;
-    check(cudaFuncGetParamInfo(kernel.func, static_cast<std::size_t>(launch.dt_parameter), &offset, &size),
+    check(driver.parameter(kernel.func, static_cast<std::size_t>(launch.dt_parameter), &offset, &size),
           "Looking at a launch");
     if (size < launch.least_size) throw std::logic_error("a kernel does not take what its launch says");
     return offset;

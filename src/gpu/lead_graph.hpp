@@ -1,9 +1,9 @@
 #pragma once
-// The kernels of two steps as a graph, which the device itself tells dt (gpu/kernels/lead/decide.hpp): two, because
+// The kernels of two steps as a graph, whose dt a kernel of it sets (gpu/kernels/lead/decide.hpp): two, because
 // lists have two places, and after two steps they are where they were.
 //
-// It is captured from the launches that the host makes otherwise. Memory is taken once: a graph is captured anew while
-// another one runs, and to free memory waits for the whole device.
+// It is captured from the same launches that the host makes without a lead. Memory is allocated once: graphs are
+// captured while another one runs, and freeing memory waits for the whole device.
 
 #include <cuda_runtime.h>
 
@@ -19,9 +19,9 @@ namespace moraine::gpu {
 
 /// A launch in a step and what it takes. In order.
 struct LeadLaunch {
-    bool beside = false;              ///< the decision of its step: that of the step before switches it off
-    int dt_parameter = -1;            ///< the parameter that dt is in; -1: it takes none
-    std::size_t dt = 0;               ///< where in it [bytes]
+    bool beside = false;    ///< concurrent with the decision of its step; that of the step before switches it off
+    int dt_parameter = -1;  ///< the parameter that dt is in; -1: it takes none
+    std::size_t dt = 0;     ///< where in it [bytes]
     std::size_t gravity_impulse = 0;  ///< the same; 0: it takes none
     std::size_t least_size = 0;       ///< of that parameter
 };

@@ -1,13 +1,12 @@
 #pragma once
-// The gathers of a scene of several materials, for which fuses_by_block() is true (comm/fused_blocks.hpp): most blocks
+// The gathers of a scene of several materials that go by material (core/kernel_key.hpp): most blocks
 // hold particles of one material, and go through that one's kernel, gather and stress at once. The rest, blocks of
-// several and blocks with light nodes, is left to whoever has a gather without stress.
+// several and blocks with light nodes, is left to the engine's gather without stress.
 //
 // Blocks do not know of each other, so the kernels of a part run concurrently: what is of one material on streams of
 // lower priority than the rest, which is few blocks in most scenes, and several launches that wait for one another.
 
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "gpu/kernels/g2p/sort_blocks.hpp"
@@ -26,12 +25,12 @@ class MaterialGathers {
     using V = View<Real, Dim>;
 
     /// material_of: by body, on the device; it must outlive this. Not collective.
-    MaterialGathers(const Scene& scene, bool affine, const std::uint16_t* material_of);
+    MaterialGathers(const Scene& scene, const KernelKey& key, const std::uint16_t* material_of);
 
     /// Capacity for `own` blocks; parts: 1 if there is no boundary. Earlier lists are lost. stream: that of the steps.
     void open(std::size_t own, int parts, cudaStream_t stream);
-    /// Of how many thread blocks launches are from now on, by the lists that the device has told of last: any number is
-    /// right. Whether it is another than before.
+    /// Sets the thread blocks of later launches by the last known lengths of the lists: any number is right. Whether
+    /// one has changed.
     bool choose_grids();
 
     /// Sorts the chosen blocks of a part: 0 is the boundary, 1 the interior. concurrently: with what launch.stream gets
@@ -58,7 +57,7 @@ class MaterialGathers {
     int grid(int part, int list, const Launch& launch) const;
 
     const std::uint16_t* material_of_;
-    std::vector<std::unique_ptr<GatherKernel<Real, Dim>>> gather_;  ///< by material
+    std::vector<GatherKernel<Real, Dim>> gather_;  ///< by material
     PoolArray<std::int32_t> blocks_;
     Array<std::uint32_t> counts_;
     PoolArray<std::uint16_t> list_of_;

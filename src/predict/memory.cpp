@@ -5,8 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "comm/fused_blocks.hpp"
-#include "comm/fused_gather.hpp"
+#include "core/kernel_key.hpp"
 #include "comm/lead_rule.hpp"
 #include "core/block.hpp"
 #include "core/method.hpp"

@@ -182,7 +182,7 @@ template <class Real>
 std::vector<Layers> HazardMaps::resting(const Simulation<Real, 3>& sim, const PlanTiles& tiles,
                                         const PlanColumns& seen) {
     std::vector<Layers> mine(seen.all(), 0);
-    sim.find_layers(seen, mine);
+    sim.answer(LayerQuery{seen, mine});
     std::vector<Layers> all = tiles.add_up(mine, 1, [](Layers& to, Layers bits) { to |= bits; });
     for (std::size_t t = 0; t < tiles.owned().size(); ++t) {
         const Tile& tile = owned_tile(tiles.owned()[t]);
@@ -214,7 +214,7 @@ void HazardMaps::sample(const Simulation<Real, 3>& sim) {
     const std::vector<Layers> layers = resting(sim, tiles, seen);
     seen.resting = layers.data();
     std::vector<std::int64_t> sums(seen.all_sums(), 0);
-    const double v = std::sqrt(comm_.max(sim.sum_columns(seen, sums)));
+    const double v = std::sqrt(comm_.max(sim.answer(ColumnQuery{seen, sums}).square_speed));
     sums = tiles.add_up(sums, PlanColumns::sums, [](std::int64_t& to, std::int64_t sum) { to += sum; });
     const double time = sim.clock().time;
     take(time, tiles.owned(), sums);

@@ -34,7 +34,7 @@ LoadHeader load_header(const Simulation<Real, Dim>& sim) {
     h.trigger = static_cast<std::int32_t>(scene.balance.trigger);
     h.weighs_cost = scene.balance.weight == "cost" ? 1 : 0;
     h.threshold = scene.balance.threshold;
-    const bool on_host = sim.engine().device() == "cpu";
+    const bool on_host = sim.engine().device().name == "cpu";
     if (on_host) h.sleepers = static_cast<std::int32_t>(sleepers_recorded(scene));
     const CostModel& costs = on_host ? host_costs : device_costs;
     const MoveModel& moves = on_host ? host_moves : device_moves;

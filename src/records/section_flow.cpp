@@ -53,7 +53,7 @@ std::vector<SectionFlow::Moved> SectionFlow::near_particles(const Simulation<Rea
     const PlanLines lines{sim.plan_places(), segments_.data(), static_cast<int>(segments_.size()),
                           remembered * scene_.hazard.cell};
     std::vector<Moved> near;
-    for (const NearParticle& p : sim.particles_near(lines))
+    for (const NearParticle& p : sim.answer(LineQuery{lines, {}}).near)
         near.push_back({{p.id, {p.x[0], p.x[1]}}, p.volume, p.mass});
     std::sort(near.begin(), near.end(), [](const Moved& a, const Moved& b) { return a.now.id < b.now.id; });
     return near;

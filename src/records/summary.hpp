@@ -175,7 +175,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"scene", sim.scene().name},
         {"title", sim.scene().title},
         {"machine", processor_name(comm)},
-        {"device", sim.engine().device()},
+        {"device", sim.engine().device().name},
         {"precision", sizeof(Real) == 8 ? "double" : "single"},
         {"ranks", comm.size()},
         {"threads", omp_get_max_threads()},

@@ -55,7 +55,7 @@ TimeReport time_report(Simulation<Real, Dim>& sim, const Comm& comm, double wall
     report.imbalance = sim.counts().seconds_lost;
     const double exchange =
         mean(phases.seconds(Phase::halo) + phases.seconds(Phase::agree) + phases.seconds(Phase::migrate));
-    const bool on_device = sim.engine().device() != "cpu";  // there the host waits for the kernels in the exchange
+    const bool on_device = sim.engine().device().name != "cpu";  // there the host waits for the kernels in the exchange
     report.exchange = std::max(0.0, exchange - report.imbalance - (on_device ? report.computing : 0.0));
     report.balancing = mean(phases.seconds(Phase::balance));
     report.output = mean(phases.seconds(Phase::output));

@@ -41,9 +41,10 @@ struct TimeSeriesRow {
     double slept = 0;  ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
-    std::int64_t asleep = -1;                                        ///< particles; -1: none can in this scene
-    double over_filling = std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not known
-    std::optional<EnergyBudget> energy;                              ///< none: the scene does not want it
+    std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
+    double over_filling =
+        std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not observed
+    std::optional<EnergyBudget> energy;            ///< none: the scene does not want it
 
     static std::vector<std::string> columns(const Scene& scene) {
         std::vector<std::string> names{"step", "time_s", "dt_s", "particles", "mass_kg"};
@@ -141,10 +142,10 @@ template <class Real, int Dim>
 TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const Scene& scene = sim.scene();
     const RunClock<Dim>& clock = sim.clock();
-    const std::optional<NodeVolumes> volumes = sim.node_volumes();
+    const NodeVolumes volumes = sim.answer(VolumeQuery{}).volumes;
     const Census census = sim.engine().census();
-    const RowSums<Dim> all = comm.exact_sum(RowSums<Dim>{
-        share_totals(sim), sim.budget(), volumes.value_or(NodeVolumes{}), census.particles, census.asleep});
+    const RowSums<Dim> all =
+        comm.exact_sum(RowSums<Dim>{share_totals(sim), sim.budget(), volumes, census.particles, census.asleep});
     const Budget<Dim>& budget = all.budget;
     const auto value = [quantum = sim.quantum()](const ExactSum& sum) { return quantum.value(sum); };
     TimeSeriesRow<Dim> row;
@@ -153,7 +154,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.dt = clock.dt;
     row.totals = all.totals.value(sim.quantum());
     row.particles = all.particles;
-    if (volumes) row.over_filling = all.volumes.over_filling();
+    row.over_filling = all.volumes.over_filling();
     row.lost_particles = budget.lost_count;
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);

@@ -7,7 +7,7 @@
 //       - first round: dt, faults and requests of all ranks in one reduction that overlaps with P2G; it needs no dt
 //       - first round: what free structures felt in the last step moves them, by one exact sum
 //       - nodes: the tiles in fixed order, gravity, damping, walls, contact
-//       - G2P: velocity, position, strain and stress; who leaves its block
+//       - G2P: velocity, position, strain and stress; outgoing particles
 //   * outgoing particles are sent; the next step takes them in
 //   * time and structures go on by dt
 //
@@ -36,14 +36,13 @@ void Simulation<Real, Dim>::step() {
     bin();  // incoming particles of the last step; each block's list is binned by cell
     check_sleep();
     apply_body_force();
-    find_gaps();
-    engine_->sum_mean(method_.mean_of(clock_.step));
+    begin_sums();
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
-        phases_.time(Phase::p2g, [&] { engine_->sum_boundary(); });
+        phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::boundary); });
         if (first) start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
         phases_.time(Phase::halo, [&] { engine_->send_halo(); });
-        phases_.time(Phase::p2g, [&] { engine_->sum_interior(); });
+        phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::interior); });
         if (first) agree_on_dt();
         if (first && structures_.any_free()) agree_on_forces();  // what they felt: one exact sum
         if (first) structures_.begin_step(clock_.time, clock_.dt, forces_, quantum());
@@ -60,7 +59,7 @@ void Simulation<Real, Dim>::step() {
     ++clock_.step;
 }
 
-/// Whether a device makes this step by itself; begins to let it where nobody needs the particles for some steps.
+/// Whether a device makes this step by itself; lets it begin to where the particles are not read for some steps.
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::engine_leads() {
     bool leads = false;
@@ -76,11 +75,12 @@ bool Simulation<Real, Dim>::engine_leads() {
     LeadClock<Dim> clock{clock_.time, clock_.dt, {}, epoch_.in_guard_layer(), alone_until_step_ - clock_.step};
     std::copy_n(scene_.gravity.begin(), Dim, rule.gravity);
     std::copy_n(clock_.gravity_impulse.begin(), Dim, clock.gravity_impulse);
-    phases_.time(Phase::agree, [&] { leads = engine_->take_lead(rule, clock, scales()) && engine_->leads(); });
+    const LeadRequest<Dim> request{rule, clock, scales()};
+    phases_.time(Phase::agree, [&] { leads = engine_->leads(&request); });
     return leads;
 }
 
-/// A step that a device makes by itself: what it tells of the one before is agreed on as in any other.
+/// A step that a device makes by itself: the report of the step before is agreed on as in any other.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::follow() {
     const std::uint32_t asked = std::exchange(asked_, 0);  // for when the device stands still
@@ -98,20 +98,23 @@ void Simulation<Real, Dim>::follow() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::make_substeps() {
     Substep substep{0, substeps_, clock_.dt / substeps_};
-    phases_.time(Phase::nodes, [&] { engine_->find_cells(substep); });
+    const auto run = [&](SubstepStage stage) {
+        phases_.time(Phase::nodes, [&] { engine_->substep(stage, substep, scales()); });
+    };
+    run(SubstepStage::find_pressures);
     for (; substep.number < substep.count; ++substep.number) {
-        phases_.time(Phase::nodes, [&] { engine_->sum_boundary_cells(substep); });
+        run(SubstepStage::sum_boundary);
         phases_.time(Phase::halo, [&] { engine_->send_halo(); });
-        phases_.time(Phase::nodes, [&] { engine_->sum_interior_cells(substep); });
+        run(SubstepStage::sum_interior);
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
-        phases_.time(Phase::nodes, [&] { engine_->solve_substep(substep, scales()); });
+        run(SubstepStage::solve_nodes);
         ++counts_.exchanges;
     }
 }
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::bin() {
-    if (engine_->leads()) throw std::logic_error("somebody looks at particles that were to be left alone");
+    if (engine_->leads()) throw std::logic_error("particles are read while the device makes steps by itself");
     phases_.time(Phase::migrate, [&] { engine_->bin(); });
 }
 
@@ -142,13 +145,12 @@ void Simulation<Real, Dim>::check_sleep() {
 
 /// Structures stand where the last step left them.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::find_gaps() {
-    if (structures_.empty()) return;
-    structures_.place();
-    engine_->find_gaps(structures_);
+void Simulation<Real, Dim>::begin_sums() {
+    if (!structures_.empty()) structures_.place();
+    engine_->begin_sums(method_.mean_of(clock_.step), structures_.empty() ? nullptr : &structures_);
 }
 
-/// Takes what the last step tells into the budget and into what the next agreement must know.
+/// Adds the report of the last step to the budget and to this rank's part of the next agreement.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::record_step() {
     if (!report_pending_) return;
@@ -203,7 +205,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         clock_.dt = scene_.dt;
     else if (clock_.signal > 0)
         choose_step();
-    else if (clock_.dt == 0)  // nothing is there, nor was; once all have left, time goes on as before
+    else if (clock_.dt == 0)  // no particle yet; once all have left, dt stays
         clock_.dt = expects_supply() ? (1 + 1e-9) * (supply_.next() - clock_.time) : scene_.end - clock_.time;
     check_step();
     for (std::size_t a = 0; a < Dim; ++a) clock_.gravity_impulse[a] += scene_.gravity[a] * clock_.dt;
@@ -218,7 +220,7 @@ void Simulation<Real, Dim>::choose_step() {
     substeps_ = choice.substeps;
 }
 
-/// Free structures are moved alike on all ranks: by a sum that is the same whoever owns the nodes.
+/// Free structures move alike on all ranks: by a sum that does not depend on the owners of nodes.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::agree_on_forces() {
     phases_.time(Phase::agree, [&] {
@@ -263,7 +265,9 @@ std::pair<const char*, const char*> message_of(std::uint32_t faults) {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::report_faults() const {
-    const std::vector<FaultRecord<Dim>> all = comm_.all_gather(engine_->fault_records());
+    FaultQuery<Dim> query;
+    engine_->answer(&query);
+    const std::vector<FaultRecord<Dim>> all = comm_.all_gather(query.found);
     const FaultRecord<Dim>& first =
         *std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     const auto [what, advice] = message_of(first.faults);

@@ -1,7 +1,7 @@
 #pragma once
 // The simulation: one rank's part of a run. THE STEP is the first function of simulation.cpp.
 //
-// Between steps the share of a rank is told by its lists; output, checkpoints and balancing read it only in the binned
+// Between steps a rank's share is what its lists name; output, checkpoints and balancing read it only in the binned
 // state (diagnostics.hpp), and never change dt or the answer.
 
 #include <functional>
@@ -55,18 +55,17 @@ class Simulation {
     void restore(const std::vector<Key>& keys, const std::vector<std::int64_t>& counts, const RunClock<Dim>& clock,
                  const Budget<Dim>& budget, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
 
-    /// Nobody looks at the particles before the first step at or past this time, nor before that step: until then a
-    /// device may lead (comm/lead_rule.hpp), and go on to steps that the clock has not come to. Without it none does.
+    /// Promises that the particles are not read before the first step at or past `time`, nor before `step`. Until then
+    /// a device may make steps by itself (comm/lead_rule.hpp), ahead of the clock; without the promise it does not.
     void leave_alone_until(double time, std::int64_t step) { alone_until_ = time, alone_until_step_ = step; }
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
-    /// Who is due comes in; an imbalance check if one is due now, and a new epoch if the old one is used up.
+    /// Particles of a supply come in; an imbalance check if one is due now, and a new epoch if the old one is used up.
     /// Collective.
     void balance();
 
     /// Brings the share into the binned state. Collective.
-    void make_substeps();
     void bin();
     /// Bins, adds up, and throws PhysicsError if the last step went wrong. Collective.
     void conclude();
@@ -116,41 +115,39 @@ class Simulation {
     }
     /// The columns of its particles, without rows.
     std::vector<ColumnBytes> columns() const { return Particles<Host, Real, Dim>(method_.needs).columns(); }
-    /// Volumes at the nodes that this rank counts, as in comm/engine.hpp. Binned state only. Collective.
-    std::optional<NodeVolumes> node_volumes() { return engine_->node_volumes(); }
+    /// Answers a question about this rank's particles (comm/engine_query.hpp). Binned state only.
+    template <class Query>
+    Query answer(Query query) const {
+        engine_->answer(&query);
+        return query;
+    }
     /// Occupied blocks of this rank. Binned state only. Not collective.
     BlockCounts block_counts() const { return engine_->block_counts(false); }
-    /// For maps and sections, as in comm/engine.hpp. Binned state only.
-    void find_layers(const PlanColumns& columns, std::vector<Layers>& layers) const {
-        engine_->find_layers(columns, layers);
-    }
-    double sum_columns(const PlanColumns& columns, std::vector<std::int64_t>& sums) const {
-        return engine_->sum_columns(columns, sums);
-    }
-    std::vector<NearParticle> particles_near(const PlanLines& lines) const { return engine_->particles_near(lines); }
     PlanPlaces plan_places() const {
         return {{scene_.min[0], scene_.min[1], scene_.min[2]}, scene_.cell, method_.stencil.offset()};
     }
-    /// Of all ranks and who holds them, in key order; bins the particles first. Collective.
+    /// Of all ranks, with their owners, in key order; bins the particles first. Collective.
     std::vector<BlockLoad> block_loads();
 
   private:
     // simulation.cpp: the parts of a step
     bool engine_leads();
     void follow();
+    void make_substeps();
     void start_agreement();
     void record_step();
     void agree_on_dt();
     void choose_step();
+    void make_substeps();
     void check_step();
     void report_faults() const;
     void agree_on_forces();
     void apply_body_force();
     void check_sleep();
-    void find_gaps();
+    void begin_sums();
     StepScales<Dim> scales() const;
 
-    // simulation_epoch.cpp: who owns which block, and for how long that is known to all
+    // simulation_epoch.cpp: owners of blocks, and how long an epoch lasts
     EpochTables<Dim> counted(EpochTables<Dim> tables);
     EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
     void begin_epoch(const BinnedBlocks& binned);
@@ -158,7 +155,7 @@ class Simulation {
     void start_next_epoch();
     void renew_epoch();
     void synchronize();
-    bool must_synchronize() const { return !(async_ && engine_->leaves_host_free()); }
+    bool must_synchronize() const { return !(async_ && engine_->device().leaves_host_free); }
     void begin_check();
     void continue_check(bool now);
     void repartition(EpochTables<Dim> tables);
@@ -196,11 +193,11 @@ class Simulation {
     EpochLifetime epoch_;
     NextEpoch<Dim> next_epoch_;
     Rebalance<Dim> rebalance_;
-    AsyncAllgather<Key> keys_;  ///< occupied blocks of all ranks, that the next epoch is made from
-    std::int64_t most_ = Engine<Real, Dim>::unlimited;  ///< particles that this rank has memory for
-    bool in_place_ = false;                             ///< lattices are seeded by the engine
-    bool async_ = false;                                ///< epochs are made asynchronously
-    double computed_ = 0;                               ///< computing time up to the last step [s]
+    AsyncAllgather<Key> keys_;                 ///< occupied blocks of all ranks, that the next epoch is made from
+    std::int64_t most_ = unlimited_particles;  ///< particles that this rank has memory for
+    bool in_place_ = false;                    ///< lattices are seeded by the engine
+    bool async_ = false;                       ///< epochs are made asynchronously
+    double computed_ = 0;                      ///< computing time up to the last step [s]
     std::uint32_t asked_ = 0;
     bool writing_ = false;
     double alone_until_ = -1;  ///< [s]

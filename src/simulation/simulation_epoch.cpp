@@ -1,4 +1,4 @@
-// Between steps: who owns which block, and for how long that is known to all. A plan is rebalance.hpp's, what blocks
+// Between steps: the owners of blocks, and how long an epoch lasts. A plan is rebalance.hpp's, what blocks
 // weigh measured_loads.hpp's, how long an epoch holds comm/epoch_lifetime.hpp's.
 
 #include <algorithm>
@@ -65,7 +65,7 @@ EpochTables<Dim> Simulation<Real, Dim>::next_epoch(const std::vector<BlockLoad>&
 /// With particles that were put into the host's share.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_epoch(const BinnedBlocks& binned) {
-    engine_->adopt(counted(next_epoch(loads_.gather(counts_of(patch(), binned, false)))), binned);
+    engine_->begin_epoch(counted(next_epoch(loads_.gather(counts_of(patch(), binned, false)))), HostShare{binned});
     engine_->refresh_memory(false);
 }
 
@@ -90,7 +90,7 @@ void Simulation<Real, Dim>::start_next_epoch() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::renew_epoch() {
     if (std::optional<EpochTables<Dim>> tables = next_epoch_.take()) {
-        engine_->renew(counted(std::move(*tables)));
+        engine_->begin_epoch(counted(std::move(*tables)), KeptBlocks{});
         ++counts_.epochs;
     }
     epoch_.begin_made_ahead();
@@ -115,7 +115,7 @@ void Simulation<Real, Dim>::begin_check() {
     phases_.time(Phase::balance, [&] {
         const BlockCounts mine = engine_->block_counts(loads_.weighs_cells());
         loads_.refine(mine, clock_.step, phases_.computing());
-        const std::int64_t most = -comm_.max(-std::min(most_, engine_->capacity()));
+        const std::int64_t most = -comm_.max(-std::min(most_, mine.capacity));
         ImbalanceCheckInput input{{}, clock_.round, most, loads_.unit()};
         loads_.take_times(clock_.step, input.times);
         keys_.finish();  // what would have been the next epoch
@@ -142,7 +142,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::repartition(EpochTables<Dim> tables) {
     const auto start = std::chrono::steady_clock::now();
     const std::vector<std::int32_t> of_mine = next_epoch_.owners_of(engine_->block_counts(false).key);
-    const BlockMoveCount moved = engine_->repartition(counted(std::move(tables)), of_mine);
+    const BlockMoveCount moved = engine_->begin_epoch(counted(std::move(tables)), MovedBlocks{of_mine});
     engine_->refresh_memory(false);
     epoch_.begin_made_ahead();
     counts_.migrated_particles += moved.particles;

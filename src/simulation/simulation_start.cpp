@@ -108,7 +108,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
-    in_place_ = engine_->leaves_host_free();
+    in_place_ = engine_->device().leaves_host_free;
     make_epochs_async(in_place_);
 }
 
@@ -151,7 +151,7 @@ void Simulation<Real, Dim>::seed_lattice() {
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     for (std::size_t b = 0; b < loads.size(); ++b) loads[b].owner = owners[b];
-    engine_->adopt(next_epoch(loads), lattice);
+    engine_->begin_epoch(next_epoch(loads), LatticeShare<Real, Dim>{lattice});
 }
 
 template <class Real, int Dim>

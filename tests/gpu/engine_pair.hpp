@@ -73,7 +73,7 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
     std::vector<double> over_filling;
     const auto observe = [&] {
         sim.conclude();
-        over_filling.push_back(comm.exact_sum(sim.node_volumes().value()).over_filling());
+        over_filling.push_back(comm.exact_sum(sim.answer(VolumeQuery{}).volumes).over_filling());
     };
     for (int k = 0; k < steps; ++k) {
         if (k > 0 && k % 20 == 0) observe();

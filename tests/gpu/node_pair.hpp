@@ -10,8 +10,10 @@
 #include "core/particle_depth.hpp"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/gaps/gaps.hpp"
+#include "gpu/kernels/nodes/device_structures.hpp"
 #include "gpu/kernels/nodes/near_blocks.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/programs.hpp"
 
 namespace moraine::test {
 
@@ -151,8 +153,10 @@ class NodePair {
             counts_of_marked.assign(std::vector<std::uint32_t>(gpu::light_counts, 7));
             light = {marks.data(), light_mass, counts_of_marked.data()};
         }
-        gpu::solve_nodes(device.view, sample.method.stencil, round, quantum, light, nullptr,
-                         structures ? &contact : nullptr);
+        KernelKey key = gpu::device_kernel_key<Real, Dim>(sample.scene);
+        key.structures = structures != nullptr;
+        gpu::Nodes<Real, Dim>(key).solve(device.view, sample.method.stencil, round, quantum, light, nullptr,
+                                         structures ? &contact : nullptr);
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
         felt_on_device = there.take();

@@ -209,8 +209,9 @@ void time_nodes(double damping) {
     view.context.walls = make_walls<Real, dim>(scene);
     view.accounts = accounts.data();
     const auto round = round_of<Real, dim>(NodeTask::solve, damping);
+    gpu::Nodes<Real, dim> nodes_kernel(gpu::device_kernel_key<Real, dim>(scene));
     const double ms = test::median_ms(
-        20, [] {}, [&] { gpu::solve_nodes(view, stencil, round, Quantum::for_largest(1e9), {}, nullptr); });
+        20, [] {}, [&] { nodes_kernel.solve(view, stencil, round, Quantum::for_largest(1e9), {}, nullptr); });
     std::printf("nodes %s, damping %.1f: %zu blocks, %zu node blocks, %.4f ms\n",
                 sizeof(Real) == 4 ? "single" : "double", damping, e.own.size(), numbers.size(), ms);
 }

@@ -7,6 +7,7 @@
 #include "gpu/dense_box.cuh"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/p2g/p2g.hpp"
+#include "gpu/kernels/programs.hpp"
 #include "gpu/overfull_cells.hpp"
 
 using namespace moraine;
@@ -46,8 +47,8 @@ void each_method(const F& f) {
 template <class Real, int Dim>
 std::vector<Quad<Real>> tiles_of(Sample<Real, Dim>& sample, int grid_blocks) {
     const DeviceSample<Real, Dim> device(sample);
-    const auto run = gpu::choose_p2g<Real, Dim>(sample.scene.shape, sample.method.needs.affine);
-    run(device.view, device.chosen, grid_blocks, sample.method.cell, nullptr);
+    const gpu::P2g<Real, Dim> run(gpu::device_kernel_key<Real, Dim>(sample.scene), false);
+    run(device.view, device.chosen, grid_blocks, {sample.method.cell, false, false}, nullptr);
     gpu::check(cudaDeviceSynchronize(), "Particle to grid");
     return device.tiles();
 }
@@ -115,8 +116,8 @@ std::map<Node<Dim>, double> sums_of_mean(Sample<Real, Dim>& sample, const Tiles&
 template <class Real, int Dim>
 double difference_of_means(Sample<Real, Dim>& sample, NodeMean mean) {
     const DeviceSample<Real, Dim> device(sample);
-    gpu::choose_p2g_mean<Real, Dim>(sample.scene.shape, sample.method.needs.affine)(
-        device.view, device.chosen, 5, {sample.method.cell, mean == NodeMean::volume}, nullptr);
+    const gpu::P2g<Real, Dim> run(gpu::device_kernel_key<Real, Dim>(sample.scene), true);
+    run(device.view, device.chosen, 5, {sample.method.cell, mean == NodeMean::volume, false}, nullptr);
     gpu::check(cudaDeviceSynchronize(), "Particle to grid");
     const std::vector<Quad<Real>> tiles = device.tiles();
     auto call = sample.call();
@@ -199,8 +200,8 @@ TEST_CASE_TEMPLATE("blocks that are not chosen keep their tiles", C, EVERY_CASE)
     gpu::Array<std::int32_t> block;
     gpu::Array<std::uint32_t> count;
     block.assign(some), count.assign({3});
-    const auto run = gpu::choose_p2g<Real, C::dim>(sample.scene.shape, false);
-    run(device.view, {block.data(), count.data()}, 2, sample.method.cell, nullptr);
+    const gpu::P2g<Real, C::dim> run(gpu::device_kernel_key<Real, C::dim>(sample.scene), false);
+    run(device.view, {block.data(), count.data()}, 2, {sample.method.cell, false, false}, nullptr);
     const std::vector<Quad<Real>> all = tiles_of(sample, 4), found = device.tiles();
     const auto nodes = std::size_t(2 * power<C::dim>(tile_side(3)));
     for (std::int32_t b : occupied) {
@@ -244,9 +245,13 @@ void time_shapes(int bits) {
         test::DenseBox<Real, Dim> box(bits, stencil_of(shape).width);
         if (shape == Shape::gimp) box.view.p.log_stretch = nullptr;
         for (bool affine : {false, true}) {
-            const auto run = gpu::choose_p2g<Real, Dim>(shape, affine);
+            KernelKey key{};
+            key.real = sizeof(Real) == 4 ? Precision::single_ : Precision::double_;
+            key.dimension = Dim, key.shape = shape, key.affine = affine;
+            const gpu::P2g<Real, Dim> run(key, false);
+            const gpu::MeanScale<Real> scale{Real(0.5), false, false};
             const double ms =
-                median_ms([&] { run(box.view, box.chosen, gpu::p2g_grid<Dim>(box.blocks), Real(0.5), nullptr); });
+                median_ms([&] { run(box.view, box.chosen, gpu::p2g_grid<Dim>(box.blocks), scale, nullptr); });
             std::printf("%d-D %s %-15s %s %.3f ms %7.2f G particles/s\n", Dim, sizeof(Real) == 4 ? "single" : "double",
                         name, affine ? "affine" : "FLIP  ", ms, box.particles / ms * 1e-6);
         }

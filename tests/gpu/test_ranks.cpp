@@ -40,7 +40,7 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
     return {state_hash(sim, true),
             {sum_of(sim, l.work), sum_of(sim, l.impulse[0]), sum_of(sim, l.impulse[1]), sum_of(sim, l.lost_mass),
              sum_of(sim, l.lost_momentum[0]), lost},
-            comm.exact_sum(sim.node_volumes().value()).over_filling(),
+            comm.exact_sum(sim.answer(VolumeQuery{}).volumes).over_filling(),
             counts};
 }
 

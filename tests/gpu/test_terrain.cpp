@@ -147,12 +147,13 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         std::vector<std::int32_t> tiles;
         PlanColumns columns = columns_of(*device, side, tiles);
         std::vector<std::int64_t> of_host(columns.all_sums(), 0), of_device(columns.all_sums(), 0);
-        CHECK(host->sum_columns(columns, of_host) == device->sum_columns(columns, of_device));
+        CHECK(host->answer(ColumnQuery{columns, of_host}).square_speed ==
+              device->answer(ColumnQuery{columns, of_device}).square_speed);
         CHECK(of_host == of_device);
         advance(*device, 60);
         std::fill(of_device.begin(), of_device.end(), 0);
         double fastest = 0;
-        const double told = device->sum_columns(columns, of_device);
+        const double told = device->answer(ColumnQuery{columns, of_device}).square_speed;
         CHECK(of_device == plain_sums(*device, columns, fastest));
         CHECK(told == fastest);
 
@@ -160,7 +161,7 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         for (std::size_t k = 0; k < floor.size(); ++k) floor[k] = 0.5 + 0.003 * static_cast<double>(k % 50);
         columns.floor = floor.data();
         std::vector<Layers> layers(columns.all(), 0), plain(columns.all(), 0);
-        device->find_layers(columns, layers);
+        device->answer(LayerQuery{columns, layers});
         each_particle(*device, [&](std::uint32_t, const std::array<double, 3>& x) {
             const std::size_t column = columns.column(columns.along(0, x[0]), columns.along(1, x[1]));
             plain[column] |= columns.layer(column, x[2]);
@@ -169,7 +170,7 @@ TEST_CASE("sums of a map's columns are those of a plain loop, to the last whole 
         for (Layers& l : layers) l &= 0x55;
         columns.resting = layers.data();
         std::fill(of_device.begin(), of_device.end(), 0);
-        CHECK(device->sum_columns(columns, of_device) == told);
+        CHECK(device->answer(ColumnQuery{columns, of_device}).square_speed == told);
         CHECK(of_device == plain_sums(*device, columns, fastest));
     }
 }
@@ -182,7 +183,8 @@ TEST_CASE("particles near lines are those of the host, also where they are more 
     const PlanSegment segments[] = {{{0.5, 0}, {0.9, 1.2}}, {{0.9, 1.2}, {1.2, 0.1}}};
     const auto by_id = [](const NearParticle& a, const NearParticle& b) { return a.id < b.id; };
     const PlanLines lines{host->plan_places(), segments, 2, 0.15};
-    std::vector<NearParticle> a = host->particles_near(lines), b = device->particles_near(lines);
+    std::vector<NearParticle> a = host->answer(LineQuery{lines, {}}).near;
+    std::vector<NearParticle> b = device->answer(LineQuery{lines, {}}).near;
     std::sort(a.begin(), a.end(), by_id), std::sort(b.begin(), b.end(), by_id);
     CHECK(a.size() > 300);
     CHECK(a.size() < static_cast<std::size_t>(host->engine().census().particles));

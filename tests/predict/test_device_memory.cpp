@@ -4,8 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "comm/fused_blocks.hpp"
-#include "comm/fused_gather.hpp"
+#include "core/kernel_key.hpp"
 #include "core/material/laws.hpp"
 #include "core/shape.hpp"
 #include "predict/prediction.hpp"
@@ -15,7 +14,7 @@ using namespace moraine;
 namespace {
 
 struct Measured {
-    const char* name;                 ///< of the case in benchmarks/device/results.jsonl
+    const char* name;                 ///< of the case in benchmarks/device/results.md
     double edge, height;              ///< of the body [cells]
     double single, double_precision;  ///< [bytes per particle]
     Shape shape = Shape::quadratic;

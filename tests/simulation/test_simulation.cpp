@@ -378,7 +378,7 @@ TEST_CASE("over-filling is the same on any number of ranks") {
         for (int n = 0; n < 30; ++n) sim.step(), sim.balance();
         sim.conclude();
         const std::uint64_t before = state_hash(sim, true);
-        const NodeVolumes all = on.exact_sum(*sim.node_volumes());
+        const NodeVolumes all = on.exact_sum(sim.answer(VolumeQuery{}).volumes);
         CHECK(state_hash(sim, true) == before);
         sim.step();
         sim.conclude();

@@ -149,7 +149,7 @@ TEST_CASE("where ranks cannot hold what would even out the load, each holds what
     scene.balance.interval = 17;
     const std::int64_t mean = (1236 + comm.size() - 1) / comm.size();
     std::int64_t fullest = 0;  // of any rank after any repartition, with as much memory as anyone wants
-    for (const std::int64_t most : {Engine<double, 2>::unlimited, mean + 64}) {
+    for (const std::int64_t most : {unlimited_particles, mean + 64}) {
         CAPTURE(most);
         Simulation<double, 2> sim(scene, comm);
         sim.hold_at_most(most);
@@ -163,7 +163,7 @@ TEST_CASE("where ranks cannot hold what would even out the load, each holds what
         }
         sim.conclude();
         CHECK(state_hash(sim, true) == alone.lists);
-        if (most == Engine<double, 2>::unlimited) fullest = now;
+        if (most == unlimited_particles) fullest = now;
         if (comm.size() == 1) continue;
         CHECK(made > 5);
         CHECK(now <= most);

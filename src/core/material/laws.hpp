@@ -12,21 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/material/drucker_prager.hpp"
-#include "core/material/herschel_bulkley.hpp"
-#include "core/material/linear_elastic.hpp"
-#include "core/material/modified_cam_clay.hpp"
-#include "core/material/mu_i.hpp"
-#include "core/material/neo_hookean.hpp"
-#include "core/material/tresca.hpp"
-#include "core/material/von_mises.hpp"
+#include "core/material/law_list.hpp"
 
 namespace moraine {
-
-template <template <class> class... Law>
-struct LawList {};
-
-using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay>;
 
 inline constexpr int max_parameters = 16;
 

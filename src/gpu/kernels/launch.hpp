@@ -18,4 +18,11 @@ inline int few_blocks(int blocks) {
     return blocks < 1056 ? blocks : 1056;
 }
 
+/// Thread blocks for about so many blocks of particles, by the teams of gpu/kernels/team.cuh.
+template <int Dim>
+unsigned team_grid(int blocks) {
+    constexpr int teams = Dim == 3 ? 1 : 4;
+    return blocks > teams ? static_cast<unsigned>((blocks + teams - 1) / teams) : 1;
+}
+
 }  // namespace moraine::gpu

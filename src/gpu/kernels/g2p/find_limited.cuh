@@ -7,13 +7,13 @@
 //                 one
 // Nothing is read of other blocks but their marks.
 
-#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/light.cuh"
-#include "gpu/kernels/launch.cuh"
 #include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/warp.cuh"
 
 namespace moraine::gpu {
+
+inline constexpr int list_marked_threads = 128;
 
 template <class Real, int Dim>
 __global__ void list_marked(const __grid_constant__ View<Real, Dim> v, const Chosen chosen, const LightArgs<Real> light,
@@ -117,33 +117,6 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, sizeof(Real) == 8 ? 
             blocks[atomicAdd(found, 1u)] = block;
         }
         T::sync();
-    }
-}
-
-template <class Shape, class Real, int Dim>
-void run_find_limited(const View<Real, Dim>& view, const Chosen& chosen, const GatherArgs<Real, Dim>& args,
-                      const LimitedBlocks& found, const Launch& launch) {
-    constexpr int threads = 128;
-    list_marked<Real, Dim>
-        <<<static_cast<unsigned>(few_blocks(launch.blocks / threads + 1)), threads, 0, launch.stream>>>(
-            view, chosen, args.light, found.marked, found.count + LimitedBlocks::of_marked);
-    find_limited<Shape, Real, Dim><<<static_cast<unsigned>(few_blocks(launch.blocks / Team<Dim>::per_block + 1)),
-                                     Team<Dim>::block_threads, 0, launch.stream>>>(
-        view, {found.marked, found.count + LimitedBlocks::of_marked}, args, found.limited, found.count);
-    check(cudaGetLastError(), "Looking for light nodes");
-}
-
-template <class Real, int Dim>
-FindLimited<Real, Dim> choose_find_limited(moraine::Shape shape) {
-    switch (shape) {
-        case moraine::Shape::linear:
-            return nullptr;  // never limited (core/method.hpp)
-        case moraine::Shape::quadratic:
-            return run_find_limited<Quadratic, Real, Dim>;
-        case moraine::Shape::cubic:
-            return run_find_limited<Cubic, Real, Dim>;
-        default:
-            return run_find_limited<Gimp, Real, Dim>;
     }
 }
 

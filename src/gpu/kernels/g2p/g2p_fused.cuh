@@ -6,14 +6,11 @@
 // many. So are those of blocks with light nodes (light.cuh), which ask at run time whether means are wanted.
 
 #include "gpu/kernels/g2p/fluid.cuh"
-#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/g2p/gather_affine.cuh"
 #include "gpu/kernels/g2p/light.cuh"
-#include "gpu/kernels/g2p/plain_law.cuh"
 #include "gpu/kernels/g2p/stress_particle.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
-#include "gpu/kernels/launch.cuh"
 
 namespace moraine::gpu {
 
@@ -205,56 +202,6 @@ constexpr int fused_blocks() {
     if (sizeof(Real) == 8) return blocks.double_fused;
     if (Affine) return Averages ? blocks.affine_averaged : blocks.affine;
     return Averages ? blocks.averaged : blocks.plain;
-}
-
-template <class Real, int Dim, class Shape, class Law, bool Affine, bool Averages, FluidGrid Fluid = FluidGrid::none>
-class FusedKernel final : public GatherKernel<Real, Dim> {
-  public:
-    FusedKernel(const Law& law, double density)
-        : law_(law),
-          inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(make<Averages, false>()),
-          limited_(make<Fluid == FluidGrid::none, Shape::width != 2>()) {}  // of hats nothing is limited
-
-    void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
-             const Launch& launch) const override {
-        kernel_(launch, view, chosen, args, law_, inverse_density_);
-    }
-    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
-                     const Launch& launch) const override {
-        limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args, law_, inverse_density_);
-    }
-
-  private:
-    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgsOf<Real, Dim, Fluid>, Law, Real>;
-    template <bool Mean, bool Light>
-    static Kernel make() {
-        return {g2p_fused<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid,
-                          fused_blocks<Real, Law, Affine, Mean, Light, Fluid>()>,
-                sizeof(typename FusedGather<Real, Dim, Shape, Law, Affine, Mean, Light, Fluid>::Shared),
-                "Launching the gather with stress"};
-    }
-
-    Law law_;
-    Real inverse_density_;
-    Kernel kernel_, limited_;
-};
-
-template <class Real, int Dim, class Shape, bool Affine, class Law>
-std::unique_ptr<GatherKernel<Real, Dim>> fused_kernel(const Law& law, const MaterialSpec& material) {
-    if (material.volumetric == Volumetric::cell)
-        return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, true>>(law, material.density);
-    return std::make_unique<FusedKernel<Real, Dim, Shape, Law, Affine, false>>(law, material.density);
-}
-
-template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_fused_gather(const MaterialSpec& material, moraine::Shape shape,
-                                                           bool affine) {
-    return with_kernel_law<Real>(material, [&](const auto& law) {
-        if (affine) return fused_kernel<Real, Dim, Quadratic, true>(law, material);
-        return shape == moraine::Shape::linear ? fused_kernel<Real, Dim, Linear, false>(law, material)
-                                               : fused_kernel<Real, Dim, Quadratic, false>(law, material);
-    });
 }
 
 }  // namespace moraine::gpu

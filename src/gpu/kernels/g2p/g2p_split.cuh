@@ -4,11 +4,9 @@
 // dL goes to a buffer by list entry, component by component: written and read in full lines, and free of the order in
 // which particles lie in memory.
 
-#include "gpu/kernels/g2p/find_limited.cuh"
 #include "gpu/kernels/g2p/fluid.cuh"
-#include "gpu/kernels/g2p/g2p.hpp"
+#include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
-#include "gpu/kernels/launch.cuh"
 
 namespace moraine::gpu {
 
@@ -269,60 +267,6 @@ constexpr int split_blocks() {
     constexpr bool large = Shape::sized || Shape::width > 3;
     if (sizeof(Real) == 8) return Affine || ((Averages || Fluid) && large) ? 2 : 3;
     return 5 - (large || (Fluid && !Affine) ? 1 : 0) - (Affine ? 1 : 0);
-}
-
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, FluidGrid Fluid = FluidGrid::none>
-class SplitKernel final : public GatherKernel<Real, Dim> {
-  public:
-    SplitKernel()
-        : kernel_(make<Averages, false>()),
-          limited_(make<(Averages || Fluid == FluidGrid::none), Shape::width != 2>()) {}
-
-    void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
-             const Launch& launch) const override {
-        kernel_(launch, view, chosen, args);
-    }
-    void run_limited(const View<Real, Dim>& view, const Chosen& limited, const FluidGatherArgs<Real, Dim>& args,
-                     const Launch& launch) const override {
-        limited_({few_blocks(launch.blocks), launch.stream}, view, limited, args);
-    }
-
-  private:
-    using Kernel = TeamKernel<Dim, View<Real, Dim>, Chosen, GatherArgsOf<Real, Dim, Fluid>>;
-    template <bool Mean, bool Light>
-    static Kernel make() {
-        return {g2p_split<Real, Dim, Shape, Affine, Mean, Light, Fluid,
-                          split_blocks<Real, Shape, Affine, Mean, Light, Fluid>()>,
-                sizeof(typename SplitGather<Real, Dim, Shape, Affine, Mean, Light, Fluid>::Shared),
-                "Launching the gather"};
-    }
-
-    Kernel kernel_, limited_;
-};
-
-template <class Real, int Dim, class Shape, bool Affine>
-std::unique_ptr<GatherKernel<Real, Dim>> split_kernel(bool averages) {
-    if (averages) return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, true>>();
-    return std::make_unique<SplitKernel<Real, Dim, Shape, Affine, false>>();
-}
-
-template <class Real, int Dim, class Shape>
-std::unique_ptr<GatherKernel<Real, Dim>> split_gather(bool affine, bool averages) {
-    return affine ? split_kernel<Real, Dim, Shape, true>(averages) : split_kernel<Real, Dim, Shape, false>(averages);
-}
-
-template <class Real, int Dim>
-std::unique_ptr<GatherKernel<Real, Dim>> make_gather(moraine::Shape shape, bool affine, bool averages) {
-    switch (shape) {
-        case moraine::Shape::linear:
-            return split_gather<Real, Dim, Linear>(affine, averages);
-        case moraine::Shape::quadratic:
-            return split_gather<Real, Dim, Quadratic>(affine, averages);
-        case moraine::Shape::cubic:
-            return split_gather<Real, Dim, Cubic>(affine, averages);
-        default:
-            return split_gather<Real, Dim, Gimp>(affine, averages);
-    }
 }
 
 }  // namespace moraine::gpu

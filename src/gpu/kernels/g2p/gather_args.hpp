@@ -10,6 +10,7 @@
 #include "core/particle_update.hpp"
 #include "core/place_step.hpp"
 #include "core/pressure_smoothing.hpp"
+#include "core/scene_choices.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
@@ -39,11 +40,6 @@ struct GatherArgs {
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
     std::uint64_t gradient_stride;  ///< list entries between components
 };
-
-/// What fluids take from the grid besides their motion, as kernels are compiled for it: nothing; the means of nodes
-/// (core/pressure_smoothing.hpp, core/particle_shifting.hpp); these, and the pressure of cells
-/// (core/grid_pressure.hpp).
-enum class FluidGrid { none, means, pressure };
 
 template <class Real>
 struct FluidArgs {

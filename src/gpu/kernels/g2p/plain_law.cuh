@@ -1,13 +1,9 @@
 #pragma once
 // Laws as kernels see them: clay without rate effect and softening has kernels of its own, in which nothing asks for
 // either. A branch per particle and the registers of what lies behind it cost 1.7 % of a step in single precision
-// (benchmarks/neutrality/results.md).
+// (docs/adr/0004-device-kernels.md).
 
-#include <type_traits>
-#include <utility>
-
-#include "core/material/laws.hpp"
-#include "core/scene_spec.hpp"
+#include "core/material/law_list.hpp"
 
 namespace moraine::gpu {
 
@@ -31,16 +27,5 @@ struct Plain : Law {
         plain.update(step, state);
     }
 };
-
-/// f(law): with the law of the material, as its kernels see it.
-template <class Real, class F>
-auto with_kernel_law(const MaterialSpec& material, F&& f) {
-    return with_law<Real>(material.law, material.parameters.data(), [&](const auto& law) {
-        using Law = std::decay_t<decltype(law)>;
-        if constexpr (Undrained<Law>)
-            if (!law.strength.depends_on_rate && !law.strength.softens) return f(Plain<Law>(law));
-        return f(law);
-    });
-}
 
 }  // namespace moraine::gpu

@@ -1,6 +1,7 @@
 #include "gpu/kernels/g2p/sort_blocks.hpp"
-#include "gpu/kernels/launch.cuh"
+#include "gpu/kernels/launch.hpp"
 #include "gpu/kernels/warp.cuh"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 

@@ -3,11 +3,8 @@
 //
 // Work is summed over the block's own particles of this material in a fixed tree, then rounded once.
 
-#include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/g2p/g2p_particle.cuh"
-#include "gpu/kernels/g2p/plain_law.cuh"
 #include "gpu/kernels/g2p/stress_particle.cuh"
-#include "gpu/kernels/launch.cuh"
 
 namespace moraine::gpu {
 
@@ -86,33 +83,5 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 template <class Real, class Law>
 inline constexpr int stress_blocks = sizeof(Real) == 4 ? device_blocks_of<Law>().split
                                                        : device_blocks_of<Law>().double_split;
-
-template <class Real, int Dim, class Law>
-class StressKernelOf final : public StressKernel<Real, Dim> {
-  public:
-    StressKernelOf(const Law& law, double density)
-        : law_(law),
-          inverse_density_(static_cast<Real>(1 / density)),
-          kernel_(update_stresses<Real, Dim, Law, stress_blocks<Real, Law>>, sizeof(StressShared<Real, Dim, Law>),
-                  "Launching the stress update") {}
-
-    void run(const View<Real, Dim>& view, const Chosen& chosen, const StressArgs<Real, Dim>& args,
-             const Launch& launch) const override {
-        kernel_(launch, view, chosen, args, law_, inverse_density_);
-    }
-
-  private:
-    Law law_;
-    Real inverse_density_;
-    TeamKernel<Dim, View<Real, Dim>, Chosen, StressArgs<Real, Dim>, Law, Real> kernel_;
-};
-
-template <class Real, int Dim>
-std::unique_ptr<StressKernel<Real, Dim>> make_stress(const MaterialSpec& material) {
-    return with_kernel_law<Real>(material, [&](const auto& law) -> std::unique_ptr<StressKernel<Real, Dim>> {
-        using Law = std::decay_t<decltype(law)>;
-        return std::make_unique<StressKernelOf<Real, Dim, Law>>(law, material.density);
-    });
-}
 
 }  // namespace moraine::gpu

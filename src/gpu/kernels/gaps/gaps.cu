@@ -1,6 +1,6 @@
 #include "core/particle_depth.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
-#include "gpu/kernels/nodes/nodes.hpp"
+#include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/seen.cuh"
 
 namespace moraine::gpu {

@@ -22,9 +22,9 @@ __device__ bool decide_next(LeadState<Dim>& state) {
     return on;
 }
 
-/// By one lane, for the host.
+/// Writes an entry for the host; one lane.
 template <int Dim>
-__device__ void tell(LeadState<Dim>& state) {
+__device__ void write_entry(LeadState<Dim>& state) {
     LeadEntry<Dim>& entry = state.entries[state.number++ % lead_entries];
     entry.report = state.report;
     entry.dt = state.clock.dt;
@@ -63,7 +63,7 @@ __global__ void __launch_bounds__(32) decide_kernel(const __grid_constant__ Repo
     else
         for (int i = lane_id(); i < behind.nodes; i += 32) cudaGraphKernelNodeSetEnabled(behind.node[i], false);
     __syncwarp();
-    if (!over && lane_id() == 0) tell(*state);
+    if (!over && lane_id() == 0) write_entry(*state);
 }
 
 template <int Dim>

@@ -1,5 +1,5 @@
 #pragma once
-// The kernel that makes dt on the device, and tells the kernels behind it.
+// The kernel that makes dt on the device, and sets it for the kernels behind it.
 //
 // It folds the last step's report (gpu/kernels/step_report.hpp), decides by comm/lead_rule.hpp whether the next step is
 // made, and sets dt in the arguments of the kernels that take it: these are nodes of the graph that it is a node of
@@ -13,7 +13,7 @@
 
 namespace moraine::gpu {
 
-/// What the host hears of a step, in pinned memory.
+/// The report of a step for the host, in pinned memory.
 template <int Dim>
 struct LeadEntry {
     Report<Dim> report;     ///< of the step before
@@ -58,8 +58,8 @@ struct LeadNodes {
     int nodes;
 };
 
-/// The last step's report, and what the next one's kernels must know. real_bytes: of dt in their arguments. A node of
-/// the graph that holds `behind`.
+/// Makes the last step's report, and sets dt for the next one's kernels. real_bytes: of dt in their arguments. A node
+/// of the graph that holds `behind`.
 template <int Dim>
 void decide(const ReportWork<Dim>& work, LeadState<Dim>* state, const LeadNodes& behind, int real_bytes,
             cudaStream_t stream);

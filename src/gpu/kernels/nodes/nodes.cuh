@@ -5,20 +5,14 @@
 // Bound by memory. A warp looks up the tiles around its nodes once; a thread then knows by bits which of them are there
 // and cover its node.
 
-#include <algorithm>
-
 #include "gpu/kernels/account.cuh"
 #include "gpu/kernels/nodes/excess.cuh"
 #include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/nodes/tiles_around.cuh"
-#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 
 inline constexpr int node_threads = 256;
-
-/// Node blocks of a launch that goes by the list of near ones: so many thread blocks take them in turn.
-inline constexpr unsigned near_grid = 1024;
 
 /// Calls f(c) with the node block of this thread, in whole warps; table.node_blocks: there is none. Contact: those near
 /// a structure, by their list. Else: all others.
@@ -36,18 +30,6 @@ __device__ __forceinline__ void each_node_block(const BlockTable<Dim>& table, co
         const bool skipped = near.mark && c < table.node_blocks && near.mark[c] != 0;
         f(skipped ? table.node_blocks : c);
     }
-}
-
-/// Launches `plain` over the node blocks that no structure is near, and `touching` over the others, if there may be
-/// any.
-template <int Dim, class Work>
-void launch_nodes(void (*plain)(Work), void (*touching)(Work), const Work& work, bool contact, cudaStream_t stream) {
-    constexpr int blocks = node_threads / Block<Dim>::cells;
-    const auto grid = static_cast<unsigned>((work.view.table.node_blocks + blocks - 1) / blocks);
-    if (grid == 0) return;
-    plain<<<grid, node_threads, 0, stream>>>(work);
-    if (contact) touching<<<std::min(grid, near_grid), node_threads, 0, stream>>>(work);
-    check(cudaGetLastError(), "Solving nodes");
 }
 
 /// P_i or e_i of a node of the node block c; total: s_i.
@@ -164,23 +146,6 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
             solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, full, impulse);
         fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
     });
-}
-
-template <class Real, int Dim, int Width, bool Marks, bool Fluid>
-void run_nodes_of(const NodeWorkOf<Real, Dim, Fluid>& work, bool contact, cudaStream_t stream) {
-    launch_nodes<Dim>(nodes_kernel<Real, Dim, Width, false, Marks, Fluid>,
-                      nodes_kernel<Real, Dim, Width, true, Marks, Fluid>, work, contact, stream);
-}
-
-/// contact: the scene has structures.
-template <class Real, int Dim, bool Marks, bool Fluid>
-void run_nodes(const NodeWorkOf<Real, Dim, Fluid>& work, int width, bool contact, cudaStream_t stream) {
-    if (width == 2)
-        run_nodes_of<Real, Dim, 2, Marks, Fluid>(work, contact, stream);
-    else if (width == 3)
-        run_nodes_of<Real, Dim, 3, Marks, Fluid>(work, contact, stream);
-    else
-        run_nodes_of<Real, Dim, 4, Marks, Fluid>(work, contact, stream);
 }
 
 }  // namespace moraine::gpu

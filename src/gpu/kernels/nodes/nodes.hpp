@@ -7,53 +7,47 @@
 // occupied block whose tile covers it. Where structures are, the node blocks near them (near_blocks.hpp) have an
 // instance of the kernel and a launch of their own.
 
-#include <cuda_runtime.h>
-
-#include <vector>
-
+#include "core/kernel_key.hpp"
 #include "core/shape.hpp"
-#include "core/structure_set.hpp"
+#include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
-#include "gpu/kernels/view.hpp"
-#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 
-/// The structures on the device: their values go there each step, what they felt comes back with the step's report.
-template <int Dim>
-class DeviceStructures {
+/// A kernel over node blocks: those that no structure is near, and those near one.
+class NodeKernel {
   public:
-    DeviceStructures() = default;
-    DeviceStructures(const DeviceStructures&) = delete;
-    DeviceStructures& operator=(const DeviceStructures&) = delete;
-    ~DeviceStructures() { cudaFreeHost(felt_); }
+    NodeKernel() = default;
+    NodeKernel(Kernel plain, Kernel touching) : plain_(std::move(plain)), touching_(std::move(touching)) {}
 
-    /// Asynchronous.
-    ContactField<Dim> place(const StructureSet<Dim>& structures, cudaStream_t stream);
-    /// Queues the copy of what they felt so far. Asynchronous.
-    void fetch(cudaStream_t stream);
-    /// Of the steps since it was last taken; what fetch() queued must be done.
-    std::vector<StructureSums<Dim>> take();
+    /// contact: there may be node blocks near a structure. Nothing is launched for none.
+    void operator()(int node_blocks, int cells, const Argument& work, bool contact, cudaStream_t stream) const;
 
   private:
-    Array<Structure<Dim>> values_;
-    Array<Vec<double, 2>> corners_;
-    Array<StructureSums<Dim>> sums_;
-    StructureSums<Dim>* felt_ = nullptr;  ///< pinned
-    std::size_t count_ = 0;
-    bool empty_ = false;  ///< the sums are to begin anew
+    Kernel plain_, touching_;
 };
 
-/// `contact`: null where the scene has no structures.
 template <class Real, int Dim>
-void solve_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                 const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
-                 const NodeContact<Dim>* contact = nullptr);
+class Nodes {
+  public:
+    Nodes() = default;
+    explicit Nodes(const KernelKey& key) : key_(key) {}
 
-/// The same, and what fluids want.
-template <class Real, int Dim>
-void solve_fluid_nodes(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
-                       const Quantum& quantum, const LightMarks<Real>& marks, const NodeFluid<Real, Dim>& fluid,
-                       cudaStream_t stream, const NodeContact<Dim>* contact = nullptr);
+    /// `contact`: null where the scene has no structures. Light nodes are marked where `marks` has a place for that.
+    void solve(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
+               const Quantum& quantum, const LightMarks<Real>& marks, cudaStream_t stream,
+               const NodeContact<Dim>* contact = nullptr);
+    /// The same, and what fluids want.
+    void solve_fluid(const View<Real, Dim>& view, const Stencil& stencil, const NodeRound<Real, Dim>& round,
+                     const Quantum& quantum, const LightMarks<Real>& marks, const NodeFluid<Real, Dim>& fluid,
+                     cudaStream_t stream, const NodeContact<Dim>* contact = nullptr);
+
+  private:
+    const NodeKernel& kernel(bool marks, bool fluid);
+
+    KernelKey key_;
+    NodeKernel plain_, marking_, fluid_;
+    bool has_plain_ = false, has_marking_ = false, has_fluid_ = false;
+};
 
 }  // namespace moraine::gpu

@@ -4,6 +4,7 @@
 // A slice is one layer of the stencil across the last axis: `lines` lines of `width` nodes. One thread sums one slice
 // of one cell. A thread block has the 64 cells of one block in 3-D, of four in 2-D, times `width` slices.
 
+#include <cmath>
 #include <type_traits>
 
 #include "core/shape.hpp"
@@ -38,11 +39,11 @@ struct P2gCase {
 };
 
 template <class Real>
-__device__ __forceinline__ Real cell_of(Real cell) {
+__device__ __forceinline__ Real cell_size(Real cell) {
     return cell;
 }
 template <class Real>
-__device__ __forceinline__ Real cell_of(const MeanScale<Real>& scale) {
+__device__ __forceinline__ Real cell_size(const MeanScale<Real>& scale) {
     return scale.cell;
 }
 
@@ -67,7 +68,7 @@ struct Axis {
 template <class Real>
 __device__ __forceinline__ void gimp_weights(Real f, Real half, Real quarter, Real* w, Real* dw) {
     const Real d = f - Real(0.5), up = half + d, down = half - d, u = up * quarter, v = down * quarter;
-    const bool both = fabs(d) < half;
+    const bool both = std::fabs(d) < half;
     const bool above = d > Real(0);
     w[0] = both ? down * v : (above ? Real(0) : -d);
     w[2] = both ? up * u : (above ? d : Real(0));

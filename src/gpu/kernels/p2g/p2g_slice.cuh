@@ -36,7 +36,7 @@ __device__ __forceinline__ void add_value(const Axis<Case>& x, const Axis<Case>&
 #pragma unroll
         for (int i = 0; i < Case::width; ++i) {
             Real& sum = sums[i + Case::width * j];
-            sum = Case::is_rest(i) ? sum + line : fma(x.w[i], line, sum);
+            sum = Case::is_rest(i) ? sum + line : std::fma(x.w[i], line, sum);
         }
     }
 }
@@ -48,12 +48,12 @@ __device__ __forceinline__ void add_sloped(const Axis<Case>& x, const Axis<Case>
 #pragma unroll
     for (int j = 0; j < Case::lines; ++j) {
         const bool whole = Case::lines == 1 || Case::is_rest(j);
-        const Real line = whole ? value : fma(y.d[j], along_y, y.w[j] * value);
+        const Real line = whole ? value : std::fma(y.d[j], along_y, y.w[j] * value);
         const Real slope = whole ? along_x : y.w[j] * along_x;
 #pragma unroll
         for (int i = 0; i < Case::width; ++i) {
             Real& sum = sums[i + Case::width * j];
-            sum = Case::is_rest(i) ? sum + line : fma(x.d[i], slope, fma(x.w[i], line, sum));
+            sum = Case::is_rest(i) ? sum + line : std::fma(x.d[i], slope, std::fma(x.w[i], line, sum));
         }
     }
 }
@@ -86,7 +86,7 @@ __device__ __forceinline__ void add_value(const Axis<Case>& x, const Axis<Case>&
             if (Case::is_rest(i) && Case::is_rest(j))
                 sums[n] = sums[n] + value;
             else
-                sums[n] = fma(Case::is_rest(i)   ? y.w[j]
+                sums[n] = std::fma(Case::is_rest(i)   ? y.w[j]
                               : Case::is_rest(j) ? x.w[i]
                                                  : outer.w[j + i / 2],
                               value, sums[n]);
@@ -101,30 +101,30 @@ __device__ __forceinline__ void add_carried(const Axis<Case>& x, const Axis<Case
                                             Real from_x, Real from_y, Real value, Real along_x, Real along_y,
                                             Real (&sums)[Case::nodes]) {
     if constexpr (!OuterWeights<Case>::used) {
-        const Real low = fma(-from_y, along_y, value);
+        const Real low = std::fma(-from_y, along_y, value);
 #pragma unroll
         for (int j = 0; j < Case::lines; ++j) {
             const bool whole = Case::lines == 1 || Case::is_rest(j);
-            const Real line = whole ? value : y.w[j] * fma(Real(j), along_y, low);
+            const Real line = whole ? value : y.w[j] * std::fma(Real(j), along_y, low);
             const Real slope = whole ? along_x : y.w[j] * along_x;
-            const Real first = fma(-from_x, slope, line);
+            const Real first = std::fma(-from_x, slope, line);
 #pragma unroll
             for (int i = 0; i < Case::width; ++i) {
                 Real& sum = sums[i + Case::width * j];
-                sum = Case::is_rest(i) ? sum + line : fma(x.w[i], fma(Real(i), slope, first), sum);
+                sum = Case::is_rest(i) ? sum + line : std::fma(x.w[i], std::fma(Real(i), slope, first), sum);
             }
         }
     } else {
-        const Real at_first = fma(-from_x, along_x, value), at_last = fma(Real(2), along_x, at_first);
-        sums[3] = fma(x.w[0], at_first, sums[3]);
+        const Real at_first = std::fma(-from_x, along_x, value), at_last = std::fma(Real(2), along_x, at_first);
+        sums[3] = std::fma(x.w[0], at_first, sums[3]);
         sums[4] = sums[4] + value;
-        sums[5] = fma(x.w[2], at_last, sums[5]);
+        sums[5] = std::fma(x.w[2], at_last, sums[5]);
 #pragma unroll
         for (int j = 0; j < 3; j += 2) {
             const Real up = Real(j) - from_y;
-            sums[3 * j] = fma(outer.w[j], fma(up, along_y, at_first), sums[3 * j]);
-            sums[3 * j + 1] = fma(y.w[j], fma(up, along_y, value), sums[3 * j + 1]);
-            sums[3 * j + 2] = fma(outer.w[j + 1], fma(up, along_y, at_last), sums[3 * j + 2]);
+            sums[3 * j] = std::fma(outer.w[j], std::fma(up, along_y, at_first), sums[3 * j]);
+            sums[3 * j + 1] = std::fma(y.w[j], std::fma(up, along_y, value), sums[3 * j + 1]);
+            sums[3 * j + 2] = std::fma(outer.w[j + 1], std::fma(up, along_y, at_last), sums[3 * j + 2]);
         }
     }
 }
@@ -145,7 +145,7 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
     Real w, slope;
     slice.get(ghosts, f, p.half.e[last], p.quarter.e[last], w, slope);
     if constexpr (Momentum) {
-        const Real mass = w * p.core.mass(), arm = cell_of(scales) * mass;
+        const Real mass = w * p.core.mass(), arm = cell_size(scales) * mass;
         const OuterWeights<Case> outer(x, y);
         add_value(x, y, outer, mass, s.mass);
         const Real reach = Case::Shape::template reach<Real>;
@@ -153,7 +153,7 @@ __device__ __forceinline__ void add_particle(const Particle<Case>& p, const Slic
         for (int q = 0; q < Case::dim; ++q) {
             if constexpr (Case::affine)
                 add_carried(x, y, outer, reach + p.fraction(0), reach + p.fraction(1),
-                            fma(arm * slice.distance(f), p.C(q, last), mass * p.core.velocity(q)), arm * p.C(q, 0),
+                            std::fma(arm * slice.distance(f), p.C(q, last), mass * p.core.velocity(q)), arm * p.C(q, 0),
                             arm * p.C(q, 1), s.momentum[q]);
             else
                 add_value(x, y, mass * p.core.velocity(q), s.momentum[q]);

@@ -3,7 +3,7 @@
 // by all threads, and summed cell by cell in their order.
 
 #include "core/find_cells.hpp"
-#include "gpu/kernels/launch.cuh"
+#include "gpu/kernels/team.cuh"
 #include "gpu/kernels/pressure/layer_factors.cuh"
 #include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/pressure/whole_cells.cuh"
@@ -53,15 +53,6 @@ struct FindShared {
         };
     };
     KindMasks<Dim> kinds;
-};
-
-/// What the kernel is given.
-template <class Real, int Dim>
-struct FindWork {
-    View<Real, Dim> view;
-    CellFinder<Real, Dim> finder;
-    CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
-    const Real* bulk;                 ///< by body [Pa]
 };
 
 /// A block.

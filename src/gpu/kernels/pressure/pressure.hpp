@@ -7,9 +7,10 @@
 // moments, 3^d reals, and what a node takes from it is found anew, axis by axis, for 16 cells at a time: a quarter of
 // the bytes of its factors. The order of all sums follows from the blocks alone.
 
-#include <cuda_runtime_api.h>
-
+#include "core/kernel_key.hpp"
 #include "core/shape.hpp"
+#include "gpu/compile/kernel.hpp"
+#include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/memory/pool_array.hpp"
 
@@ -32,25 +33,30 @@ class PressureState {
     Array<Real> bulk_;
 };
 
-/// Nodes from the sums of particles.
+/// The launches of a step and its substeps.
 template <class Real, int Dim>
-void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream);
+class Pressure {
+  public:
+    Pressure() = default;
+    explicit Pressure(const KernelKey& key);
 
-/// Cells of the chosen blocks. `blocks`: about how many there are.
-template <class Real, int Dim>
-void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
-                const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
-                cudaStream_t stream);
+    /// Nodes from the sums of particles.
+    void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream) const;
+    /// Cells of the chosen blocks. `blocks`: about how many there are.
+    void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
+                    const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
+                    cudaStream_t stream) const;
+    /// What the velocities of the substep before make of them, and what they push with.
+    void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
+                       int blocks, const CellTask<Real>& task, cudaStream_t stream) const;
+    /// Nodes after a substep. contact: null where the scene has no structures.
+    void solve_nodes(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Stencil& stencil,
+                     const NodeRound<Real, Dim>& round, const Quantum& quantum, cudaStream_t stream,
+                     const NodeContact<Dim>* contact) const;
 
-/// What is not done yet of a substep.
-template <class Real, int Dim>
-void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
-                   int blocks, const CellTask<Real>& task, cudaStream_t stream);
-
-/// Nodes after a substep. contact: null where the scene has no structures.
-template <class Real, int Dim>
-void solve_substep_nodes(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Stencil& stencil,
-                         const NodeRound<Real, Dim>& round, const Quantum& quantum, cudaStream_t stream,
-                         const NodeContact<Dim>* contact);
+  private:
+    Kernel find_, advance_;
+    NodeKernel hold_, substep_;
+};
 
 }  // namespace moraine::gpu

@@ -2,6 +2,7 @@
 // What the kernels of the grid's pressure are told (gpu/kernels/pressure/pressure.hpp). Plain data, for kernels and
 // their launches alike.
 
+#include "core/find_cells.hpp"
 #include "core/grid_pressure.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
 
@@ -50,6 +51,15 @@ struct CellTask {
 template <class Real, int Dim>
 struct SubstepWork : NodeWork<Real, Dim> {
     PressureView<Real, Dim> pressure;
+};
+
+/// Of the kernel that finds cells.
+template <class Real, int Dim>
+struct FindWork {
+    View<Real, Dim> view;
+    CellFinder<Real, Dim> finder;
+    CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
+    const Real* bulk;                 ///< by body [Pa]
 };
 
 }  // namespace moraine::gpu

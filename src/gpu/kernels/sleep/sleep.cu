@@ -1,4 +1,4 @@
-#include "gpu/kernels/launch.cuh"
+#include "gpu/kernels/launch.hpp"
 #include "gpu/kernels/sleep/hold.cuh"
 
 namespace moraine::gpu {

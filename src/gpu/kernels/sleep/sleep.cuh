@@ -3,25 +3,10 @@
 
 #include "gpu/kernels/g2p/g2p_particle.cuh"
 #include "gpu/kernels/sleep/sleep.hpp"
+#include "gpu/kernels/sleep/sleep_warp.cuh"
 #include "gpu/kernels/step_report.cuh"
 
 namespace moraine::gpu {
-
-inline constexpr unsigned sleep_threads = 128;
-inline constexpr unsigned sleep_warps = sleep_threads / 32;
-
-/// Number of this warp in the launch.
-__device__ __forceinline__ unsigned warp_number() {
-    return blockIdx.x * sleep_warps + threadIdx.x / 32;
-}
-
-/// Calls f(slot) for the particles of block b, each on a lane.
-template <int Dim, class F>
-__device__ __forceinline__ void each_slot(const ListView<Dim>& list, int b, const F& f) {
-    const std::uint32_t end = list.first[b + 1];
-    for (std::uint32_t k = list.first[b] + static_cast<std::uint32_t>(lane_id()); k < end; k += 32) f(list.slot[k]);
-    __syncwarp();
-}
 
 template <class Real, int Dim>
 __device__ __forceinline__ RestSample<Real, Dim> sample_of(const Columns<Real, Dim>& columns, std::uint32_t s) {

@@ -1,11 +1,8 @@
 #pragma once
 // The kernels of gpu/kernels/sleep/waves.hpp, by the formula of core/stress.hpp: a warp per block, a law each.
 
-#include "core/material/laws.hpp"
 #include "gpu/kernels/g2p/stress_particle.cuh"
-#include "gpu/kernels/sleep/sleep.cuh"
-#include "gpu/kernels/sleep/waves.hpp"
-#include "gpu/memory/array.hpp"
+#include "gpu/kernels/sleep/sleep_warp.cuh"
 
 namespace moraine::gpu {
 
@@ -20,7 +17,7 @@ __device__ __forceinline__ double wave_of(const Columns<Real, Dim>& columns, con
     if constexpr (Law::uses_left_stretch)
         for (int r = 0; r < stretch_rows<Dim>; ++r) b[r] = load_row(columns.stretch[r] + slot);
     const PointState<Real, Dim> state = state_of<Law>(p, columns, b, slot);
-    return static_cast<double>(signal_speed(law, state, zero_vec<Real, Dim>(), exp(p.ln_J()), inverse_density));
+    return static_cast<double>(signal_speed(law, state, zero_vec<Real, Dim>(), std::exp(p.ln_J()), inverse_density));
 }
 
 template <class Real, int Dim, class Law>
@@ -38,33 +35,6 @@ __global__ void __launch_bounds__(sleep_threads, 4)
     });
     most = warp_max(most);
     if (lane_id() == 0) wave[b] = mine == 0 || wave[b] < most ? most : wave[b];
-}
-
-template <class Real, int Dim, class Law>
-class WaveKernelOf final : public WaveKernel<Real, Dim> {
-  public:
-    WaveKernelOf(const Law& law, double density) : law_(law), inverse_density_(static_cast<Real>(1 / density)) {}
-
-    void run(const View<Real, Dim>& view, const std::uint8_t* asleep, double* wave, const std::uint16_t* material_of,
-             int mine, cudaStream_t stream) const override {
-        if (view.table.own == 0) return;
-        const auto grid = (static_cast<unsigned>(view.table.own) + sleep_warps - 1) / sleep_warps;
-        waves_kernel<Real, Dim, Law>
-            <<<grid, sleep_threads, 0, stream>>>(view, asleep, wave, law_, inverse_density_, material_of, mine);
-        check(cudaGetLastError(), "Asking for the waves of sleepers");
-    }
-
-  private:
-    Law law_;
-    Real inverse_density_;
-};
-
-template <class Real, int Dim>
-std::unique_ptr<WaveKernel<Real, Dim>> make_waves(const MaterialSpec& material) {
-    return with_law<Real>(
-        material.law, material.parameters.data(), [&](const auto& law) -> std::unique_ptr<WaveKernel<Real, Dim>> {
-            return std::make_unique<WaveKernelOf<Real, Dim, std::decay_t<decltype(law)>>>(law, material.density);
-        });
 }
 
 }  // namespace moraine::gpu

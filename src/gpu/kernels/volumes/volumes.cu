@@ -1,5 +1,6 @@
 #include "gpu/kernels/nodes/nodes.cuh"
 #include "gpu/kernels/volumes/volumes.hpp"
+#include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
 

@@ -1,0 +1,112 @@
+"""What is counted of a tree: {item: value} for each budget."""
+import pathlib
+import re
+import subprocess
+
+import cpp
+
+SOURCES = (".hpp", ".cpp", ".cu", ".cuh", ".ipp", ".in")
+EVIDENCE = ("docs/adr/", "docs/evidence/", "docs/verification", "docs/stability", "docs/accuracy", "benchmarks/")
+NEITHER = ("CHANGELOG.md",)
+REFERENCES = ("inputs/reference.toml", "inputs/reference_terrain.toml")
+
+
+class Tree:
+    def __init__(self, root, build):
+        self.root, self.build = root, build
+        listed = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard"], check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+        self.files = sorted({name for name in listed if (root / name).is_file()})
+        self.sources = {}
+        for name in self.files:
+            if name.startswith("src/") and name.endswith(SOURCES):
+                self.sources[name] = cpp.Reader((root / name).read_text())
+
+    def text(self, name):
+        return (self.root / name).read_text()
+
+
+def tree_bytes(tree):
+    return {"tree": sum((tree.root / name).stat().st_size for name in tree.files if not name.startswith("docs/pictures/"))}
+
+
+def of_classes(tree, what):
+    return largest((f"{file} {c.name}", getattr(c, what)) for file, found in tree.sources.items() for c in found.classes)
+
+
+def template_parameters(tree):
+    return largest((f"{file} {t.name}", t.parameters) for file, found in tree.sources.items() for t in found.templates)
+
+
+def largest(pairs):
+    found = {}
+    for name, value in pairs:
+        found[name] = max(found.get(name, 0), value)
+    return found
+
+
+def scene_keys(tree):
+    """Distinct keys of the reference scenes, those that are commented out too; of tables with names of the user's, once."""
+    keys, table = set(), ""
+    for line in "\n".join(tree.text(name) for name in REFERENCES if name in tree.files).splitlines():
+        if header := re.match(r"(?:# )?\[+([\w.\"-]+)\]+$", line):
+            table = header[1].split(".")[0] + ("." + header[1].rsplit(".", 1)[1] if header[1].count(".") > 1 else "")
+        elif key := re.match(r"(?:# )?([a-z_0-9]+) = ", line):
+            keys.add(f"{table}.{key[1]}")
+    return {"scene": len(keys)} if keys else {}
+
+
+def words(tree, names):
+    return sum(len(tree.text(name).split()) for name in names)
+
+
+def adr_words(tree):
+    return {name: words(tree, [name]) for name in tree.files if re.match(r"docs/adr/\d.*\.md$", name)}
+
+
+def evidence(tree):
+    pages = [name for name in tree.files if name.endswith(".md") and name not in NEITHER]
+    proofs = [name for name in pages if name.startswith(EVIDENCE)]
+    guidance = words(tree, set(pages) - set(proofs))
+    return {"documents": round(words(tree, proofs) / guidance, 2)} if guidance else {}
+
+
+def kernels(tree):
+    file = tree.build / "kernels.md"
+    return {"default build": sum(line.startswith("| ") for line in file.read_text().splitlines()) - 1} if file.is_file() else {}
+
+
+def core_minutes(tree, cuda):
+    """Sum of all steps that ninja has recorded: that of a clean build, where the folder has been built once and without a compiler cache."""
+    log, cache = tree.build / ".ninja_log", tree.build / "CMakeCache.txt"
+    if not log.is_file() or not cache.is_file():
+        return {}
+    settings = cache.read_text()
+    if re.search(r"^CMAKE_(CXX|CUDA)_COMPILER_LAUNCHER:\w+=.", settings, re.M):
+        return {}
+    if bool(re.search(r"^MORAINE_CUDA:\w+=(ON|1|TRUE)$", settings, re.M | re.I)) != cuda:
+        return {}
+    steps = {}
+    for line in log.read_text().splitlines()[1:]:
+        begin, end, _, output, command = line.split("\t")
+        steps[output] = (int(begin), int(end), command)
+    return {"clean build": round(sum(end - begin for begin, end, _ in set(steps.values())) / 60000, 1)} if steps else {}
+
+
+BUDGETS = {
+    "bytes of the tree": tree_bytes,
+    "members of a class": lambda tree: of_classes(tree, "members"),
+    "private functions of a class": lambda tree: of_classes(tree, "private"),
+    "virtuals of an interface": lambda tree: of_classes(tree, "virtuals"),
+    "template parameters": template_parameters,
+    "scene keys": scene_keys,
+    "words of an ADR": adr_words,
+    "words of evidence over words of guidance": evidence,
+    "kernels of a device build": kernels,
+    "core-minutes of a clean build with CUDA": lambda tree: core_minutes(tree, True),
+    "core-minutes of a clean build without CUDA": lambda tree: core_minutes(tree, False),
+}
+
+
+def measure(root, build):
+    tree = Tree(pathlib.Path(root), pathlib.Path(build))
+    return {name: of(tree) for name, of in BUDGETS.items()}
