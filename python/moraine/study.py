@@ -13,7 +13,6 @@ from .richardson import Estimate, estimate
 from .scene import Scene, read_scene, with_sets
 
 FILE = "converge.json"
-RUN_NAME = re.compile(r"([\w.,=+-]+-)?cell-[0-9][0-9.e+-]*")  # what a study removes has such a name, and lies in its directory
 
 
 @dataclasses.dataclass
@@ -65,6 +64,19 @@ class Variant:
         return now.verdict == "equal" or abs(now.finest - before.finest) <= before.error
 
 
+def is_level(path: pathlib.Path) -> bool:
+    """Whether a study made this: a folder of a run by the name of its cell, no link to one."""
+    return bool(re.fullmatch(r"([\w.,=+-]+-)?cell-[0-9.e+-]+", path.name)) and path.is_dir() and not path.is_symlink()
+
+
+def _known_of(found: Any) -> Dict[str, Any]:
+    """What converge.json holds, or ValueError: it may have been written by anybody."""
+    runs = found.get("runs") if isinstance(found, dict) else None
+    if not isinstance(runs, dict) or not all(isinstance(s, (int, float)) for s in runs.values()):
+        raise ValueError("no study")
+    return found
+
+
 class Study:
     """Levels of each variant in `directory`, which converge.json there remembers from call to call."""
 
@@ -83,20 +95,17 @@ class Study:
         """Goes on with what is there."""
         there = any(self.path.iterdir())
         try:
-            known = json.loads((self.path / FILE).read_text())
-            runs = known["runs"]
-            if not all(RUN_NAME.fullmatch(name) and isinstance(took, (int, float)) for name, took in runs.items()):
-                raise ValueError("it names runs that no study has")
-            self.known = known
+            self.known = _known_of(json.loads((self.path / FILE).read_text()))
         except OSError:
             if there:
                 raise Error(f"{self.path} is taken (it is no refinement study: there is no {FILE}). Another --output?") from None
-        except (ValueError, LookupError, TypeError, AttributeError) as wrong:
-            raise Error(f"{self.path / FILE} is damaged ({wrong or type(wrong).__name__}). Another --output, or remove that directory?") from None
+        except ValueError:
+            if not overwrite:
+                raise Error(f"{self.path} cannot be continued (its {FILE} is damaged). --overwrite, or another --output?") from None
         if overwrite:
-            for name in self.known["runs"]:
-                if not (self.path / name).is_symlink():
-                    shutil.rmtree(self.path / name, ignore_errors=True)
+            for level in self.path.iterdir():
+                if is_level(level):
+                    shutil.rmtree(level, ignore_errors=True)
             self.known = {"runs": {}}
         elif there and self.known.get("identity") != self.identity:
             raise Error(f"{self.path} has another study (of another scene, or other --set). Another --output, or --overwrite?")

@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <fstream>
 #include <span>
 
 #include "core/error.hpp"
+#include "core/ground.hpp"
 #include "core/hash.hpp"
 #include "records/version.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/scene_file.hpp"
+#include "scene/scene_identity.hpp"
 #include "seeding/seed_table.hpp"
 
 namespace moraine {
@@ -43,7 +46,11 @@ std::uint64_t hash_of_file(const std::string& path) {
 void agree_on(const Comm& comm, const std::string& scene, const std::vector<Common>& things) {
     std::vector<std::uint64_t> mine;
     for (const Common& thing : things) mine.push_back(thing.hash);
-    const std::vector<std::uint64_t> all = comm.all_gather(mine);
+    std::vector<std::int64_t> counts;
+    const std::vector<std::uint64_t> all = comm.all_gather(mine, &counts);
+    if (std::count(counts.begin(), counts.end(), counts[0]) != comm.size())
+        throw InputError(fmt::format("{}: ranks read scenes of another length (it must be the same on all). {}", scene,
+                                     things.back().remedy));
     for (std::size_t k = 0; k < things.size(); ++k) {
         std::vector<int> others;
         for (int rank = 1; rank < comm.size(); ++rank)
@@ -76,27 +83,24 @@ std::vector<std::string> all_sets(const Options& options) {
     return sets;
 }
 
-std::vector<Common> tables_of(const Scene& scene) {
-    std::vector<Common> tables;
-    const auto add = [&](const std::string& file) {
-        if (!file.empty())
-            tables.push_back({"the bytes of " + file, hash_of_file(path_of_file(scene, file)),
-                              "Is it on a disk that all hosts share, or an old copy on one of them?"});
-    };
-    for (const StructureSpec& s : scene.structures)
-        if (s.ground)
-            for (const std::string& file : {s.file, s.friction_file, s.xi_file, s.su_file, s.crop_file}) add(file);
+/// What was read of files, by its values: it may have come through a file that names others. Tables of particles are
+/// read when they are seeded.
+std::vector<Common> values_of(const Scene& scene) {
+    const std::string remedy = "Are its files on a disk that all hosts share, or an old copy on one of them?";
+    std::vector<Common> all;
+    for (const auto& [key, value] : scene_identity(scene)) all.push_back({key, hash_of(value), remedy});
     for (const BodySpec& body : scene.bodies) {
-        if (body.shape == BodyShape::table || body.shape == BodyShape::layer || body.shape == BodyShape::inflow)
-            add(body.file), add(body.thickness_file);
-        if (body.shape == BodyShape::layer)
-            tables.push_back({"the corners of release." + body.name, hash_of(fmt::format("{}", body.points)),
-                              "Have all hosts one version of PROJ and its data?"});
+        if (body.shape == BodyShape::table)
+            all.push_back({"the bytes of " + body.file, hash_of_file(path_of_file(scene, body.file)), remedy});
+        if (const Ground* raster = body.thickness_raster.get())
+            all.push_back({"release." + body.name + ".thickness",
+                           hash_of(fmt::format("{} {} {}", raster->first, raster->spacing, raster->count)), remedy});
     }
-    add(scene.hazard.gauges_file);
-    add(scene.hazard.sections_file);
-    add(scene.hazard.path_file);
-    return tables;
+    for (const GaugeSpec& gauge : scene.hazard.gauges)
+        all.push_back({"hazard.gauges", hash_of(fmt::format("{} {} {}", gauge.name, gauge.x, gauge.y)), remedy});
+    if (!scene.hazard.path.empty())
+        all.push_back({"hazard.path", hash_of(fmt::format("{}", scene.hazard.path)), remedy});
+    return all;
 }
 
 }  // namespace
@@ -113,12 +117,12 @@ Scene read_agreed(const Comm& comm, const Options& options, const std::function<
     });
     text = comm.broadcast(text);
     Scene scene;
-    std::vector<Common> tables;
+    std::vector<Common> values;
     agree_input(comm, [&] {
         scene = parse_scene(options.scene, text, sets, admit);
-        tables = tables_of(scene);
+        values = values_of(scene);
     });
-    agree_on(comm, options.scene, tables);
+    agree_on(comm, options.scene, values);
     return scene;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "app/disk_space.hpp"
 #include "io/disk_file.hpp"
 #include "predict/capacity.hpp"
 #include "predict/scene_warnings.hpp"
@@ -111,37 +112,49 @@ void Driver<Real, Dim>::begin() {
     lock_ = claim_run_directory(comm_, directory_, claim);
     catch_stop_signals();
     if (comm_.is_root() && !options_.quiet) {
-        for (const std::string& warning : scene_warnings(scene_)) fmt::print(stderr, "Warning: {}\n", warning);
+        std::vector<std::string> warnings = scene_warnings(scene_);
+        if (!options_.no_particles)
+            warnings.push_back(disk_warning(scene_, sim_.clock().time, free_disk_bytes(directory_)));
+        for (const std::string& warning : warnings)
+            if (!warning.empty()) fmt::print(stderr, "Warning: {}\n", warning);
         fmt::print(stderr, "{}\n", device_message_);
     }
     const RunClock<Dim>& clock = sim_.clock();
     std::optional<ResumeAfter> resume;
     if (claim == RunClaim::resume) resume = ResumeAfter{"step", static_cast<double>(clock.step), history_row};
-    open_records(resume);
-    if (path_ && !path_->restore(path_rows))
-        throw InputError(fmt::format("{} does not hold these structures. Another checkpoint?", options_.restart));
+    open_records(resume, path_rows);
     next_output_ = next_multiple(scene_.output.interval, clock.time);
     next_structures_ = next_multiple(scene_.output.structure_interval, clock.time);
     next_checkpoint_ = next_multiple(scene_.output.checkpoint_interval, clock.time);
     progress_ = std::make_unique<Progress>(Progress::style_for(options_.quiet, comm_.is_root()), clock.time, scene_.end,
                                            wall());
     if (!restarting) sample_maps(), output();
-    const bool has_row = resume && std::strtoll(history_row.c_str(), nullptr, 10) == clock.step;
-    if (has_row) last_output_step_ = clock.step;  // and at the end of the run it is not written again
+    if (resume) find_written();
     if (loads_) loads_->write();
 }
 
+/// What the files have of the checkpoint's own step is not written again: a run ends with a row and a frame of the step
+/// that its last checkpoint may be of.
 template <class Real, int Dim>
-void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
-    std::vector<double> volumes;
-    for (const BodySpec& body : scene_.bodies)
-        volumes.push_back(body.shape == BodyShape::table ? 0 : measure_of(body, scene_.dimensions));
-    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_, volumes));
+void Driver<Real, Dim>::find_written() {
+    const RunClock<Dim>& clock = sim_.clock();
+    const auto has_row = [&](const CsvLog* table) {
+        const std::string row = table ? table->last_row() : "";
+        return comm_.of_root(static_cast<int>(!row.empty() && std::atoll(row.c_str()) == clock.step)) != 0;
+    };
+    if (has_row(gauges_.get()) || has_row(sections_.get())) last_sample_step_ = clock.step;
+    if (!has_row(history_.get())) return;
+    last_output_step_ = clock.step;
+    if (path_ && !path_->ends_at(clock.time)) path_->append(clock.time, sim_.structures());
+    if (!series_) return;
+    const std::vector<double> times = series_->times();
+    const bool has_frame = comm_.of_root(static_cast<int>(!times.empty() && times.back() == clock.time)) != 0;
+    if (!has_frame) with_frame(sim_, [&](auto& frame) { frame.append_to(*series_); });
+}
+
+template <class Real, int Dim>
+void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume, const std::vector<double>& path_rows) {
     if (!options_.no_particles) {
-        comm_.agree_no_error<MachineError>(message_of([&] {
-            if (comm_.is_root() && has_surroundings(scene_))
-                replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
-        }));
         series_ = std::make_unique<ParticleSeries>(comm_, directory_ + "/" + series_name(scene_),
                                                    SeriesOptions{scene_.output.deflate, scene_.output.asynchronous});
         if (sim_.structures().any_moves())
@@ -158,25 +171,46 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume) {
     if (!scene_.hazard.gauges.empty())
         gauges_ = std::make_unique<CsvLog>(comm_, directory_ + "/gauges.csv", maps_->gauge_columns(), resume);
     if (flow_) sections_ = std::make_unique<CsvLog>(comm_, directory_ + "/sections.csv", flow_->columns(), resume);
+    if (path_ && !path_->restore(path_rows))
+        throw InputError(fmt::format("{} does not hold these structures. Another checkpoint?", options_.restart));
+    if (maps_) {
+        const std::string notice = maps_->prepare(directory_);
+        if (!notice.empty() && !options_.quiet) fmt::print(stderr, "Warning: {}\n", notice);
+    }
     if (scene_.output.block_loads)
         loads_ = std::make_unique<LoadRecord<Real, Dim>>(sim_, comm_, directory_ + "/block_loads.bin",
                                                          resume ? std::optional(sim_.clock().step) : std::nullopt);
-    if (series_ && resume) series_->truncate_to(sim_.clock().time);
+    // Nobody refuses from here on, so what was there before a refusal is there after it.
+    for (CsvLog* table : {history_.get(), balance_.get(), structures_.get(), gauges_.get(), sections_.get()})
+        if (table) table->begin();
+    std::vector<double> volumes;
+    for (const BodySpec& body : scene_.bodies)
+        volumes.push_back(body.shape == BodyShape::table ? 0 : measure_of(body, scene_.dimensions));
+    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_, volumes));
+    if (!series_) return;
+    comm_.agree_no_error<MachineError>(message_of([&] {
+        if (comm_.is_root() && has_surroundings(scene_))
+            replace_file(directory_ + "/surroundings.vtkhdf", surroundings_image(scene_));
+    }));
+    if (resume) series_->truncate_to(sim_.clock().time);
 }
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::run() {
+    comm_.agree_no_error<MachineError>(
+        message_of([&] { watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases()); }));
     begin();
-    watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases());
+    watchdog_->be_patient(false);
     try {
         if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
         while (sim_.clock().time < scene_.end && !(rest_ && rest_->is_at_rest())) advance();
         sim_.conclude();
         sample_maps();
         if (last_output_step_ != sim_.clock().step) output();
+        if (!lost_volume_.empty()) throw PhysicsError(lost_volume_);
     } catch (const PhysicsError&) {
         progress_->clear();
-        output();
+        if (last_output_step_ != sim_.clock().step) output();
         finish("fault");
         throw;
     }
@@ -196,6 +230,7 @@ void Driver<Real, Dim>::advance() {
     stepping_ += wall_clock() - before;
     watchdog_->step_finished(sim_.clock().step);
     after_step();
+    if (!lost_volume_.empty()) throw PhysicsError(lost_volume_);
 }
 
 /// The time from which after_step() wants the particles.
@@ -264,6 +299,7 @@ void Driver<Real, Dim>::output() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::warn(const TimeSeriesRow<Dim>& row) {
+    lost_volume_ = RunHealth<Dim>::lost_volume(row);
     for (const HealthWarning<Dim>& w :
          health_.observe(row, sim_.clock().start_strain, std::numeric_limits<Real>::epsilon())) {
         if (!comm_.is_root() || options_.quiet) continue;
@@ -336,6 +372,7 @@ void Driver<Real, Dim>::record_balance() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::finish(const std::string& ended_by) {
     const RunClock<Dim>& clock = sim_.clock();
+    watchdog_->be_patient(true);
     if (path_) path_->write();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
     if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));

@@ -38,7 +38,8 @@ class Driver {
   private:
     void begin();
     RunClaim claim() const;
-    void open_records(std::optional<ResumeAfter> resume);
+    void open_records(std::optional<ResumeAfter> resume, const std::vector<double>& path_rows);
+    void find_written();
     void advance();
     double next_look() const;
     void after_step();
@@ -67,9 +68,10 @@ class Driver {
     std::unique_ptr<StructurePath> path_;     ///< none: no series, or no structure moves
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;
-    std::unique_ptr<Watchdog> watchdog_;  ///< while steps are made
-    double start_wall_ = 0;               ///< [s]
-    double stepping_ = 0;                 ///< wall time of the steps alone [s]
+    std::unique_ptr<Watchdog> watchdog_;
+    std::string lost_volume_;  ///< what to end with; empty: no particle has
+    double start_wall_ = 0;    ///< [s]
+    double stepping_ = 0;      ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv

@@ -145,6 +145,12 @@ int run_program(int argc, char** argv) {
                    comm.rank());
         MPI_Abort(MPI_COMM_WORLD, machine_failed);
         return machine_failed;
+    } catch (const std::system_error& e) {  // no thread, no file: not the same on all ranks
+        fmt::print(stderr,
+                   "moraine: rank {}: {} (of the system). Raise the limits on memory and processes (ulimit -v, -u)?\n",
+                   comm.rank(), printable(e.what(), longest_message));
+        MPI_Abort(MPI_COMM_WORLD, machine_failed);
+        return machine_failed;
     } catch (const std::exception& e) {
         // Not the same on all ranks: nobody may wait for this one.
         fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), printable(e.what(), longest_message));

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <system_error>
+
+#include "core/error.hpp"
 
 namespace moraine {
 namespace {
@@ -36,7 +39,14 @@ bool StallTimer::expired(double now, std::int64_t step, double share) {
 }
 
 Watchdog::Watchdog(double limit, int rank, const Phases& phases) : limit_(limit), rank_(rank), phases_(phases) {
-    if (limit_ > 0) thread_ = std::thread([this] { watch(); });
+    if (limit_ <= 0) return;
+    try {
+        thread_ = std::thread([this] { watch(); });
+    } catch (const std::system_error& error) {
+        throw MachineError(fmt::format(
+            "rank {} has no thread for the watchdog ({}). Raise the limits on memory and processes (ulimit -v, -u)?",
+            rank_, error.code().message()));
+    }
 }
 
 Watchdog::~Watchdog() {
@@ -60,7 +70,8 @@ void Watchdog::watch() {
     StallTimer timer(limit_, 2 * pause, wall_clock());
     while (sleep(pause)) {
         const std::optional<Phase> phase = phases_.now();
-        const double share = phase == Phase::output || phase == Phase::balance ? 0.1 : 1;
+        const bool patient = patient_.load(std::memory_order_relaxed);
+        const double share = patient || phase == Phase::output || phase == Phase::balance ? 0.1 : 1;
         if (timer.expired(wall_clock(), step_.load(std::memory_order_relaxed), share)) return end_job(pause);
     }
 }

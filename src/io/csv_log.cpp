@@ -18,6 +18,7 @@ namespace {
 
 /// The number in field `column` of a row that has `count` fields; none if it is torn or no row.
 std::optional<double> field(const std::string& row, std::size_t column, std::size_t count) {
+    if (std::any_of(row.begin(), row.end(), [](unsigned char c) { return c < ' '; })) return {};
     if (static_cast<std::size_t>(std::count(row.begin(), row.end(), ',')) + 1 != count) return {};
     std::size_t at = 0;
     for (std::size_t c = 0; c < column; ++c) at = row.find(',', at) + 1;
@@ -32,15 +33,19 @@ std::optional<double> field(const std::string& row, std::size_t column, std::siz
 CsvLog::CsvLog(const Comm& comm, std::string path, std::vector<std::string> columns,
                const std::optional<ResumeAfter>& resume)
     : comm_(comm), path_(std::move(path)), columns_(std::move(columns)) {
-    std::string content = fmt::format("{}\n", fmt::join(columns_, ","));
+    content_ = fmt::format("{}\n", fmt::join(columns_, ","));
     comm.agree_no_error<InputError>(message_of([&] {
-        if (comm.is_root() && resume && std::filesystem::exists(path_)) content += kept_rows(*resume);
+        if (comm.is_root() && resume && std::filesystem::exists(path_)) content_ += kept_rows(*resume);
     }));
-    comm.agree_no_error<MachineError>(message_of([&] {
-        if (!comm.is_root()) return;
-        replace_file(path_, content);
+}
+
+void CsvLog::begin() {
+    comm_.agree_no_error<MachineError>(message_of([&] {
+        if (!comm_.is_root()) return;
+        replace_file(path_, content_);
         file_ = std::make_unique<DiskFile>(path_, DiskFile::Mode::append);
-        end_ = static_cast<std::int64_t>(content.size());
+        end_ = static_cast<std::int64_t>(content_.size());
+        content_.clear();
     }));
 }
 
@@ -53,10 +58,16 @@ std::string CsvLog::kept_rows(const ResumeAfter& resume) {
         throw InputError(fmt::format("cannot continue {} (its columns are others). Another --output?", path_));
     std::string rows;
     bool known = resume.row.empty();
-    while (std::getline(file, line)) {
+    int damaged = 0;
+    for (int number = 2; std::getline(file, line); ++number) {
         if (file.eof()) break;  // the last line has no end: its write was cut short
         const auto value = field(line, column, columns_.size());
+        if (!value && damaged == 0) damaged = number;
         if (!value || *value > resume.last) continue;
+        if (damaged > 0)  // what lies behind the checkpoint goes anyway
+            throw InputError(
+                fmt::format("cannot continue {} (line {} is damaged). Mend or remove the line, or another --output?",
+                            path_, damaged));
         rows += line + '\n';
         last_row_ = line;
         known = known || line == resume.row;

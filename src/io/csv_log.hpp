@@ -29,11 +29,13 @@ using CsvCell = std::variant<double, std::string>;
 class CsvLog {
   public:
     /// Columns carry their unit in the name (time_s). With `resume` the rows of an existing table are
-    /// kept as it says, else the table starts anew. InputError if the table has other columns.
-    /// Collective.
+    /// kept as it says, else the table starts anew. InputError if the table has other columns, or a damaged row among
+    /// those that stay. Nothing is written yet. Collective.
     CsvLog(const Comm& comm, std::string path, std::vector<std::string> columns,
            const std::optional<ResumeAfter>& resume = {});
 
+    /// Before the first row: what is kept, on the disk. MachineError if that fails. Collective.
+    void begin();
     /// Rank 0's values, one for each column; others may give none. MachineError if the disk fails.
     /// Collective.
     void row(std::span<const CsvCell> values);
@@ -52,6 +54,7 @@ class CsvLog {
     std::unique_ptr<DiskFile> file_;  ///< rank 0 only
     std::int64_t end_ = 0;            ///< [byte]
     std::string last_row_;
+    std::string content_;  ///< until begin()
 };
 
 }  // namespace moraine

@@ -33,7 +33,11 @@ const char* remedy(int error) {
 }  // namespace
 
 DiskFile::DiskFile(const std::string& path, Mode mode) : path_(path) {
-    handle_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (mode == Mode::create ? O_CREAT | O_TRUNC : 0), 0666);
+    // Nobody but a run makes partial files: a link of that name would have it write into any file.
+    const bool partial = path.ends_with(".partial");
+    if (partial && mode == Mode::create) ::unlink(path.c_str());
+    const int flags = (mode == Mode::create ? O_CREAT | O_TRUNC : 0) | (partial ? O_NOFOLLOW : 0);
+    handle_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666);
     if (handle_ < 0) fail("open");
 }
 

@@ -3,8 +3,10 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "core/error.hpp"
 #include "io/gis_file.hpp"
@@ -21,6 +23,9 @@ void* found(void* library, const char* name) {
     return function;
 }
 
+/// All that stay.
+constexpr std::string_view drivers[] = {"GTiff", "AAIGrid", "netCDF", "GPKG", "ESRI Shapefile", "GeoJSON", "VRT"};
+
 GdalLibrary load() {
     void* library = dlopen(MORAINE_GDAL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
     if (!library)
@@ -32,7 +37,15 @@ GdalLibrary load() {
 #undef MORAINE_GDAL_FIND
     g.CPLPushErrorHandler(g.CPLQuietErrorHandler);
     g.CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");  // no files beside those that are read
+    g.CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", "none");
+    g.OSRSetPROJEnableNetwork(FALSE);
     g.GDALAllRegister();
+    for (int k = g.GDALGetDriverCount() - 1; k >= 0; --k) {
+        GDALDriverH driver = g.GDALGetDriver(k);
+        const std::string name = g.GDALGetDriverShortName(driver);
+        if (std::find(std::begin(drivers), std::end(drivers), name) == std::end(drivers))
+            g.GDALDeregisterDriver(driver);
+    }
     return g;
 }
 
@@ -54,8 +67,19 @@ std::string gdal_message() {
     return text.empty() ? "GDAL gives no reason" : text;
 }
 
+namespace {
+
+/// WKT, or a code of EPSG. GDAL would follow links and open files as well.
+bool is_definition(const std::string& text) {
+    if (text.starts_with("EPSG:")) return true;
+    const std::size_t word = text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_");
+    return word != 0 && word != std::string::npos && text[word] == '[';
+}
+
+}  // namespace
+
 GdalSystem system_of(const std::string& text) {
-    if (text.empty()) return nullptr;
+    if (!is_definition(text)) return nullptr;
     GdalSystem system(gdal().OSRNewSpatialReference(nullptr));
     if (gdal().OSRSetFromUserInput(system.get(), text.c_str()) != OGRERR_NONE) return nullptr;
     gdal().OSRSetAxisMappingStrategy(system.get(), OAMS_TRADITIONAL_GIS_ORDER);
@@ -87,9 +111,12 @@ GdalDataset open_gis_file(const std::string& path, const std::string& kind, cons
     if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
         refuse(path, problem, "it is not a regular file", remedy);
     if (!std::ifstream(path, std::ios::binary)) refuse(path, problem, "no such file or no permission", remedy);
+    check_source(path);
     gdal().CPLErrorReset();
     GdalDataset dataset(gdal().GDALOpenEx(path.c_str(), flags | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-    if (!dataset) refuse(path, problem, gdal_message(), "Is it complete, and of a format that GDAL knows?");
+    if (!dataset)
+        refuse(path, problem, gdal_message(),
+               "Is it complete, and GeoTIFF, ESRI ASCII grid, netCDF, GeoPackage, shapefile or GeoJSON?");
     return dataset;
 }
 

@@ -25,13 +25,16 @@
     X(CSLDestroy) X(CSLSetNameValue) X(VSIFree) X(VSIGetMemFileBuffer) X(VSIUnlink) X(OSRDestroySpatialReference)  \
     X(OSRExportToWktEx) X(OSRGetAuthorityCode) X(OSRGetAuthorityName) X(OSRGetLinearUnits) X(OSRGetName)           \
     X(OSRIsGeographic) X(OSRIsProjected) X(OSRIsSame) X(OSRNewSpatialReference) X(OSRSetAxisMappingStrategy)       \
-    X(OSRSetFromUserInput) X(OCTDestroyCoordinateTransformation) X(OCTNewCoordinateTransformation) X(OCTTransform) \
+    X(OCTDestroyCoordinateTransformation) X(OCTNewCoordinateTransformation) X(OCTTransform) \
     X(OGR_F_Create) X(OGR_F_Destroy) X(OGR_F_GetFieldAsDouble) X(OGR_F_GetFieldAsString) X(OGR_F_GetFieldIndex)    \
     X(OGR_F_GetGeometryRef) X(OGR_F_IsFieldSetAndNotNull) X(OGR_F_SetFieldDouble) X(OGR_F_SetGeometryDirectly)     \
     X(OGR_Fld_Create) X(OGR_Fld_Destroy) X(OGR_GT_Flatten) X(OGR_G_AddGeometryDirectly) X(OGR_G_AddPoint_2D)       \
     X(OGR_G_CreateGeometry) X(OGR_G_GetGeometryCount) X(OGR_G_GetGeometryRef) X(OGR_G_GetGeometryType)             \
     X(OGR_G_GetPointCount) X(OGR_G_GetX) X(OGR_G_GetY) X(OGR_L_CreateFeature) X(OGR_L_CreateField)                 \
-    X(OGR_L_GetLayerDefn) X(OGR_L_GetNextFeature) X(OGR_L_GetSpatialRef) X(OGR_L_ResetReading)
+    X(OGR_L_GetLayerDefn) X(OGR_L_GetNextFeature) X(OGR_L_GetSpatialRef) X(OGR_L_ResetReading)                     \
+    X(GDALDeregisterDriver) X(GDALGetDriver) X(GDALGetDriverCount) X(GDALGetDriverShortName) X(GDALGetMaskBand)    \
+    X(GDALGetMaskFlags) X(GDALGetMetadataItem) X(OGR_F_GetFieldDefnRef) X(OGR_Fld_GetType) X(OSRCloneGeogCS)       \
+    X(OSRGetInvFlattening) X(OSRGetSemiMajor) X(OSRSetFromUserInput) X(OSRSetPROJEnableNetwork)
 // clang-format on
 
 namespace moraine {
@@ -58,7 +61,7 @@ struct DestroySystem {
 };
 using GdalSystem = std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, DestroySystem>;
 
-/// x east, y north. None where the text is empty or says no system.
+/// x east, y north, of WKT or a code of EPSG. None where the text is empty or says no system.
 GdalSystem system_of(const std::string& text);
 std::string wkt_of(OGRSpatialReferenceH system);
 /// "WGS 84 (EPSG:4326)"
@@ -69,7 +72,13 @@ struct DestroyTransform {
 };
 using GdalTransform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, DestroyTransform>;
 
-/// Refuses what is no regular file, then opens it; none where GDAL cannot.
+/// Refuses axes and units that scenes do not have: degrees, feet, depths that count down. Throws InputError.
+void check_system(OGRSpatialReferenceH system, const std::string& path);
+
+/// Refuses a file that would have GDAL open what does not lie beside it, or lacks bytes that it speaks of.
+void check_source(const std::string& path);
+
+/// Opens a file that stood check_source().
 GdalDataset open_gis_file(const std::string& path, const std::string& kind, const std::string& key, unsigned flags);
 
 /// What a writer left in GDAL's memory under this name.

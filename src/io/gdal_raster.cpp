@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "core/error.hpp"
+#include "io/file_numbers.hpp"
 #include "io/gdal_library.hpp"
 #include "io/gis_file.hpp"
 #include "io/input_error.hpp"
@@ -32,18 +33,6 @@ Ground shape_of(void* dataset, const std::string& path, bool& south_first) {
     return shape;
 }
 
-/// Refuses what is not in metres.
-void check_system(OGRSpatialReferenceH system, const std::string& path) {
-    if (!system) return;
-    const GdalLibrary& g = gdal();
-    const std::string remedy = "Reproject it to a metric system, by gdalwarp -t_srs?";
-    if (g.OSRIsGeographic(system)) refuse(path, "the raster is in degrees", name_of(system), remedy);
-    char* unit = nullptr;
-    if (g.OSRIsProjected(system) && std::fabs(g.OSRGetLinearUnits(system, &unit) - 1) > 1e-9)
-        refuse(path, fmt::format("the raster is in {}", unit ? unit : "another unit"),
-               fmt::format("{}; scenes are in metres", name_of(system)), remedy);
-}
-
 /// The one band, of a kind of number that can be a value.
 GDALRasterBandH band_of(void* dataset, const std::string& path, const RasterUse& use,
                         std::vector<std::string>& notices) {
@@ -55,13 +44,42 @@ GDALRasterBandH band_of(void* dataset, const std::string& path, const RasterUse&
     const GDALDataType type = g.GDALGetRasterDataType(band);
     const std::string unit = g.GDALGetRasterUnitType(band), name = g.GDALGetDataTypeName(type);
     static const std::vector<std::string> metres{"", "m", "metre", "metres", "meter", "meters"};
-    if (use.value == "height" && std::find(metres.begin(), metres.end(), unit) == metres.end())
+    if (use.value == "height" && std::find(metres.begin(), metres.end(), lower_case(unit)) == metres.end())
         refuse(path, "heights in " + quote(unit), "scenes are in metres", "Convert them?");
     if (name.starts_with("C")) refuse(path, "values of type " + name, "must be real numbers", "Is it the right file?");
+    if (name.ends_with("Int64"))
+        refuse(path, "values of type " + name, "its no-data value is not read",
+               "Convert it, by gdal_translate -ot Float64?");
+    const char* positive = g.GDALGetMetadataItem(band, "positive", nullptr);
+    if (use.value == "height" && positive && lower_case(positive) == "down")
+        refuse(path, "its values count down", "positive = \"down\"; scenes have z up", "Turn their sign?");
     if (use.value == "height" && type != GDT_Float32 && type != GDT_Float64)
         notices.push_back(
             fmt::format("{}: heights are whole numbers ({}), taken as metres; slopes are steps.", path, name));
     return band;
+}
+
+/// What else than its no-data value stands for none in a band: values that netCDF names.
+std::vector<double> further_no_data(GDALRasterBandH band) {
+    std::vector<double> all;
+    for (const char* key : {"_FillValue", "missing_value"})
+        if (const char* text = gdal().GDALGetMetadataItem(band, key, nullptr))
+            if (const auto value = number_in(text)) all.push_back(*value);
+    return all;
+}
+
+/// What a mask of its own hides is not known.
+void apply_mask(GDALRasterBandH band, const std::string& path, const std::array<int, 2>& first, Ground& part) {
+    const GdalLibrary& g = gdal();
+    const int flags = g.GDALGetMaskFlags(band), mask_and_alpha = GMF_PER_DATASET | GMF_ALPHA;
+    if (!(flags & mask_and_alpha)) return;
+    const auto nx = static_cast<int>(part.count[0]), ny = static_cast<int>(part.count[1]);
+    std::vector<double> shown(part.height.size());
+    if (g.GDALRasterIOEx(g.GDALGetMaskBand(band), GF_Read, first[0], first[1], nx, ny, shown.data(), nx, ny,
+                         GDT_Float64, 0, 0, nullptr) != CE_None)
+        refuse(path, "the raster's mask cannot be read", gdal_message(), "Is the file complete?");
+    for (std::size_t k = 0; k < shown.size(); ++k)
+        if (shown[k] == 0) part.height[k] = std::numeric_limits<double>::quiet_NaN();
 }
 
 /// Raw numbers into values: what is not known is NaN.
@@ -70,13 +88,14 @@ void scale_values(GDALRasterBandH band, const std::string& path, const RasterUse
     int has_none = 0, has_scale = 0, has_offset = 0;
     const double none = g.GDALGetRasterNoDataValue(band, &has_none);
     const double scale = g.GDALGetRasterScale(band, &has_scale), offset = g.GDALGetRasterOffset(band, &has_offset);
-    const bool single = g.GDALGetRasterDataType(band) == GDT_Float32;
+    const std::vector<double> more = further_no_data(band);
     const auto is_none = [&](double z) {
-        return has_none && (z == none || (single && static_cast<float>(z) == static_cast<float>(none)));
+        return is_no_data(z, has_none ? std::optional(none) : std::nullopt) ||
+               std::any_of(more.begin(), more.end(), [&](double value) { return is_no_data(z, value); });
     };
     for (std::size_t k = 0; k < part.height.size(); ++k) {
         double& z = part.height[k];
-        if (std::isnan(z) || is_none(z)) {
+        if (is_none(z)) {
             z = std::numeric_limits<double>::quiet_NaN();
             continue;
         }
@@ -115,38 +134,12 @@ Ground read_gis_raster(const std::string& path, const RasterUse& use,
     if (g.GDALRasterIOEx(band, GF_Read, static_cast<int>(w.first[0]), static_cast<int>(top), nx, ny, part.height.data(),
                          nx, ny, GDT_Float64, 0, 0, nullptr) != CE_None)
         refuse(path, "the raster cannot be read", gdal_message(), "Is the file complete?");
+    apply_mask(band, path, {static_cast<int>(w.first[0]), static_cast<int>(top)}, part);
     for (std::int64_t j = 0; j < w.count[1] / 2 && !south_first; ++j)
         std::swap_ranges(part.height.begin() + j * nx, part.height.begin() + (j + 1) * nx,
                          part.height.begin() + (w.count[1] - 1 - j) * nx);
     scale_values(band, path, use, part);
     return part;
-}
-
-bool are_same_crs(const std::string& one, const std::string& other, const std::array<double, 2>& min,
-                  const std::array<double, 2>& max, double tolerance) {
-    if (one.empty() || other.empty() || one == other) return true;
-    const GdalSystem from = system_of(one), to = system_of(other);
-    if (!from || !to) return true;
-    if (gdal().OSRIsSame(from.get(), to.get())) return true;
-    const GdalTransform transform(gdal().OCTNewCoordinateTransformation(from.get(), to.get()));
-    if (!transform) return false;
-    for (double px : {min[0], max[0]})
-        for (double py : {min[1], max[1]}) {
-            double x = px, y = py;
-            if (!gdal().OCTTransform(transform.get(), 1, &x, &y, nullptr) || !(std::hypot(x - px, y - py) <= tolerance))
-                return false;
-        }
-    return true;
-}
-
-std::string crs_beside(const std::string& path) {
-    const std::string beside = std::filesystem::path(path).replace_extension(".prj").string();
-    std::error_code none;
-    if (!std::filesystem::is_regular_file(beside, none)) return {};
-    const GdalSystem system = system_of(beside);  // a path is one way to name a system
-    if (!system) refuse(beside, "no coordinate system", gdal_message(), "Remove the file, or mend it?");
-    check_system(system.get(), beside);
-    return wkt_of(system.get());
 }
 
 std::string geotiff_bytes(const MapImage& image) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "io/file_numbers.hpp"
 #include "io/gdal_library.hpp"
 #include "io/gis_file.hpp"
 #include "io/input_error.hpp"
@@ -56,7 +57,14 @@ GisShape attributes_of(OGRFeatureH feature, const std::string& path) {
     };
     if (const int at = field("name"); at >= 0) shape.name = g.OGR_F_GetFieldAsString(feature, at);
     if (const int at = field("thickness"); at >= 0) {
-        shape.thickness = g.OGR_F_GetFieldAsDouble(feature, at);
+        const OGRFieldType type = g.OGR_Fld_GetType(g.OGR_F_GetFieldDefnRef(feature, at));
+        const std::string text = g.OGR_F_GetFieldAsString(feature, at);
+        const bool numeric = type == OFTInteger || type == OFTInteger64 || type == OFTReal;
+        const auto value = numeric ? std::optional(g.OGR_F_GetFieldAsDouble(feature, at)) : number_in(text);
+        if (!value)
+            refuse(path, fmt::format("a thickness of {}", quote(text.substr(0, 40))), "must be a number",
+                   "Correct the attribute?");
+        shape.thickness = *value;
         if (!(*shape.thickness > 0) || !std::isfinite(*shape.thickness))
             refuse(path, fmt::format("a thickness of {} m", *shape.thickness), "must be > 0", "Correct the attribute?");
     }

@@ -1,6 +1,9 @@
 #pragma once
-// Files of geographic information systems, by GDAL (https://gdal.org): rasters of any of its formats, polygons, lines
-// and points of GeoPackage, shapefile or GeoJSON, and their coordinate reference systems (CRS) by PROJ.
+// Files of geographic information systems, by GDAL (https://gdal.org): GeoTIFF, ESRI ASCII grid and netCDF; polygons,
+// lines and points of GeoPackage, shapefile or GeoJSON; their coordinate reference systems (CRS) by PROJ.
+//
+// No other driver of GDAL is left in the process: a file may come from anybody, and most drivers open what a text in it
+// names, hosts of a network among it. A VRT may name files of its own folder.
 //
 // GDAL is no library of the program: it is loaded (dlopen) by the first call that needs it, so a scene without such
 // files starts as fast as ever, and does so on machines that have no GDAL. A build without GDAL's headers has none of
@@ -41,6 +44,10 @@ bool are_same_crs(const std::string& one, const std::string& other, const std::a
 
 /// The system that NAME.prj beside NAME.asc has; empty where there is none. Throws InputError.
 std::string crs_beside(const std::string& path);
+
+/// Refuses a model whose metres are not those of the ground to a per cent, by its projection: slopes would be wrong by
+/// as much. Throws InputError.
+void check_scale(const Ground& part, const std::string& path);
 
 enum class GisKind { polygon, line, point };
 

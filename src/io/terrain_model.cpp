@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/file_numbers.hpp"
 #include "io/input_error.hpp"
 #include "io/terrain_file.hpp"
 
@@ -88,12 +89,41 @@ void require_heights(const Ground& part, const std::string& path) {
                        "Fill its gaps, or name an area inside of what is known by terrain.crop?");
 }
 
+/// Numbers for "unknown" that nobody declared (-9999, -32767, 0 in the mountains) stand kilometres from what is beside
+/// them: no ground does.
+void refuse_leaps(const Ground& part, const std::string& path) {
+    const double most = std::clamp(10 * part.spacing, 1000.0, 5000.0);
+    for (std::int64_t k = 0; k < part.count[0] * part.count[1]; ++k)
+        for (const std::int64_t step : {std::int64_t(1), part.count[0]}) {
+            const bool last = step == 1 ? (k + 1) % part.count[0] == 0 : k + step >= part.count[0] * part.count[1];
+            if (last) continue;
+            const double z[2] = {part.height[static_cast<std::size_t>(k)],
+                                 part.height[static_cast<std::size_t>(k + step)]};
+            if (!(std::fabs(z[1] - z[0]) > most)) continue;  // or one is not known
+            const auto at = [&](std::int64_t a) { return a == 0 ? k % part.count[0] : k / part.count[0]; };
+            refuse(path,
+                   fmt::format("heights of {:.7g} m and {:.7g} m side by side at ({:.10g}, {:.10g})", z[0], z[1],
+                               part.first[0] + static_cast<double>(at(0)) * part.spacing,
+                               part.first[1] + static_cast<double>(at(1)) * part.spacing),
+                   fmt::format("{:.4g} m apart, under the domain or within {} cells of it", part.spacing, margin),
+                   "Does one of them stand for no data? Declare it, by gdal_edit.py -a_nodata?");
+        }
+}
+
 Ground read_part(const std::string& path, const RasterUse& use, const std::function<NodeWindow(const Ground&)>& window,
                  std::vector<std::string>& notices) {
-    if (!path.ends_with(".asc")) return read_gis_raster(path, use, window, notices);
-    Ground all = read_ascii_grid(path, use);
-    all.crs = crs_beside(path);
-    return part_of(all, window(all));
+    Ground part;
+    if (has_ending(path, ".asc")) {
+        Ground all = read_ascii_grid(path, use);
+        all.crs = crs_beside(path);
+        part = part_of(all, window(all));
+    } else {
+        part = read_gis_raster(path, use, window, notices);
+    }
+    if (use.value != "height") return part;
+    refuse_leaps(part, path);
+    check_scale(part, path);
+    return part;
 }
 
 }  // namespace
@@ -140,8 +170,8 @@ Ground read_values(const std::string& path, const RasterUse& use, const Ground& 
 
 std::vector<GisShape> read_areas(const std::string& path, const std::string& key, const std::string& crs,
                                  std::vector<std::string>& notices) {
-    const bool json = path.ends_with(".geojson") || path.ends_with(".json");
-    if (path.ends_with(".csv") || (json && !has_gdal())) {
+    const bool json = has_ending(path, ".geojson") || has_ending(path, ".json");
+    if (has_ending(path, ".csv") || (json && !has_gdal())) {
         GisShape shape;
         shape.points = read_polygon(path, key);
         return {shape};
@@ -151,15 +181,15 @@ std::vector<GisShape> read_areas(const std::string& path, const std::string& key
 
 std::vector<GisShape> read_places(const std::string& path, const std::string& key, const std::string& crs,
                                   std::vector<std::string>& notices) {
-    if (path.ends_with(".csv")) return read_points(path, key);
+    if (has_ending(path, ".csv")) return read_points(path, key);
     return read_gis_shapes(path, key, GisKind::point, crs, notices);
 }
 
 std::vector<GisShape> read_lines(const std::string& path, const std::string& key, const std::string& crs,
                                  std::vector<std::string>& notices) {
-    const bool json = path.ends_with(".geojson") || path.ends_with(".json");
+    const bool json = has_ending(path, ".geojson") || has_ending(path, ".json");
     if (json && !has_gdal()) return {read_line(path, key)};
-    if (!path.ends_with(".csv")) return read_gis_shapes(path, key, GisKind::line, crs, notices);
+    if (!has_ending(path, ".csv")) return read_gis_shapes(path, key, GisKind::line, crs, notices);
     std::vector<GisShape> lines;
     for (const GisShape& point : read_points(path, key)) {
         if (lines.empty() || lines.back().name != point.name) lines.push_back({{}, point.name, {}});

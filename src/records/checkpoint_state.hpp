@@ -7,6 +7,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "core/error.hpp"
 #include "io/checkpoint.hpp"
@@ -296,6 +298,38 @@ inline SavedRecords saved_records(const CheckpointReader& file) {
     return records;
 }
 
+/// Rows of this rank's blocks. Nothing of them is used before they have the hash that was stored with them, and name
+/// bodies of the scene: a row may be damaged anywhere. Collective.
+template <class Real, int Dim>
+void read_particles(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path,
+                    const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
+                    std::span<const std::uint32_t> slots) {
+    std::vector<RowRange> mine;
+    for (const auto& [start, count] : ranges) mine.push_back({start, count});
+    const std::vector<ColumnBytes> columns = sim.patch().particles.columns();
+    for (const ColumnBytes& c : columns) {
+        std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
+        file.read_rows(file_column(c), mine, rows.data());
+        unpack_rows({c}, slots, rows.data());
+    }
+    std::map<std::int64_t, Key> key_at;  // of the row with which a block begins
+    std::int64_t row = 0;
+    for (const BlockRow& block : file.blocks()) key_at[std::exchange(row, row + block.count)] = block.key;
+    std::uint64_t hash = 0;
+    auto slot = slots.begin();
+    for (const RowRange& block : mine)
+        for (std::int64_t k = 0; k < block.count; ++k) hash += row_hash(key_at.at(block.start), columns, *slot++);
+    if (std::bit_cast<std::int64_t>(comm.sum(hash)) != file.get<std::int64_t>("state_hash"))
+        throw InputError(
+            fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "
+                        "Restart from an earlier checkpoint?",
+                        path));
+    const auto* body = sim.patch().particles.view().body;
+    const std::size_t bodies = sim.scene().bodies.size();
+    const bool known = std::all_of(slots.begin(), slots.end(), [&](std::uint32_t s) { return body[s] < bodies; });
+    if (comm.max(std::int64_t(!known)) != 0) file.refuse("its particles are of bodies that the scene lacks");
+}
+
 /// Throws InputError if the file is of another scene or its particles are not those that were stored.
 template <class Real, int Dim>
 void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path) {
@@ -330,21 +364,10 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
         state = file.get<std::vector<std::int64_t>>("partitioner_state");
     const auto read = [&](const std::vector<std::pair<std::int64_t, std::int64_t>>& ranges,
                           std::span<const std::uint32_t> slots) {
-        std::vector<RowRange> mine;
-        for (const auto& [start, count] : ranges) mine.push_back({start, count});
-        for (const ColumnBytes& c : sim.patch().particles.columns()) {
-            std::vector<std::byte> rows(padded(c.row_bytes * slots.size()));
-            file.read_rows(file_column(c), mine, rows.data());
-            unpack_rows({c}, slots, rows.data());
-        }
+        read_particles(sim, comm, file, path, ranges, slots);
     };
     sim.restore(keys, counts, clock, budget, state, read);
     load_structures(sim, comm, file);
-    if (std::bit_cast<std::int64_t>(state_hash(sim)) != file.get<std::int64_t>("state_hash"))
-        throw InputError(
-            fmt::format("{} is damaged (its particles do not have the state_hash that was stored with them). "
-                        "Restart from an earlier checkpoint?",
-                        path));
 }
 
 }  // namespace moraine

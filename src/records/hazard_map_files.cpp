@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/error.hpp"
 #include "core/ground.hpp"
 #include "io/disk_file.hpp"
 #include "records/hazard_maps.hpp"
@@ -107,8 +108,24 @@ std::string HazardMaps::outline(const std::vector<TileValues>& deepest, const Ma
         reached[static_cast<std::size_t>(at[0] - first[0] + part.size[0] * (at[1] - first[1]))] = true;
     });
     const auto polygons = outline_of(reached, part);
-    return has_gdal() ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, tags)
-                      : outline_json(polygons, scene_.hazard.threshold);
+    return by_gdal_ ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, tags)
+                    : outline_json(polygons, scene_.hazard.threshold);
+}
+
+std::string HazardMaps::prepare(const std::string& directory) {
+    const std::string folder = directory + "/maps";
+    comm_.agree_no_error<InputError>(message_of([&] {
+        if (comm_.is_root() && std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+            throw InputError(fmt::format("cannot write into {} (it is not a directory). Another --output?", folder));
+    }));
+    if (!comm_.is_root() || !by_gdal_) return {};
+    const std::string trouble = message_of([&] {
+        const std::string& crs = scene_.structures[0].ground->crs;
+        geotiff_bytes({{1, 1}, {0, 0}, 1, crs, "depth", "m", unknown, [](std::int64_t, float* row) { *row = 0; }, {}});
+        outline_bytes({}, crs, 1, {});
+    });
+    by_gdal_ = trouble.empty();
+    return by_gdal_ ? "" : fmt::format("hazard maps will be .asc and .geojson: {}", trouble);
 }
 
 /// Of a map: the largest value of its tiles.
@@ -132,13 +149,12 @@ void HazardMaps::write(const std::string& directory, const MapTags& tags) const 
         if (!comm_.is_root() || !trouble.empty()) continue;
         trouble = message_of([&] {
             if (wanted) {
-                replace_file((folder / (name + (has_gdal() ? ".tif" : ".asc"))).string(),
-                             has_gdal() ? image_of(map, tiles, tags) : text_of(map, tiles));
+                replace_file((folder / (name + (by_gdal_ ? ".tif" : ".asc"))).string(),
+                             by_gdal_ ? image_of(map, tiles, tags) : text_of(map, tiles));
                 replace_file((folder / (name + ".qml")).string(), map_style(name, most_of(tiles)));
             }
             if (map == max_depth)
-                replace_file((folder / (has_gdal() ? "outline.gpkg" : "outline.geojson")).string(),
-                             outline(tiles, tags));
+                replace_file((folder / (by_gdal_ ? "outline.gpkg" : "outline.geojson")).string(), outline(tiles, tags));
         });
     }
     comm_.agree_no_error<MachineError>(trouble);

@@ -46,6 +46,9 @@ class HazardMaps {
     template <class Real>
     void sample(const Simulation<Real, 3>& sim);
 
+    /// Tries what write() will need, before the first step: InputError where the folder cannot be. Rank 0 gets what to
+    /// warn of: where GDAL cannot write here, the maps will be .asc and .geojson. Collective.
+    std::string prepare(const std::string& directory);
     /// The files into the directory's folder maps, with words about the run. Rank 0 writes. Collective; throws
     /// MachineError.
     void write(const std::string& directory, const MapTags& tags) const;
@@ -145,6 +148,7 @@ class HazardMaps {
     std::map<std::int64_t, Tile> tiles_;   ///< that this rank owns
     std::vector<std::int64_t> deposited_;  ///< those of the last sample
     std::vector<double> gauges_;           ///< the last observation
+    bool by_gdal_ = has_gdal();            ///< files of its formats
     double next_ = 0;                      ///< time of the next sample [s]
 };
 

@@ -79,6 +79,18 @@ class RunHealth {
     static constexpr double most_gain = 0.01;
     static constexpr double most_filling = 0.05;
 
+    /// What to say where a particle has less than a thousandth or more than a thousand times of its volume: nothing
+    /// that follows means anything, whatever the method. Empty: none has.
+    static std::string lost_volume(const TimeSeriesRow<Dim>& row) {
+        const Totals<Dim>& t = row.totals;
+        if (row.particles == 0 || (t.min_J >= 1e-3 && t.max_J <= 1e3)) return {};
+        return fmt::format(
+            "a particle has lost its volume at step {} (t = {:.6g} s: J is from {:.3g} to {:.3g}, and beyond 1e-3 to "
+            "1e3 "
+            "nothing means anything). Try material.volumetric = \"grid\", a smaller time.cfl or smaller cells?",
+            row.step, row.time, t.min_J, t.max_J);
+    }
+
     /// rounding: of the run's reals, their epsilon. start_strain: stored at the start [J]. What is new.
     std::vector<HealthWarning<Dim>> observe(const TimeSeriesRow<Dim>& row, double start_strain, double rounding) {
         std::vector<HealthWarning<Dim>> found;

@@ -31,6 +31,8 @@ class StructurePath {
         if (8 * times_.size() >= 9 * written_) write();
     }
 
+    bool ends_at(double time) const { return !times_.empty() && times_.back() == time; }
+
     /// What the file lacks. Throws MachineError on all ranks if the disk fails. Collective.
     void write() {
         if (written_ == times_.size()) return;

@@ -53,6 +53,7 @@ void check_inside(const Scene& scene, const std::string& path, const std::string
 
 void load_sections(Scene& scene, const Places& places) {
     if (scene.hazard.sections_file.empty()) return;
+    require_file(scene, scene.hazard.sections_file, "hazard.sections", places);
     const std::string path = path_of_file(scene, scene.hazard.sections_file);
     std::set<std::string> names;
     std::size_t number = 0;
@@ -76,6 +77,7 @@ void load_sections(Scene& scene, const Places& places) {
 
 void load_gauges(Scene& scene, const Places& places) {
     if (scene.hazard.gauges_file.empty()) return;
+    require_file(scene, scene.hazard.gauges_file, "hazard.gauges", places);
     const std::string path = path_of_file(scene, scene.hazard.gauges_file);
     std::set<std::string> names;
     for (const GisShape& place : read_places(path, "hazard.gauges", scene.structures[0].ground->crs, scene.notices)) {

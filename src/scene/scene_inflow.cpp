@@ -59,6 +59,7 @@ void load_inflow(Scene& scene, BodySpec& spec, const Places& places) {
         refuse(places.of(path), path + " without ground", "it flows in over the model of [terrain]", "Add [terrain]?");
     spec.ground = scene.structures[0].ground;
     check_line(scene, spec, path, places);
+    require_file(scene, spec.file, path + ".table", places);
     const std::string file = path_of_file(scene, spec.file);
     const auto rows = read_hydrograph(file, path + ".table");
     check_table(file, rows);

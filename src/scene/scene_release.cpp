@@ -78,6 +78,8 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
     check_release(scene, path, places);
     spec.shape = BodyShape::layer;
     spec.ground = scene.structures[0].ground;
+    require_file(scene, spec.file, path + ".area", places);
+    require_file(scene, spec.thickness_file, path + ".thickness", places);
     const std::vector<GisShape> areas =
         read_areas(path_of_file(scene, spec.file), path + ".area", spec.ground->crs, scene.notices);
     const std::string file = spec.thickness_file.empty() ? "" : path_of_file(scene, spec.thickness_file);

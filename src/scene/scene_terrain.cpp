@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "io/file_numbers.hpp"
 #include "io/terrain_file.hpp"
 #include "io/terrain_model.hpp"
 #include "seeding/seed_table.hpp"
@@ -32,7 +34,7 @@ Ground ground_under(Scene& scene, const StructureSpec& spec, const std::string& 
         ground.whole = whole;
         return ground;
     }
-    if (!path.ends_with(".csv"))
+    if (!has_ending(path, ".csv"))
         refuse(places.of(key_of(scene)), fmt::format("{} = {}", key_of(scene), quote(path)),
                "a profile is a table of x,z in a .csv", "Convert or rename it?");
     const Ground all = read_profile(path);
@@ -72,6 +74,7 @@ std::vector<double> bed_values(Scene& scene, const Ground& ground, const std::st
 void load_bed(Scene& scene, const StructureSpec& spec, Ground& ground, const Places& places) {
     const auto check = [&](const std::string& file, const char* name, bool used) {
         const std::string key = fmt::format("terrain.{}", name);
+        require_file(scene, file, key, places);
         if (file.empty() || (used && scene.dimensions == 3)) return;
         refuse(places.of(key), key + " is not used",
                used ? "rasters are for scenes of 3 dimensions" : fmt::format("the law of the bed has no {}", name),
@@ -108,6 +111,14 @@ void check_period(const Scene& scene, const Ground& ground, std::size_t axis, co
 
 }  // namespace
 
+void require_file(const Scene& scene, const std::string& file, const std::string& key, const Places& places) {
+    std::error_code none;
+    if (!file.empty() && !std::filesystem::exists(path_of_file(scene, file), none))
+        refuse(places.of(key), fmt::format("{} = {}", key, quote(file)),
+               fmt::format("no such file: {}", path_of_file(scene, file)),
+               "Is it relative to the folder of the scene?");
+}
+
 void load_ground(Scene& scene, StructureSpec& spec, const Places& places) {
     const std::string key = key_of(scene), other = scene.dimensions == 3 ? "terrain.profile" : "terrain.dem";
     if (places.has(other))
@@ -121,6 +132,8 @@ void load_ground(Scene& scene, StructureSpec& spec, const Places& places) {
     check_crop(scene, spec, places);
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         if (places.has("domain.min") && !(scene.max[a] > scene.min[a])) return;  // check_scene() refuses it
+    require_file(scene, spec.file, key, places);
+    require_file(scene, spec.crop_file, "terrain.crop", places);
     const std::string path = path_of_file(scene, spec.file);
     auto ground = std::make_shared<Ground>(ground_under(scene, spec, path, places));
     smooth_model(scene, spec, path, *ground, places);

@@ -17,6 +17,9 @@ void lay_domain(Scene& scene, const StructureSpec& spec, const Ground& all, cons
 /// And in height, by the ground and the bodies on it.
 void lay_height(Scene& scene);
 
+/// Refuses a file that is not there, where the scene names it. Throws InputError.
+void require_file(const Scene& scene, const std::string& file, const std::string& key, const Places& places);
+
 /// Does what terrain.smooth asks for. Throws InputError.
 void smooth_model(Scene& scene, const StructureSpec& spec, const std::string& path, Ground& ground,
                   const Places& places);

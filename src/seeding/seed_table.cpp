@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <optional>
 
 #include "io/byte_order_mark.hpp"
+#include "io/file_numbers.hpp"
 #include "io/h5.hpp"
 #include "io/input_error.hpp"
 
@@ -35,17 +36,17 @@ std::vector<std::string> cells_of(const std::string& line) {
             cells.emplace_back();
         else if (c != ' ' && c != '\t' && c != '\r')
             cells.back() += c;
+    for (std::string& cell : cells)
+        if (cell.size() > 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
     return cells;
 }
 
 double number(const std::string& text, const std::string& place, const std::string& column) {
-    double value = 0;
-    const char* end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, value);
-    if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value))
+    const std::optional<double> value = number_in(text);
+    if (!value || !std::isfinite(*value))
         refuse(place, fmt::format("{} = {}", column, quote(text)), "must be a finite number",
                "Is the decimal sign a point and the separator a comma?");
-    return value;
+    return *value;
 }
 
 /// Positions in column_names of the header's words.
@@ -167,8 +168,8 @@ std::string path_of_file(const Scene& scene, const std::string& file) {
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
     const std::string path = path_of_file(scene, body.file);
     const std::vector<std::string>& names = column_names(scene.dimensions);
-    const bool csv = path.ends_with(".csv");
-    if (!csv && !path.ends_with(".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
+    const bool csv = has_ending(path, ".csv");
+    if (!csv && !has_ending(path, ".h5")) refuse(path, "unknown kind of table", "must be .csv or .h5", "Rename it?");
     std::error_code none;
     if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
         refuse(path, "the table cannot be read", "it is not a regular file", "Is body.file right?");

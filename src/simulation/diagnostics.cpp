@@ -93,6 +93,14 @@ std::vector<double> column_volumes(const Simulation<Real, Dim>& sim) {
     return volumes;
 }
 
+std::uint64_t row_hash(Key key, const std::vector<ColumnBytes>& columns, std::uint32_t slot,
+                       std::optional<std::uint64_t> place) {
+    std::uint64_t h = mix(key);
+    if (place) h = mix(h ^ *place);
+    for (const ColumnBytes& c : columns) h = mix_bytes(h, c.data + slot * c.row_bytes, c.row_bytes);
+    return h;
+}
+
 template <class Real, int Dim>
 std::uint64_t state_hash(const Simulation<Real, Dim>& sim, bool with_lists) {
     std::uint64_t sum = 0;
@@ -101,10 +109,8 @@ std::uint64_t state_hash(const Simulation<Real, Dim>& sim, bool with_lists) {
         for (int b = piece.begin; b < piece.end; ++b) {
             std::uint64_t place = 0;
             for (std::uint32_t s : piece.slots(b)) {
-                std::uint64_t h = mix(piece.tables.own[static_cast<std::size_t>(b)]);
-                if (with_lists) h = mix(h ^ place++);
-                for (const ColumnBytes& c : piece.columns) h = mix_bytes(h, c.data + s * c.row_bytes, c.row_bytes);
-                sum += h;
+                const Key key = piece.tables.own[static_cast<std::size_t>(b)];
+                sum += row_hash(key, piece.columns, s, with_lists ? std::optional(place++) : std::nullopt);
             }
         }
     });

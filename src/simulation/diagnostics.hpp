@@ -49,6 +49,10 @@ double sum_of(const Simulation<Real, Dim>& sim, const ExactSum& mine) {
 template <class Real, int Dim>
 std::vector<double> column_volumes(const Simulation<Real, Dim>& sim);
 
+/// A particle's part of the hash of the state: of a block, and of its row of all columns; `place`: in its list.
+std::uint64_t row_hash(Key key, const std::vector<ColumnBytes>& columns, std::uint32_t slot,
+                       std::optional<std::uint64_t> place = {});
+
 /// Hash of the state; `with_lists` includes each particle's block and place in its list. Collective.
 template <class Real, int Dim>
 std::uint64_t state_hash(const Simulation<Real, Dim>& sim, bool with_lists = false);

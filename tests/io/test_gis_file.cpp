@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <fstream>
 
 #include "core/error.hpp"
+#include "io/netcdf_size.hpp"
 #include "io/terrain_model.hpp"
 
 using namespace moraine;
@@ -15,7 +17,9 @@ namespace {
 /// Gone with the test case.
 class TestFolder {
   public:
-    TestFolder() : path_(std::filesystem::temp_directory_path() / ("moraine-gis-" + std::to_string(getpid()))) {
+    TestFolder()
+        : path_(std::filesystem::temp_directory_path() /
+                ("moraine-gis-" + std::to_string(getpid()) + "-" + std::to_string(++made))) {
         std::filesystem::create_directories(path_);
     }
     ~TestFolder() { std::filesystem::remove_all(path_); }
@@ -25,11 +29,13 @@ class TestFolder {
         std::ofstream(path_ / name, std::ios::binary) << bytes;
         return (path_ / name).string();
     }
+    std::string path(const std::string& name) const { return (path_ / name).string(); }
     std::size_t files() const {
         return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
     }
 
   private:
+    static inline int made = 0;
     std::filesystem::path path_;
 };
 
@@ -146,6 +152,132 @@ TEST_CASE("a model that is not in metres, turned or of several bands is refused 
     CHECK(has(said_of_model(folder.with("g.tif", bytes_of(image))), "the height at (500021, 5300019) is infinite"));
     image.corner[0] += 100;
     CHECK(has(said_of_model(folder.with("g.tif", bytes_of(image))), "the model reaches from 500100 to 500180"));
+}
+
+TEST_CASE("axes that count down or south, heights in feet and a far scale are refused, whatever system has them") {
+    const TestFolder folder;
+    const auto said = [&](const std::string& crs, std::array<double, 2> corner = {500000, 5300000}) {
+        Plane image = plane(crs);
+        image.corner = corner;
+        std::vector<std::string> notices;
+        try {
+            read_model(folder.with("g.tif", bytes_of(image)), {corner[0] + 10, corner[1] + 10},
+                       {corner[0] + 50, corner[1] + 40}, notices);
+        } catch (const InputError& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    CHECK(said("EPSG:25832").empty());
+    CHECK(said("EPSG:32632+5773").empty());  // heights over EGM96
+    CHECK(has(said("EPSG:32632+5715"), "its vertical axis points down"));
+    CHECK(has(said("EPSG:32632+5831"), "its vertical axis points down"));
+    CHECK(has(said("EPSG:32632+6360"), "heights in"));
+    CHECK(has(said("EPSG:2053", {20000, 3000000}), "an axis points"));
+    CHECK(has(said("EPSG:3857", {900000, 6000000}), "lengths are 1.47"));
+    CHECK(has(said("EPSG:3395", {900000, 6000000}), "lengths are 1.4"));
+    CHECK(said("EPSG:3031", {0, 1500000}).find("points") == std::string::npos);  // about the pole
+    CHECK(said("EPSG:2056", {2600000, 1200000}).empty());
+}
+
+TEST_CASE("what a mask hides and what the format calls missing is not known") {
+    const TestFolder folder;
+    folder.with("g.tif", bytes_of(plane(zone)));
+    const auto said = [&](const std::string& more) {
+        return said_of_model(folder.with(
+            "g.vrt",
+            virtual_raster(upright, "Float32",
+                           more +
+                               "<SimpleSource><SourceFilename "
+                               "relativeToVRT=\"1\">g.tif</SourceFilename><SourceBand>1</SourceBand></SimpleSource>")));
+    };
+    CHECK(said("").empty());
+    CHECK(has(said("<UnitType>Feet</UnitType>"), "heights in"));
+    CHECK(said("<UnitType>Meters</UnitType>").empty());
+    CHECK(has(said("<Metadata><MDI key=\"positive\">down</MDI></Metadata>"), "count down"));
+    CHECK(has(said("<Metadata><MDI key=\"missing_value\">115</MDI></Metadata>"), "no height at"));
+}
+
+TEST_CASE("a file opens nothing but itself and what lies in its folder") {
+    const TestFolder folder, other;
+    other.with("away.tif", bytes_of(plane(zone)));
+    folder.with("g.tif", bytes_of(plane(zone)));
+    const auto source = [&](const std::string& name, const std::string& more = "relativeToVRT=\"1\"") {
+        return said_of_model(
+            folder.with("x.tif", virtual_raster(upright, "Float32",
+                                                "<SimpleSource><SourceFilename " + more + ">" + name +
+                                                    "</SourceFilename><SourceBand>1</SourceBand></SimpleSource>")));
+    };
+    CHECK(source("g.tif").empty());
+    for (const std::string& name :
+         {std::string("/vsicurl/http://127.0.0.1:9/x.tif"), std::string("http://127.0.0.1:9/x.tif"),
+          std::string("NETCDF:g.nc:z"), std::string("&#47;vsicurl/x"), std::string("<![CDATA[g.tif]]>")})
+        CHECK(has(source(name), "a virtual raster that is not read here"));
+    CHECK(has(source(other.path("away.tif"), ""), "lies outside of its folder"));
+    CHECK(has(source("../" + std::filesystem::path(other.path("")).parent_path().filename().string() + "/away.tif"),
+              "lies outside of its folder"));
+    CHECK(has(source("none.tif"), "is not there"));
+    CHECK(has(said_of_model(folder.with("x.tif", "<VRTDataset subClass=\"VRTWarpedDataset\"></VRTDataset>")),
+              "subclass"));
+    CHECK(has(said_of_model(folder.with(
+                  "x.tif",
+                  "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://127.0.0.1:9/</ServerUrl></Service></GDAL_WMS>")),
+              "cannot be read"));
+    CHECK(has(
+        said_of_areas(
+            folder.with("a.gpkg",
+                        "<OGRVRTDataSource><OGRVRTLayer "
+                        "name=\"a\"><SrcDataSource>PG:host=127.0.0.1</SrcDataSource></OGRVRTLayer></OGRVRTDataSource>"),
+            zone),
+        "cannot be read"));
+    std::string linked = polygon("[[[0,0],[1,0],[0,1],[0,0]]]");
+    linked.insert(1, R"("crs":{"type":"link","properties":{"href":"http://127.0.0.1:9/x"}},)");
+    CHECK(has(said_of_areas(folder.with("a.geojson", linked), zone), "its coordinate system is a link"));
+    const std::size_t files = folder.files();
+    const std::string gml = "<gml:FeatureCollection xmlns:gml=\"http://www.opengis.net/gml\"></gml:FeatureCollection>";
+    CHECK(has(said_of_areas(folder.with("b.gml", gml), zone), "cannot be read"));
+    CHECK(folder.files() == files + 1);  // and no b.gfs
+    REQUIRE(::mkfifo(folder.path("g.tfw").c_str(), 0600) == 0);
+    CHECK(has(said_of_model(folder.path("g.tif")), "g.tfw beside it is not a regular file"));
+}
+
+namespace {
+
+std::string words_of(std::initializer_list<std::uint32_t> list) {
+    std::string bytes;
+    for (const std::uint32_t word : list)
+        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(word >> shift & 255);
+    return bytes;
+}
+
+/// CDF-1 of one variable z of floats: 3 x 4, or 3 records of 4.
+std::string classic_netcdf(bool records) {
+    const std::string head = std::string("CDF\x01", 4) + words_of({records ? 3u : 0u, 10, 2, 1}) +
+                             std::string("y\0\0\0", 4) + words_of({records ? 0u : 3u, 1}) + std::string("x\0\0\0", 4) +
+                             words_of({4, 0, 0, 11, 1, 1}) + std::string("z\0\0\0", 4) +
+                             words_of({2, 0, 1, 0, 0, 5, 16});
+    return head + words_of({static_cast<std::uint32_t>(head.size() + 4)}) + std::string(48, '\1');
+}
+
+}  // namespace
+
+TEST_CASE("a netCDF file that is shorter than its header says is refused") {
+    const TestFolder folder;
+    for (bool records : {false, true}) {
+        const std::string whole = classic_netcdf(records);
+        check_netcdf_size(folder.with("whole.nc", whole));
+        for (const std::size_t length : {whole.size() - 1, whole.size() - 48, whole.size() / 2, std::size_t(9)}) {
+            CAPTURE(length);
+            std::string said;
+            try {
+                check_netcdf_size(folder.with("cut.nc", whole.substr(0, length)));
+            } catch (const InputError& e) {
+                said = e.what();
+            }
+            CHECK(has(said, "cut short"));
+        }
+    }
+    check_netcdf_size(folder.with("text.nc", "CDF is no magic"));
 }
 
 TEST_CASE("a model that would not fit into memory is refused before it is read, with its size") {

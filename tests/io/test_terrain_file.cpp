@@ -103,17 +103,71 @@ TEST_CASE("a wrong grid is refused with its line and what is wrong") {
     CHECK(has(said_of("g.asc", with("10 11 12", "10.000 11.00")), "ends after 11 of 12 heights"));
     CHECK(has(said_of("g.asc", with("ncols 4", "ncols 3")), "more than 9 heights"));
     CHECK(has(said_of("g.asc", with("nrows 3", "nrows 500000000")), "heights are promised"));
-    CHECK(has(said_of("g.asc", with("6 7", "nan 7")), "g.asc:8: the height in row 2, column 2 = \"nan\""));
+    CHECK(has(said_of("g.asc", with("6 7", "six 7")), "g.asc:8: the height in row 2, column 2 = \"six\""));
+    CHECK(has(said_of("g.asc", with("6 7", std::string("6\0 7", 4))), "It holds zero bytes: is the file whole?"));
     CHECK(has(said_of("g.asc", with("6 7", "inf 7")), "must be a finite number"));
     CHECK(has(said_of("g.asc", with("6 7", "6,5 7")), "Is the decimal sign a point?"));
     CHECK(has(said_of("g.asc", with("6 7", "-9999 7")), "no height at (13, 23)"));
     CHECK(has(said_of("g.asc", with("cellsize 2", "cellsize 0")), "must be > 0"));
-    CHECK(has(said_of("g.asc", with("cellsize 2", "dx 2")), "is no key of an ESRI ASCII grid"));
+    CHECK(has(said_of("g.asc", with("cellsize 2", "cell 2")), "is no key of an ESRI ASCII grid"));
+    CHECK(has(said_of("g.asc", with("cellsize 2", "dx 2")), "cellsize, or dx and dy"));
+    CHECK(has(said_of("g.asc", with("cellsize 2", "dx 2\ndy 3")), "dx = 2, dy = 3 (cells must be squares)"));
     CHECK(has(said_of("g.asc", with("xllcorner 10\n", "")), "xllcorner or xllcenter"));
     CHECK(has(said_of("g.asc", with("xllcorner 10", "xllcorner 11")), "the model reaches from 11 to 19 along x"));
     CHECK(has(said_of("g.asc", ""), "ncols is missing"));
     CHECK(has(said_by([] { read_ascii_grid("/nowhere/g.asc"); }), "no such file"));
     CHECK(has(said_by([] { read_ascii_grid("/tmp"); }), "not a regular file"));
+}
+
+TEST_CASE("what a grid does not know is no height, in whatever form it says so") {
+    const auto unknown = [](const std::string& text) { return has(said_of("g.asc", text), "no height at (13, 23)"); };
+    const auto at = [](const std::string& value) { return with("6 7", value + " 7"); };
+    const auto declared = [&](const std::string& none, const std::string& value) {
+        std::string text = at(value);
+        return text.replace(text.find("NODATA_value -9999"), 18, "NODATA_value " + none);
+    };
+    std::string silent = at("-9999");
+    silent.erase(silent.find("NODATA_value"), 19);
+    CHECK(unknown(silent));  // the format's default
+    CHECK(unknown(at("-9999.0")));
+    CHECK(unknown(at("nan")));
+    CHECK(unknown(at("NaN")));
+    CHECK(unknown(declared("nan", "NaN")));
+    for (const char* lowest : {"-3.4028234663852886e+38", "-3.4028235e+38", "-3.402823466e+38", "-3.4e38"}) {
+        CHECK(unknown(declared("-3.4028234663852886e+38", lowest)));
+        CHECK(unknown(declared("-3.4028235e+38", lowest)));
+        CHECK(unknown(at(lowest)));
+    }
+    CHECK(unknown(at("9.96921e+36")));
+    CHECK(unknown(declared("0.1", "0.10000000149011612")));  // of 32 bits
+    CHECK(said_of("g.asc", declared("-32768", "-9.5")).empty());
+}
+
+TEST_CASE("spellings of a grid are read as they are meant") {
+    CHECK(said_of("g.asc", with("cellsize 2", "dx 2\ndy 2.0")).empty());
+    CHECK(said_of("g.asc", with("6 7", "+6.0 +7")).empty());
+    CHECK(has(said_of("g.asc", with("6 7", "+-6 7")), "= \"+-6\""));
+    CHECK(said_of("profile.csv", "\"x\",\"z\"\n0,1\n1,\"2\"\n2,+4\n").empty());
+    const TestFolder folder;
+    std::vector<std::string> notices;
+    CHECK(read_model(written(folder, "G.ASC", grid), {12, 22}, {16, 24}, notices).height.size() == 12);
+    CHECK(read_polygon(written(folder, "A.CSV", "X,Y\n0,0\n1,0\n0,1\n")).size() == 3);
+    const std::string zeros("x,z\n0,1\n1,\0\0\n2,4\n", 20);
+    CHECK(has(said_of("profile.csv", zeros), "profile.csv:3"));
+}
+
+TEST_CASE("a height kilometres from its neighbours is refused, a cliff is not") {
+    const TestFolder folder;
+    std::vector<std::string> notices;
+    const auto said = [&](const std::string& value) {
+        std::string text = with("6 7", value + " 7");
+        text.replace(text.find("-9999"), 5, "-1");
+        const std::string path = written(folder, "g.asc", text);
+        return said_by([&] { read_model(path, {12, 22}, {16, 24}, notices); });
+    };
+    CHECK(said("900").empty());
+    for (const char* value : {"-9999", "-32767", "32767", "1e4"})
+        CHECK(has(said(value), "Does one of them stand for no data?"));
 }
 
 TEST_CASE("a grid that would not fit into memory is refused before it is read, with its size") {

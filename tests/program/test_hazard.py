@@ -221,6 +221,61 @@ class Hazard(ValleyTest):
         finally:
             job.stop()
 
+    RECORDED = SCENE.replace("threshold = 0.2", 'threshold = 0.2\nsections = "lines.csv"\ngauges = "gauges.csv"')
+
+    def write_recorded(self):
+        self.write(self.SECTIONS, "lines.csv")
+        self.write("name,x,y\nscar,4.5,6.5\n", "gauges.csv")
+        self.write(self.RECORDED)
+
+    def test_a_restart_from_the_checkpoint_of_the_end_adds_no_row(self):
+        self.write_recorded()
+        keys = sets(time__end=0.2, output__checkpoint_interval=0.1)
+        one = self.run_scene(self.scene, "one", *keys)
+        before = {name: (one / name).read_bytes() for name in ("gauges.csv", "sections.csv", "history.csv")}
+        self.run_scene(self.scene, "one", *keys, "--restart", checkpoints(one)[-1])
+        for name, text in before.items():
+            self.assertEqual((one / name).read_bytes(), text, name)
+
+    def test_a_refused_resume_has_changed_nothing(self):
+        self.write_recorded()
+        keys = sets(time__end=0.2, output__checkpoint_interval=0.1)
+        one = self.run_scene(self.scene, "one", *keys)
+        (one / "sections.csv").write_text("step,time_s\n1,2\n")
+        before = {path.name: path.read_bytes() for path in one.iterdir() if path.is_file()}
+        ended = moraine.call("run", self.scene, "--output", one, "--device", "cpu", "--quiet", *keys, "--restart",
+                             checkpoints(one)[0])
+        self.assertIn("sections.csv (its columns are others)", self.assert_one_problem(ended))
+        self.assertEqual({path.name: path.read_bytes() for path in one.iterdir() if path.is_file()}, before)
+
+    def test_what_maps_will_need_is_tried_before_the_run(self):
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "maps").write_text("mine")
+        words = ["run", self.scene, "--output", self.folder / "out", "--device", "cpu", "--quiet", *sets(time__end=1e6)]
+        self.assertIn("maps (it is not a directory)", self.assert_one_problem(moraine.call(*words)))
+        self.assertEqual((self.folder / "out" / "maps").read_text(), "mine")
+
+    @unittest.skipUnless(GDAL, "a build without GDAL")
+    def test_maps_fall_back_to_text_where_gdal_cannot_write_them(self):
+        directory = self.folder / "out"
+        done = subprocess.run(moraine.command(["run", self.scene, "--output", directory, "--device", "cpu",
+                                               *sets(time__end=0)]), env={**moraine.environment(), "GDAL_SKIP": "GTiff"},
+                              capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Warning: hazard maps will be .asc and .geojson: GDAL cannot write GeoTIFF", done.stderr)
+        rows = [line.split() for line in (directory / "maps" / "deposit.asc").read_text().splitlines()[6:]]
+        self.assertAlmostEqual(sum(float(word) for row in rows for word in row), summary(directory)["mass_kg"] / 1800, delta=1e-3)
+        self.assertTrue((directory / "maps" / "outline.geojson").exists())
+
+    def test_a_link_in_place_of_a_partial_file_is_not_written_through(self):
+        (self.folder / "out" / "maps").mkdir(parents=True)
+        victim = self.write("mine", "victim")
+        names = ["history.csv", "summary.json", "maps/deposit.tif", "maps/deposit.asc", "particles.vtkhdf"]
+        for name in names:
+            (self.folder / "out" / (name + ".partial")).symlink_to(victim)
+        self.run_scene(self.scene, "out", *sets(time__end=0, hazard__maps='["deposit"]'))
+        self.assertEqual(victim.read_text(), "mine")
+
     def test_a_run_says_where_its_maps_are(self):
         directory = self.folder / "run"
         ended = moraine.call("run", self.scene, "--output", directory, "--device", "cpu", *sets(time__end=0))

@@ -2,8 +2,10 @@
 import os
 import shutil
 import subprocess
+import unittest
 
 import moraine
+import valley
 from moraine import MPIEXEC, PROGRAM, SMALL_SCENE, Ended, checkpoints, sets, summary
 
 TABLE = SMALL_SCENE.replace('shape = "box"\nmin = [1.0, 0.5]\nmax = [2.0, 1.5]',
@@ -79,6 +81,21 @@ class SameScene(moraine.ProgramTest):
 
     def test_a_scene_may_come_through_a_pipe(self):
         ended = call_apart(self.run_words("/dev/stdin"), [self.folder, self.folder], stdin=SMALL_SCENE)
+        self.assertEqual(ended.code, 0, ended)
+
+    @unittest.skipUnless(valley.GDAL, "a build without GDAL")
+    def test_what_lies_behind_a_file_that_all_have_is_agreed_on_by_its_values(self):
+        mosaic = ('<VRTDataset rasterXSize="13" rasterYSize="7"><GeoTransform>-1, 2, 0, 13, 0, -2</GeoTransform>'
+                  '<VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename relativeToVRT="1">part.asc'
+                  '</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>')
+        good = {"s.toml": valley.SCENE.replace("valley.asc", "valley.vrt").replace("end = 1.2", "end = 0.01"),
+                "valley.vrt": mosaic, "part.asc": valley.grid(), "area.csv": valley.AREA}
+        other = {**good, "part.asc": valley.grid(at=lambda x, y: valley.heights(x, y) + 0.01)}
+        line = self.assert_one_problem(call_apart(self.run_words(), self.hosts(good, other)))
+        for word in ("rank 0 and rank 1", "structure.terrain.heights", "old copy"):
+            self.assertIn(word, line)
+        self.assertFalse((self.folder / "out").exists())
+        ended = call_apart(self.run_words(), self.hosts(good, good, called="same"))
         self.assertEqual(ended.code, 0, ended)
 
     def test_tables_that_differ_between_ranks_are_refused_by_name(self):

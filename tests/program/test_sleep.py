@@ -2,6 +2,7 @@
 import csv
 import subprocess
 
+import damage
 import moraine
 from moraine import INPUTS, call, checkpoints, sets, summary
 
@@ -75,6 +76,22 @@ def rows(directory, name="history"):
 
 
 class Sleep(moraine.ProgramTest):
+    def test_a_checkpoint_with_sleepers_and_a_flipped_bit_anywhere_in_its_rows_is_refused(self):
+        scene = self.write(BED)
+        directory = self.run_scene(scene, "whole", *sets(output__checkpoint_interval=0.3))
+        content = checkpoints(directory)[-1].read_bytes()
+        bad = self.folder / "bad.h5"
+        for number, (at, length) in enumerate(damage.parts(content)[1]):
+            for offset in (1, length // 2 | 1, length - 1):  # also high bytes of indices of 16 bits
+                flipped = bytearray(content)
+                flipped[at + offset] ^= 1 << (number + offset) % 8
+                bad.write_bytes(flipped)
+                with self.subTest(region=number, offset=offset):
+                    ended = call("run", scene, "--restart", bad, "--output", self.folder / "again", "--quiet",
+                                 "--device", "cpu")
+                    self.assertIn("bad.h5", self.assert_one_problem(ended))
+                    self.assertFalse((self.folder / "again").exists())
+
     def test_it_is_the_same_on_any_ranks_threads_and_partitioners_and_after_any_checkpoint(self):
         scene = self.write(BED)
         alone = self.run_scene(scene, "alone", *sets(output__checkpoint_interval=0.13))

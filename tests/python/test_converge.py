@@ -75,6 +75,19 @@ class Converge(PackageTest):
         again, _ = converge(BAR, "on", "kinetic_J", sets={"time.cfl": 0.4}, overwrite=True)
         self.assertNotEqual(again.variants[0].levels[0].steps, study.variants[0].levels[0].steps)
 
+    def test_overwrite_removes_what_a_study_made_and_nothing_else(self):
+        study = folder("mixed")
+        for name in ("victim", "mixed/notes", "mixed/cell-0.5", "mixed/apic-cell-0.25"):
+            (study.parent / name).mkdir(parents=True, exist_ok=True)
+        (study / "cell-1").symlink_to(study.parent / "victim")
+        for text in (json.dumps({"runs": {"../victim": 1.0, str(study.parent / "victim"): 1.0, "notes": 1.0}}), "", "[]", "null"):
+            (study / "converge.json").write_text(text)
+            if not text.startswith("{"):
+                self.assertIn("damaged", self.problem(converge, BAR, "mixed", "kinetic_J"))
+            self.problem(converge, BAR, "mixed", "kinetic_J", overwrite=True, budget=1e-9)
+            self.assertTrue((study.parent / "victim").is_dir() and (study / "notes").is_dir())
+        self.assertFalse((study / "cell-0.5").exists() or (study / "apic-cell-0.25").exists())
+
     def test_an_interrupted_study_goes_on_from_its_checkpoint_to_the_same_values(self):
         words = [INPUTS / "slurry_runout.toml", "--set", "time.end=0.5", "--coarsest", 0.5, "--ratio", "1:2", "--quantity", "max_x_m", "--device", "cpu",
                  "--set", "output.checkpoint_wall_interval=0.05"]

@@ -189,18 +189,5 @@ class MapErrors(PackageTest):
         self.assertEqual(path.read_bytes(), first)
 
 
-class Removal(PackageTest):
-    def test_overwrite_removes_runs_of_the_study_alone(self):
-        study, victim = folder("x/study"), folder("x/victim")
-        for place in (study, victim):
-            place.mkdir(parents=True)
-        (victim / "mine.txt").write_text("mine")
-        for kept in ('{"runs": {"../victim": 0.0}}', '{"runs": {"cell-1/../../victim": 0.0}}', "[]", "null", '{"runs": {"cell-1": "x"}}', ""):
-            (study / "converge.json").write_text(kept)
-            told = self.problem(moraine.converge, slope("plain"), "front", study, overwrite=True)
-            self.assertIn("is damaged", told)
-            self.assertTrue((victim / "mine.txt").is_file())
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "records/run_health.hpp"
 
@@ -138,4 +139,19 @@ TEST_CASE("what no run has stored is refused") {
     CHECK_FALSE(health.restore({1, 0, -1, 0, 1}));
     CHECK_FALSE(health.restore({std::numeric_limits<double>::quiet_NaN(), 0, -1}));
     CHECK(health.restore({1, 0, -1}));
+}
+
+TEST_CASE("a particle with a thousandth or a thousand times of its volume ends a run") {
+    TimeSeriesRow<2> row;
+    row.particles = 3;
+    for (const auto& [least, most, lost] :
+         {std::tuple{1e-3, 1e3, false}, {9e-4, 1.0, true}, {1.0, 1.1e3, true}, {7.6e-126, 1e125, true}}) {
+        CAPTURE(least);
+        row.totals.min_J = least, row.totals.max_J = most;
+        CHECK(RunHealth<2>::lost_volume(row).empty() == !lost);
+    }
+    row.totals.min_J = std::nan("");
+    CHECK(!RunHealth<2>::lost_volume(row).empty());
+    row.particles = 0;  // all have left
+    CHECK(RunHealth<2>::lost_volume(row).empty());
 }
