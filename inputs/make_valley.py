@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes inputs/valley.asc, valley_release.csv, valley_gauges.csv, valley_sections.csv and valley_inflow.csv: a steep
-head, a channel that bends, and a plain.
+"""Makes inputs/valley.asc, valley_release.csv, valley_gauges.csv, valley_sections.csv,
+valley_path.csv and valley_inflow.csv: a steep head, a channel that bends, and a plain.
 
     python3 inputs/make_valley.py
 
@@ -32,6 +32,7 @@ def main():
     (here / "valley_release.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in corners))
     (here / "valley_gauges.csv").write_text("name,x,y\nhead,30,66\nchannel,50,68\n")
     (here / "valley_sections.csv").write_text("name,x,y\nneck,56,85\nneck,56,50\n")
+    (here / "valley_path.csv").write_text("name,x,y\n" + "".join(f"channel,{x},{60 + 10 * math.sin(x / 28):.1f}\n" for x in range(10, 260, 8)))
     (here / "valley_inflow.csv").write_text("time,discharge,speed\n0,0,2\n5,60,6\n15,20,4\n")
 
 

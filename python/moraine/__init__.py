@@ -7,6 +7,8 @@
 
 All lengths are in m, times in s, masses in kg (per metre of thickness in plane strain). docs/python.md has more.
 """
+from .calibration import calibrate
+from .calibration_data import Calibration
 from .columns import depth_at, depth_profile, spacing
 from .convergence import converge
 from .errors import Error
@@ -15,12 +17,14 @@ from .program import Check, check, find_program, run
 from .records import Table, read_summary, read_table
 from .results import Run
 from .richardson import Estimate, estimate
+from .scenario_data import Scenarios
+from .scenarios import run_study
 from .scene import read_scene, write_scene
 from .study import Study
 from .toml_text import to_toml
 from .vtk import to_pyvista
 from .waiting import Progress
 
-__all__ = ["Check", "Error", "Estimate", "Particles", "ParticleSeries", "Progress", "Run", "Study", "Table", "check", "converge",
-           "depth_at", "depth_profile", "estimate", "find_program", "read_scene", "read_summary", "read_table", "run", "spacing", "to_pyvista",
+__all__ = ["Calibration", "Check", "Error", "Estimate", "Particles", "ParticleSeries", "Progress", "Run", "Scenarios", "Study", "Table", "calibrate", "check", "converge",
+           "depth_at", "depth_profile", "estimate", "find_program", "read_scene", "read_summary", "read_table", "run", "run_study", "spacing", "to_pyvista",
            "to_toml", "write_scene"]

@@ -19,7 +19,9 @@ def parser(prog: str = "moraine converge") -> argparse.ArgumentParser:
     words = Parser(EXAMPLE, prog=prog, description="Runs a scene from coarse to fine cells: order, Richardson value and grid convergence index of a value.")
     words.add_argument("scene", metavar="SCENE.toml")
     words.add_argument("--quantity", default="front", metavar="NAME,...",
-                       help="front, max_depth, a column of history.csv, or structure.NAME.force_x; @max, @min, @mean or @TIME instead of at the end (default: front)")
+                       help="front, runout, drop, travel_angle, depth, maps.NAME, gauges.NAME.depth, sections.NAME.volume, a column of history.csv, or structure.NAME.force_x; @max, @min, @mean or @TIME instead of at the end (default: front)")
+    words.add_argument("--curve", action="append", default=[], metavar="structure.NAME.Y/X", help="a column of a structure over another, as force_y/displacement_y, with a band over its range; again for more")
+    words.add_argument("--with", dest="data", metavar="FILE.csv", help="a curve of your own beside them: a header and rows of x,y")
     words.add_argument("--error", metavar="PERCENT", help="go on to finer cells until the error is below, as 1%%, and a further level has confirmed it")
     words.add_argument("--levels", type=int, metavar="N", help="levels at most (default: 3; 6 with --error)")
     words.add_argument("--ratio", default="2:3:4", help="cells over one length, level by level; 1:2 halves (default: 2:3:4)")
@@ -67,8 +69,9 @@ def _run(given: argparse.Namespace) -> int:
     study = converge(given.scene, given.quantity, given.output, given.error, given.levels, given.ratio, given.coarsest, given.budget,
                      dict(map(parse_set, given.sets)), _sides(given.set_each), given.ranks, given.threads, options, given.overwrite,
                      lambda text: print(text, flush=True),
-                     lambda line: None if given.quiet else print(line, file=sys.stderr, flush=True))
-    print(f"\n{table(study)}\nResults are in {study.path}: converge.json, converge.csv" + "".join(f", {f.name}" for f in sorted(study.path.glob("error-*.svg"))))
+                     lambda line: None if given.quiet else print(line, file=sys.stderr, flush=True),
+                     curves=given.curve, data=given.data)
+    print(f"\n{table(study)}\nResults are in {study.path}: converge.json, converge.csv" + "".join(f", {f.name}" for pattern in ("error-*.svg", "curve-*.svg") for f in sorted(study.path.glob(pattern))))
     return max(variant.failed for variant in study.variants)
 
 

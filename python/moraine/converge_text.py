@@ -1,11 +1,9 @@
-"""What a refinement study says after each level and at its end, and its files converge.csv and error-QUANTITY.svg."""
-import csv
-import pathlib
-import re
-from typing import Any, List
+"""What a refinement study says after each level and at its end, as text."""
+from typing import Dict, List, Tuple
 
-from .error_plot import Curve, error_plot
-from .number_text import digits, duration, two_digits
+from .converge_files import map_errors, rows_of
+from .number_text import digits, duration, exact, two_digits
+from .map_errors import map_line
 from .quantity import Quantity
 from .richardson import Estimate
 from .study import Study, Variant
@@ -18,14 +16,16 @@ NO_BAR = {
 }
 
 
-def estimate_line(quantity: Quantity, found: Estimate) -> str:
-    """
-    >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97))
-    'front_m = 56.40 +- 0.97 (1.7 %): order 1.20, Richardson value 55.90, safety factor 1.94'
+def estimate_line(quantity: Quantity, found: Estimate, change: float = 0.0) -> str:
+    """change: to the level before.
+
+    >>> estimate_line(Quantity("front_m", "front_m", "end"), Estimate("converges", 56.4, 1.2, 55.9, 1.94, 0.97, 40.0))
+    'front_m = 56.40 +- 0.97 (5.9 % of the way of 16.40 m): order 1.20, Richardson value 55.90, safety factor 1.94'
     """
     if found.error is None:
-        return f"{quantity.text} = {found.finest:.6g}: {NO_BAR[found.verdict]}"
-    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %)"
+        return f"{quantity.text} = {exact(found.finest, change, found.origin)}: {NO_BAR[found.verdict]}"
+    way = f" of the way of {digits(abs(found.finest - found.origin), found.error)} m" if found.origin else ""
+    share = "" if found.relative is None else f" ({two_digits(100 * found.relative)} %{way})"
     if found.verdict == "equal":
         return f"{quantity.text} = {digits(found.finest, found.error)} +- {two_digits(found.error)}{share}: the same on three levels, but for rounding"
     assert found.order is not None and found.value is not None and found.safety is not None
@@ -69,69 +69,35 @@ def after_level(study: Study, variant: Variant) -> str:
     lines = [f"{head}level {len(variant.levels)}: cell {level.cell:.6g} m, {level.particles} particles, {level.steps} steps, {duration(level.wall_s)}"]
     lines += [f"  {remark}" for remark in level.remarks]
     for quantity in study.quantities:
-        lines.append(f"  {estimate_line(quantity, variant.estimate(quantity))}")
+        values = [level.values[quantity.text] for level in variant.levels[-2:]]
+        lines.append(f"  {estimate_line(quantity, variant.estimate(quantity), values[-1] - values[0])}")
         lines += _on_the_bar(variant, quantity)
         if variant.estimate(quantity).verdict == "oscillates" and quantity.resolution(level.cell) > 0:
             lines.append(f"    ({quantity.name} is counted in whole cells: --quantity front is not)")
+    lines += [f"  {map_line(found)}" for found in map_errors(study, variant)]
     return "\n".join(lines)
 
 
-HEAD = ["variant", "level", "cell_m", "particles", "steps", "wall_s", "quantity", "value", "verdict", "order", "richardson", "safety", "gci"]
-
-
-def rows_of(study: Study) -> List[List[Any]]:
-    """A row of HEAD for each level and quantity; what is not known is empty."""
-    rows = []
+def _least_changes(study: Study) -> Dict[Tuple[str, str], float]:
+    """Of each variant and quantity the least change between two levels, 0 where there is none."""
+    found = {}
     for variant in study.variants:
-        for k, level in enumerate(variant.levels):
-            for quantity in study.quantities:
-                e = variant.estimate(quantity, k + 1)
-                more = ["" if x is None else x for x in (e.order, e.value, e.safety, e.error)]
-                rows.append([variant.name, k + 1, level.cell, level.particles, level.steps, level.wall_s, quantity.text, e.finest, e.verdict, *more])
-    return rows
+        for quantity in study.quantities:
+            values = [level.values[quantity.text] for level in variant.levels]
+            found[variant.name, quantity.text] = min((abs(b - a) for a, b in zip(values, values[1:]) if a != b), default=0.0)
+    return found
 
 
 def table(study: Study) -> str:
     """All levels as a table of text."""
     shown = [["cell [m]", "particles", "time", "", "value", "order", "Richardson", "GCI", "factor"]]
     named = any(v.name for v in study.variants)
-    for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error in rows_of(study):
-        marks = [f"{order:.2f}", f"{richardson:.6g}", two_digits(error), f"{safety:.2f}"] if verdict == "converges" else [verdict, "", "", ""]
-        shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", f"{value:.6g}", *marks])
+    changes = _least_changes(study)
+    for name, _, cell, particles, _, wall, quantity, value, verdict, order, richardson, safety, error, origin in rows_of(study):
+        change = changes[name, quantity]
+        marks = [verdict, "", "", ""]
+        if verdict == "converges":
+            marks = [f"{order:.2f}", exact(richardson, min(change, error) or error, origin), two_digits(error), f"{safety:.2f}"]
+        shown.append([f"{cell:.6g}", str(particles), duration(wall), f"{name + ' ' if named else ''}{quantity}", exact(value, change, origin), *marks])
     wide = [max(len(row[k]) for row in shown) for k in range(len(shown[0]))]
     return "\n".join("  ".join(word.ljust(wide[k]) if k == 3 else word.rjust(wide[k]) for k, word in enumerate(row)).rstrip() for row in shown)
-
-
-def _curves(study: Study, quantity: Quantity) -> List[Curve]:
-    """Run time and error of each level that has a Richardson value, against that of the finest three."""
-    found = []
-    for variant in study.variants:
-        last = variant.estimate(quantity) if variant.levels else None
-        if last is None or last.verdict != "converges" or not last.value:
-            continue
-        exact = last.value
-        errors = [(level.wall_s, abs(level.values[quantity.text] / exact - 1)) for level in variant.levels]
-        bars = []
-        for k in range(2, len(variant.levels)):
-            bar = variant.estimate(quantity, k + 1).relative
-            if bar:
-                bars.append((variant.levels[k].wall_s, bar))
-        found.append(Curve(variant.name or quantity.text, errors, bars))
-    return found
-
-
-def write_files(study: Study) -> List[pathlib.Path]:
-    """converge.csv, and error-QUANTITY.svg of each quantity that converges; the files."""
-    files = [study.path / "converge.csv"]
-    with open(files[0], "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEAD)
-        writer.writerows(rows_of(study))
-    for quantity in study.quantities:
-        path = study.path / f"error-{re.sub(r'[^A-Za-z0-9_.-]+', '_', quantity.text)}.svg"
-        curves = _curves(study, quantity)
-        path.unlink(missing_ok=True)
-        if curves:
-            path.write_text(error_plot(f"{quantity.text}: error against run time", curves), encoding="utf-8")
-            files.append(path)
-    return files

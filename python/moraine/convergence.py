@@ -3,7 +3,9 @@ import pathlib
 import re
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
-from .converge_text import after_level, before_level, write_files
+from .converge_files import refuse_curves, write_curves, write_files
+from .converge_text import after_level, before_level
+from .curves import parse_curve, read_data
 from .errors import Error
 from .level_run import Plan
 from .levels import parse_ratio, refuse_tables
@@ -48,7 +50,7 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
              levels: Optional[int] = None, ratio: str = "2:3:4", coarsest: Optional[float] = None, budget: Union[float, str, None] = None,
              sets: Mapping[str, Any] = {}, set_each: Mapping[str, Sequence[Any]] = {}, ranks: Optional[int] = None, threads: int = 1,
              options: Sequence[str] = (), overwrite: bool = False, told: Callable[[str], None] = print,
-             progress: Callable[[str], None] = lambda line: None, program: Optional[Path] = None) -> Study:
+             progress: Callable[[str], None] = lambda line: None, program: Optional[Path] = None, curves: Sequence[str] = (), data: Optional[Path] = None) -> Study:
     """Runs a scene on finer and finer cells and returns what its values are known to.
 
     quantity: names with commas between (`Quantity`); error: the wanted error as a share (0.01 or "1%"), which four levels or more must show, else `levels` are computed;
@@ -56,7 +58,8 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
     the first level (default: the third has the scene's cell); sets: changed keys; set_each: keys with the values to compare; told: called
     with the text after each level; output (default: runs/converge-NAME) is gone on with where it is there. Others as in `run`.
 
-    Raises Error for what cannot be, as `run` does.
+    curves: as "structure.NAME.force_y/displacement_y", of which curve-*.csv and .svg have a band over the range; data: a .csv that is laid
+    beside them. Raises Error for what cannot be, as `run` does.
     """
     error = parse_error(error) if isinstance(error, str) else error
     if levels is None:
@@ -72,6 +75,8 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
     if "cell" not in study.keys.get("domain", {}) or "end" not in study.keys.get("time", {}):
         raise Error(f"{name} has no domain.cell or no time.end (both are needed). Is it a scene?")
     refuse_tables(study.keys)
+    wanted, own = [parse_curve(text) for text in curves], read_data(pathlib.Path(data)) if data else None
+    refuse_curves(wanted, own, study.keys)
 
     def before(variant: Variant) -> None:
         told(before_level(variant))
@@ -80,4 +85,6 @@ def converge(scene: Scene, quantity: str = "front", output: Optional[Path] = Non
         told(after_level(study, variant))
     refine(study, plan, before, after, progress)
     write_files(study)
+    for line in write_curves(study, wanted, own):
+        told(line)
     return study

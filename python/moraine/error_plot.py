@@ -4,7 +4,7 @@ import html
 import math
 from typing import Iterable, List, Sequence, Tuple
 
-COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#7570b3", "#e7298a", "#66a61e")
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # they differ for the red-green blind, too
 WIDE, TALL = 640, 400                                   # of the picture
 LEFT, RIGHT, TOP, BOTTOM = 76, 616, 44, 336             # of what the axes enclose
 STYLE = ("text{font:13px sans-serif;fill:#222}.grid{stroke:#ddd}.axis{stroke:#222;fill:none}.note{font-size:12px;fill:#555}"

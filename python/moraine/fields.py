@@ -28,7 +28,7 @@ FIELDS: Dict[str, Field] = {
     "speed": Field("speed [m/s]", "viridis", None, 0.2, ["velocity"], lambda p, width, between: p.speed()),
     "pressure": Field("pressure [kPa]", "plasma", 2, 2, ["pressure"], lambda p, width, between: p["pressure"] / 1e3),
     "depth": Field("depth of the flow [m]", "cividis", None, 0, [], lambda p, width, between: depth_at(p.position, width, between)),
-    "rank": Field("rank", "tab10", None, 0, ["rank"], lambda p, width, between: p["rank"].astype(float)),
+    "rank": Field("rank", "ranks", None, 0, ["rank"], lambda p, width, between: p["rank"].astype(float)),
 }
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from .axis_text import label_axis
 from .columns import depth_along, depth_profile, spacing
 from .fields import field_of, finite
 from .panels import colour_bar, draw_particles
@@ -116,7 +117,7 @@ class Frames:
                 box = figure.add_axes((LEFT / size[0], at / size[1], wide / size[0], tall / size[1]))
                 marks = draw_particles(self, box, view, particles, wide, tall)
                 box.set_title(f"t = {particles.time:.3g} s", loc="left", pad=4)
-                box.set_xticklabels([]) if k != ks[-1] else box.set_xlabel("x [m]")
+                box.set_xticklabels([]) if k != ks[-1] else label_axis(box.xaxis, "x", *box.get_xlim())
             colour_bar(self, figure, marks, ((LEFT + wide + 0.15) / size[0], BOTTOM / size[1], 0.16 / size[0], 1 - (BOTTOM + 0.34) / size[1]))
         return figure
 
@@ -134,8 +135,9 @@ class Frames:
         if particles.time != self.first_time:
             start, depth = self.first
             box.stairs(depth, self._edges(start), color="0.35", linewidth=1, linestyle="--", label=f"t = {self.first_time:.2f} s")
-        box.set(xlim=limits, ylim=(0, 1.1 * self.deepest or 1), xlabel="distance along the line [m]" if self.line else "x [m]",
-                ylabel="depth [m]")
+        box.set(xlim=limits, ylim=(0, 1.1 * self.deepest or 1), xlabel="distance along the line [m]", ylabel="depth [m]")
+        if not self.line:
+            label_axis(box.xaxis, "x", *limits)
         box.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
         if box.patches:
             box.legend(loc="lower right", bbox_to_anchor=(1, 0.97), frameon=False, ncol=2, borderaxespad=0)

@@ -100,8 +100,9 @@ def compute(study: Study, plan: Plan, sets: Mapping[str, Any], name: str, told: 
 def take(study: Study, variant: Variant, level: Level, name: str, done: Run) -> None:
     summary, end = done.summary, float(study.keys["time"]["end"])
     values = {q.text: q.read(done, end, level.cell) for q in study.quantities}
+    origins = {q.text: q.origin(done, level.cell) for q in study.quantities}
     took = study.known["runs"][name]  # with what came before an interruption
     variant.levels.append(LevelRun(level.cell, name, dict(level.sets), list(level.remarks), summary["particles"], summary["steps"],
-                                   took, summary["commit"], values))
+                                   took, summary["commit"], values, origins))
     if variant.next_level:
         variant.next_level["stepping_s"] = min(1.0, summary["stepping_s"] / max(summary["wall_s"], 1e-9)) * took

@@ -11,6 +11,7 @@ from matplotlib.colors import BoundaryNorm, LightSource
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from .axis_text import label_axis
 from .grids import Grid
 
 OUTLINE, HALO = "#b2182b", [matplotlib.patheffects.withStroke(linewidth=3, foreground="white")]
@@ -89,9 +90,11 @@ def draw_map(label: str, colours: str, grid: Grid, reached: NDArray[Any], ground
         palette, norm = _colours(values[numpy.isfinite(values)], colours)
         marks = box.imshow(values, cmap=palette, norm=norm, extent=grid.extent, origin="lower", interpolation="nearest", alpha=0.8, zorder=2)
         box.add_collection(LineCollection(_outline(reached, grid), colors=OUTLINE, linewidths=1.4, capstyle="round", zorder=3))
-        box.set(xlim=(west, east), ylim=(south, north), xlabel="x [m]", ylabel="y [m]", facecolor="0.93")
+        box.set(xlim=(west, east), ylim=(south, north), facecolor="0.93")
         for axis, inches in ((box.xaxis, wide), (box.yaxis, tall)):
             axis.set_major_locator(MaxNLocator(max(2, int(1.1 * inches)), steps=[1, 2, 5, 10]))
+        label_axis(box.xaxis, "x", west, east)
+        label_axis(box.yaxis, "y", south, north)
         _scale_bar(box)
         box.set_title(title, loc="left")
         bar = figure.colorbar(marks, cax=figure.add_axes(((0.85 + wide + 0.15) / size[0], (0.62 + legend) / size[1], 0.16 / size[0], tall / size[1])))

@@ -1,4 +1,5 @@
 """Maps of a run: what [hazard] of a scene writes into RUN_DIR/maps, as pictures over the ground."""
+import dataclasses
 import json
 import pathlib
 from typing import Any, Dict, List, Mapping, Optional, Tuple
@@ -9,17 +10,21 @@ from numpy.typing import NDArray
 from .errors import Error
 from .grids import Grid, read_grid
 
-#: label and colours of the maps that a run writes; others are drawn under their names.
+#: label and colours of the maps that a run writes; others are drawn under their names. Pressures are drawn in kPa.
 KINDS: Dict[str, Tuple[str, str]] = {
     "max_depth": ("largest depth [m]", "YlGnBu"),
     "max_speed": ("largest speed [m/s]", "YlOrRd"),
-    "max_pressure": ("largest pressure [Pa]", "YlOrRd"),
+    "max_pressure": ("largest pressure [kPa]", "YlOrRd"),
     "max_momentum_flux": ("largest momentum flux [m3/s2]", "YlOrRd"),
     "arrival": ("time of arrival [s]", "viridis_r"),
     "deposit": ("depth at the end [m]", "YlOrBr"),
     "max_thickness": ("largest thickness normal to the ground [m]", "YlGnBu"),
     "deposit_thickness": ("thickness at the end, normal to the ground [m]", "YlOrBr"),
 }
+
+#: of their values
+UNITS = {"max_depth": "m", "max_speed": "m/s", "max_pressure": "Pa", "max_momentum_flux": "m3/s2", "arrival": "s", "deposit": "m",
+         "max_thickness": "m", "deposit_thickness": "m"}
 
 
 def map_files(run: pathlib.Path) -> Dict[str, pathlib.Path]:
@@ -54,6 +59,11 @@ def reached_by(files: Mapping[str, pathlib.Path], grids: Mapping[str, Grid], nam
     return reached
 
 
+def drawn(name: str, grid: Grid) -> Grid:
+    """The map in the unit of its label."""
+    return dataclasses.replace(grid, values=grid.values / 1e3) if KINDS.get(name, ("",))[0].endswith("[kPa]") else grid
+
+
 def draw_maps(run: pathlib.Path, names: List[str], folder: pathlib.Path, terrain: Optional[pathlib.Path], title: str,
               told: Any) -> List[pathlib.Path]:
     """Maps of a run as folder/map-NAME.png; returns the files. `told` is called with a line after each."""
@@ -70,6 +80,6 @@ def draw_maps(run: pathlib.Path, names: List[str], folder: pathlib.Path, terrain
     for name in names:
         grid = read_grid(files[name])
         written.append(folder / f"map-{name}.png")
-        save(draw_map(*KINDS.get(name, (name, "viridis")), grid, reached_by(files, {name: grid}, name), ground, title), written[-1])
+        save(draw_map(*KINDS.get(name, (name, "viridis")), drawn(name, grid), reached_by(files, {name: grid}, name), ground, title), written[-1])
         told(str(written[-1]))
     return written

@@ -20,6 +20,18 @@ def two_digits(value: float) -> str:
     return digits(float(f"{value:.2g}"), value) if 1e-4 <= abs(value) < 1e9 else f"{value:.2g}"
 
 
+def exact(value: float, change: float, origin: float = 0.0) -> str:
+    """A value with the digits that tell it from others: two of the change to the next one, else six of its distance from the origin.
+
+    >>> exact(600025.6123, 0.0342), exact(600025.6123, 0.0, 600016.0), exact(84.99684, 0.0)
+    ('600025.612', '600025.61230', '84.9968')
+    """
+    if change and _exponent(change) > -12:
+        return digits(value, abs(change)) if abs(change) < abs(value) or origin else f"{value:.6g}"
+    away = abs(value - origin)
+    return f"{value:.6g}" if not origin or away == 0 else digits(value, away / 1e4)
+
+
 def digits(value: float, error: float) -> str:
     """A value with two digits of its error."""
     return f"{value:.{max(0, min(12, 1 - _exponent(error)))}f}" if error > 0 and _exponent(error) > -12 else f"{value:.8g}"

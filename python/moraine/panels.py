@@ -5,10 +5,14 @@ from typing import Any, Tuple
 import matplotlib
 import numpy
 from numpy.typing import NDArray
+from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator
 
+from .axis_text import label_axis
 from .particles import Particles
 
+#: of ranks: ten that differ for the red-green blind, too (P. Tol's "muted", and black)
+RANKS = ("#332288", "#88ccee", "#ddcc77", "#117733", "#cc6677", "#44aa99", "#aa4499", "#999933", "#882255", "#000000")
 DRAWN = 300_000  # particles at most: more do not show in a picture
 
 
@@ -35,13 +39,16 @@ def draw_particles(frames: Any, box: Any, view: Tuple[int, int], particles: Part
         values, limits = values % 10, (-0.5, 9.5)
     else:
         limits = frames.range
-    colours = matplotlib.colormaps[frames.field.colours].with_extremes(bad="0.6")
+    named = frames.field.colours
+    colours = (ListedColormap(RANKS) if named == "ranks" else matplotlib.colormaps[named]).with_extremes(bad="0.6")
     marks = box.scatter(particles.position[order, view[0]], particles.position[order, view[1]], s=size**2, linewidths=0, c=values,
                         cmap=colours, vmin=limits[0], vmax=limits[1], zorder=1, plotnonfinite=True)
     frames.around.draw(box, view, particles.time)
     if frames.line and view == (0, 1) and particles.dimensions == 3:
         box.plot(*numpy.transpose(frames.line), color="#b2182b", linewidth=1.5, zorder=5)
-    box.set_ylabel(f"{'xyz'[view[1]]} [m]")  # x stands under the profile, and is that of all
+    label_axis(box.yaxis, "xyz"[view[1]], *box.get_ylim())  # x stands under the profile, and is that of all
+    label_axis(box.xaxis, "xyz"[view[0]], *box.get_xlim())
+    box.set_xlabel("")
     box.yaxis.set_major_locator(MaxNLocator(max(2, int(2.2 * tall)), steps=[1, 2, 5, 10]))
     return marks
 

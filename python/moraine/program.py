@@ -63,7 +63,7 @@ class Check(NamedTuple):
         return float(found[1]) * UNITS[found[2]] if found else None
 
 
-def _problem(lines: Sequence[str], code: int) -> Error:
+def problem_of(lines: Sequence[str], code: int) -> Error:
     said = [line for line in lines if line.startswith("moraine: ")]
     message = said[0][len("moraine: "):] if said else "\n".join(list(lines)[-10:])
     return Error(message or f"the program failed (exit code {code}, no message). Is it one for this machine?", code)
@@ -79,13 +79,21 @@ def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = 
         done = subprocess.run([find_program(program), "check", str(file), "--ranks", str(ranks), *set_words(sets), *options], capture_output=True, text=True,
                               stdin=subprocess.DEVNULL)
     if done.returncode != 0:
-        raise _problem(done.stderr.splitlines(), done.returncode)
+        raise problem_of(done.stderr.splitlines(), done.returncode)
     values: Dict[str, List[str]] = {}
     name = "scene"
     for line in done.stdout.splitlines()[1:]:  # the first says that all is good
         name = line.split()[0] if line[:1].strip() else name
         values.setdefault(name, []).append(line[len(name):].strip() if line[:1].strip() else line.strip())
     return Check(done.stdout, values)
+
+
+def command_of(file: Path, output: Path, sets: Mapping[str, Any], ranks: Optional[int], threads: int, overwrite: bool, options: Sequence[str],
+               program: Optional[Path]) -> List[str]:
+    """The words that start a run of a scene's file."""
+    mpirun = shlex.split(os.environ.get("MORAINE_MPIEXEC", "mpirun --oversubscribe --bind-to none -n"))
+    start = ["env", f"OMP_NUM_THREADS={threads}", *([] if ranks is None else [mpirun[0], "-q", *mpirun[1:], str(ranks)])]
+    return [*start, find_program(program), "run", str(file), "--output", str(output), *set_words(sets), *(["--overwrite"] if overwrite else []), *options]
 
 
 def run(scene: Scene, output: Path, sets: Mapping[str, Any] = {}, ranks: Optional[int] = None, threads: int = 1,
@@ -100,9 +108,6 @@ def run(scene: Scene, output: Path, sets: Mapping[str, Any] = {}, ranks: Optiona
 
     Raises Error with the program's message and exit code. Ctrl-C makes the program write a checkpoint and end.
     """
-    mpirun = shlex.split(os.environ.get("MORAINE_MPIEXEC", "mpirun --oversubscribe --bind-to none -n"))
-    start = ["env", f"OMP_NUM_THREADS={threads}", *([] if ranks is None else [mpirun[0], "-q", *mpirun[1:], str(ranks)])]
-
     def told(line: str) -> None:
         known = parse_progress(line)
         if callable(progress):
@@ -112,10 +117,9 @@ def run(scene: Scene, output: Path, sets: Mapping[str, Any] = {}, ranks: Optiona
             print(line, file=sys.stderr)
 
     with as_file(scene) as file:
-        command = [*start, find_program(program), "run", str(file), "--output", str(output), *set_words(sets),
-                   *(["--overwrite"] if overwrite else []), *options]
+        command = command_of(file, output, sets, ranks, threads, overwrite, options, program)
         # mpirun kills its ranks soon after a SIGTERM, and hands a SIGUSR1 on to them.
         ended = wait_for(command, signal.SIGTERM if ranks is None else signal.SIGUSR1, told)
     if ended.code != 0:
-        raise _problem(ended.lines, ended.code)
+        raise problem_of(ended.lines, ended.code)
     return Run(output)

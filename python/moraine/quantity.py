@@ -1,62 +1,39 @@
-"""One number of a run, by a name: a column of history.csv, of a structure, or the depth; at the end, at a time, or over time."""
+"""One number of a run, by a name: of its records, its maps, or its particles; at the end, at a time, or over time."""
 import dataclasses
-import difflib
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy
 from numpy.typing import NDArray
 
-from .columns import depth_profile
 from .errors import Error
-from .particles import Particles
-from .records import Table, read_table
+from .map_values import MAP_VALUES, map_value
+from .record_columns import RECORDS, column_of, names_of
+from .records import read_table
 from .results import Run
+from .runout import OF_PARTICLES, Runout, value_of
 
-BEHIND = 0.995              # of the mass is behind the front
 OVER_TIME = {"max": numpy.max, "min": numpy.min}
 COUNTED = {"front_m": 0.5}  # of a cell: to what a column is known that is counted in cells
-COLUMNS_PER_CELL = 2.0      # width of a column of the depth, in cells
-
-
-def _column(table: Table, name: str, where: str) -> NDArray[Any]:
-    """The column of that name, or of it and a unit."""
-    fitting = [column for column in table if column == name or column.startswith(name + "_") and _is_unit(column[len(name) + 1:])]
-    if name in table:
-        fitting = [name]
-    if len(fitting) != 1 or table[fitting[0]].dtype.kind != "f":
-        near = difflib.get_close_matches(name, [c for c in table if table[c].dtype.kind == "f"], 1, 0.4)
-        raise Error(f"--quantity {name} is not there (no such column in {where}). Did you mean {near[0] if near else 'front'}?")
-    return table[fitting[0]]
-
-
-def _is_unit(text: str) -> bool:
-    return text in ("m", "s", "N", "J", "kg", "Pa", "m_s", "N_m", "N_s", "kg_m_s")
-
-
-def _front(particles: Particles, cell: float) -> float:
-    """x [m] behind which 99.5 % of the mass are."""
-    order = numpy.argsort(particles.position[:, 0], kind="stable")
-    behind = numpy.cumsum(particles["mass"][order].astype(float))
-    return float(numpy.interp(BEHIND * behind[-1], behind, particles.position[order, 0])) if len(order) else 0.0
-
-
-def _depth(particles: Particles, cell: float) -> float:
-    return float(max(depth_profile(particles.position, width=COLUMNS_PER_CELL * cell)[1], default=0.0))
-
-
-#: Front and depth, and the fields that they need.
-OF_PARTICLES: Dict[str, Tuple[Callable[[Particles, float], float], List[str]]] = {"front": (_front, ["mass"]), "max_depth": (_depth, [])}
+#: places, whose errors are shares of the way gone since the start
+PLACES = ("front", "front_m", "max_x_m", "centre_x_m", "centre_y_m", "centre_z_m", "max_x", "centre_x", "centre_y", "centre_z")
 
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """`text` as the user wrote it: NAME or NAME@WHEN. NAME: a column of history.csv, structure.NAME.COLUMN, front (the x [m] behind
-    which 99.5 % of the mass are) or max_depth [m]. WHEN: end (the default), max, min, mean over time, or a time [s].
+    """`text` as the user wrote it: NAME or NAME@WHEN. NAME: a column of history.csv, structure.NAME.COLUMN, gauges.NAME.COLUMN,
+    sections.NAME.COLUMN, maps.NAME.max or .mean, maps.area, front, runout, drop, travel_ratio, travel_angle or depth (runout.py).
+    WHEN: end (the default), max, min, mean over time, or a time [s].
     """
 
     text: str
     name: str
     when: str
+
+    @property
+    def kind(self) -> str:
+        """structure, gauges, sections, maps, particles or history."""
+        first = self.name.split(".")[0]
+        return first if first in (*RECORDS, "maps") else "particles" if self.name in OF_PARTICLES else "history"
 
     @property
     def fields(self) -> Optional[List[str]]:
@@ -72,15 +49,36 @@ class Quantity:
         end = float(scene.get("time", {}).get("end", 0.0))
         if self.when[0].isdigit() and float(self.when) > end:
             raise Error(f"--quantity {self.text} (the scene ends at {end:g} s). A time before?")
-        parts = self.name.split(".")
-        if parts[0] == "structure":
-            names = [item.get("name", "") for item in scene.get("structure", [])]
-            if len(parts) != 3 or parts[1] not in names:
-                raise Error(f"--quantity {self.name} is not there ({'the structures are ' + ', '.join(names) if names else 'the scene has no structure'}). "
-                            f"Did you mean {f'structure.{names[0]}.force_y' if names else 'front'}?")
-            _column(read_table(run.path / "structures.csv"), parts[2], "structures.csv")
-        elif self.name not in OF_PARTICLES:
-            _column(run.history, self.name, "history.csv")
+        if self.name == "max_depth":
+            raise Error("--quantity max_depth (it is two things). maps.max_depth of the hazard maps, or depth of the columns of particles?")
+        if self.kind in RECORDS:
+            self._check_record(run, scene)
+        elif self.kind == "maps":
+            if self.when != "end":
+                raise Error(f"--quantity {self.text} (maps are of the whole run). Did you mean {self.name}?")
+            map_value(run, self.name)
+        elif self.kind == "history":
+            column_of(run.history, self.name, "history.csv")
+
+    def _check_record(self, run: Run, scene: Mapping[str, Any]) -> None:
+        parts, names = self.name.split("."), names_of(run, scene, self.kind)
+        kind = {"structure": "structure", "gauges": "gauge", "sections": "section"}[self.kind]
+        column = {"structure": "force_y", "gauges": "depth", "sections": "volume"}[self.kind]
+        if len(parts) != 3 or parts[1] not in names:
+            said = f"the {kind}s are {', '.join(names)}" if names else f"the scene has no {kind}"
+            raise Error(f"--quantity {self.name} is not there ({said}). Did you mean {f'{self.kind}.{names[0]}.{column}' if names else 'front'}?")
+        if self.kind == "structure":  # which has no rows yet
+            column_of(read_table(run.path / RECORDS[self.kind]), parts[2], RECORDS[self.kind])
+        else:
+            self._record(run)
+
+    def _record(self, run: Run) -> Tuple[NDArray[Any], NDArray[Any]]:
+        _, name, column = self.name.split(".")
+        if self.kind == "structure":
+            table = run.structures[name]
+            return table["time_s"], column_of(table, column, "structures.csv")
+        table = run.gauges if self.kind == "gauges" else run.sections
+        return table["time_s"], column_of(table, column, RECORDS[self.kind], name + "_")
 
     def read(self, run: Run, end: float, cell: float) -> float:
         """The value of a run that was to end at `end` [s], with cells of `cell` [m]. Raises Error where the run has it not.
@@ -88,6 +86,8 @@ class Quantity:
         Rows are of the first step at or past their time, which is another one on each level: values at a time lie on the line
         between the rows around it.
         """
+        if self.kind == "maps":
+            return map_value(run, self.name)
         times, values = self._series(run, cell)
         if self.when in OVER_TIME:
             return float(OVER_TIME[self.when](values))
@@ -96,27 +96,36 @@ class Quantity:
             return float(((values[1:] + values[:-1]) / 2 * numpy.diff(times)).sum()) / length if length > 0 else float(values[-1])
         return float(numpy.interp(end if self.when == "end" else float(self.when), times, values))
 
+    def origin(self, run: Run, cell: float) -> float:
+        """What its error is a share of the distance from: of a place where it was at the start, else 0."""
+        if self.name not in PLACES:
+            return 0.0
+        if self.kind == "history":
+            return float(column_of(run.history, self.name, "history.csv")[0])
+        runout = Runout(run, cell)
+        return value_of(runout, self.name, run.particles.read(0, self.fields))
+
     def _series(self, run: Run, cell: float) -> Tuple[NDArray[Any], NDArray[Any]]:
-        if self.name in OF_PARTICLES:
-            of, fields = OF_PARTICLES[self.name]
-            series = run.particles
+        if self.kind == "particles":
+            series, runout = run.particles, Runout(run, cell)
             last = [len(series) - 1] if self.when == "end" else range(len(series))
-            return series.times[last], numpy.array([of(series.read(k, fields), cell) for k in last])
-        parts = self.name.split(".")
-        if parts[0] != "structure":
-            return run.history["time_s"], _column(run.history, self.name, "history.csv")
-        table = run.structures[parts[1]]
-        return table["time_s"], _column(table, parts[2], "structures.csv")
+            return series.times[last], numpy.array([value_of(runout, self.name, series.read(k, self.fields)) for k in last])
+        if self.kind == "history":
+            return run.history["time_s"], column_of(run.history, self.name, "history.csv")
+        return self._record(run)
 
 
 def parse_quantities(text: str) -> List[Quantity]:
-    """Quantities with commas between.
+    """Quantities with commas between; maps.NAME stands for the largest value of that map, its mean, and the area that was reached.
 
     >>> [(q.name, q.when) for q in parse_quantities("front_m,structure.pipe.force_y@max,kinetic_J@1.5")]
     [('front_m', 'end'), ('structure.pipe.force_y', 'max'), ('kinetic_J', '1.5')]
+    >>> [q.name for q in parse_quantities("maps.deposit,maps.max_depth.max")]
+    ['maps.deposit.max', 'maps.deposit.mean', 'maps.area', 'maps.max_depth.max']
     """
-    found = []
-    for word in filter(None, (word.strip() for word in text.split(","))):
+    found: Dict[str, Quantity] = {}
+    given = [word.strip() for word in text.split(",") if word.strip()]
+    for word in given:
         name, at, when = word.partition("@")
         try:
             known = when in ("end", "max", "min", "mean") or float(when) >= 0
@@ -124,7 +133,15 @@ def parse_quantities(text: str) -> List[Quantity]:
             known = not at
         if not name or not known:
             raise Error(f"--quantity {word} (after @ comes end, max, min, mean or a time in s). Did you mean {name or 'front'}@end?")
-        found.append(Quantity(word, name, when or "end"))
-    if not found or len({q.text for q in found}) < len(found):
-        raise Error(f"--quantity {text} (it names {'nothing' if not found else 'one twice'}). Try front?")
-    return found
+        parts = name.split(".")
+        whole = parts[0] == "maps" and len(parts) == 2 and parts[1] != "area"
+        for full in [f"{name}.{value}" for value in MAP_VALUES] + ["maps.area"] if whole else [name]:
+            found.setdefault(full + at + when, Quantity(full + at + when, full, when or "end"))
+    if not given or len(set(given)) < len(given):
+        raise Error(f"--quantity {text} (it names {'one twice' if given else 'nothing'}). Try front?")
+    return list(found.values())
+
+
+def maps_of(quantities: List[Quantity]) -> List[str]:
+    """Names of the maps of which largest value and mean are asked for, in order."""
+    return list(dict.fromkeys(q.name.split(".")[1] for q in quantities if q.kind == "maps" and q.name != "maps.area"))

@@ -61,7 +61,7 @@ class Estimate:
     """What the finest three levels say of a value.
 
     verdict: "converges", "equal" (the same to rounding), "oscillates", "stalls" (the finest two are the same, the
-    third is not), "diverges", or "too few" (levels). order, value (that
+    third is not), "diverges", or "too few" (levels). origin: where the value is counted from, as the place of a front at the start. order, value (that
     of Richardson), safety and error (GCI, in the unit of the value, with `resolution` added) are None without convergence.
     """
 
@@ -71,18 +71,19 @@ class Estimate:
     value: Optional[float] = None
     safety: Optional[float] = None
     error: Optional[float] = None
+    origin: float = 0.0
 
     @property
     def relative(self) -> Optional[float]:
-        """The error over the finest value, None where there is none."""
-        if self.error is None or (self.finest == 0 and self.error > 0):
+        """The error over the distance of the finest value from its origin, None where there is none."""
+        if self.error is None or (self.finest == self.origin and self.error > 0):
             return None
-        return self.error / abs(self.finest) if self.error else 0.0
+        return self.error / abs(self.finest - self.origin) if self.error else 0.0
 
 
-def estimate(cells: Sequence[float], values: Sequence[float], resolution: float = 0.0) -> Estimate:
+def estimate(cells: Sequence[float], values: Sequence[float], resolution: float = 0.0, origin: float = 0.0) -> Estimate:
     """Of values on cells [m] from coarse to fine, of which the last three count. `resolution` is what the value is known to
-    beside the cells, half a cell for a front that is counted in cells.
+    beside the cells, half a cell for a front that is counted in cells; `origin`: where it is counted from, of which its share is.
 
     >>> found = estimate([4, 3, 2], [10 + h**2 for h in (4, 3, 2)])
     >>> found.verdict, round(found.order, 3), round(found.value, 3), round(found.safety, 2), round(found.error, 2)
@@ -91,19 +92,19 @@ def estimate(cells: Sequence[float], values: Sequence[float], resolution: float 
     'oscillates'
     """
     if len(values) < 3:
-        return Estimate("too few", values[-1])
+        return Estimate("too few", values[-1], origin=origin)
     cells, values = cells[-3:], values[-3:]
     coarse, fine = values[1] - values[0], values[2] - values[1]
     if not all(math.isfinite(value) for value in values):
-        return Estimate("diverges", values[-1])
+        return Estimate("diverges", values[-1], origin=origin)
     if max(abs(coarse), abs(fine)) <= ROUNDING * max(abs(value) for value in values):
-        return Estimate("equal", values[-1], value=values[-1], error=resolution)
+        return Estimate("equal", values[-1], value=values[-1], error=resolution, origin=origin)
     if fine == 0:
-        return Estimate("stalls", values[-1])
+        return Estimate("stalls", values[-1], origin=origin)
     if coarse * fine < 0:
-        return Estimate("oscillates", values[-1])
+        return Estimate("oscillates", values[-1], origin=origin)
     order = observed_order(cells, values)
     if order is None:
-        return Estimate("diverges", values[-1])
+        return Estimate("diverges", values[-1], origin=origin)
     away, safety = distance(cells, values, order), safety_factor(order)
-    return Estimate("converges", values[-1], order, values[-1] + away, safety, safety * abs(away) + resolution)
+    return Estimate("converges", values[-1], order, values[-1] + away, safety, safety * abs(away) + resolution, origin)

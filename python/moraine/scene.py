@@ -11,7 +11,7 @@ from .toml_text import to_toml, value_text
 Path = Union[str, pathlib.Path]
 #: A file, or a dict with the keys of inputs/reference.toml.
 Scene = Union[str, pathlib.Path, Mapping[str, Any]]
-_LABELS = {"material": "name", "body": "name", "structure": "name", "wall": "face"}  # by which --set addresses tables of a list
+_LABELS = {"material": "name", "body": "name", "structure": "name", "release": "name", "inflow": "name", "wall": "face"}  # by which --set addresses tables of a list
 
 
 def _toml(text: str) -> Dict[str, Any]:

@@ -28,6 +28,7 @@ class LevelRun:
     wall_s: float
     commit: str
     values: Dict[str, float]
+    origins: Dict[str, float] = dataclasses.field(default_factory=dict)  # of the values that are not counted from 0
 
 
 @dataclasses.dataclass
@@ -43,11 +44,13 @@ class Variant:
     reached: bool = False
     failed: int = 0  # exit code of a level
     next_level: Optional[Dict[str, Any]] = None
+    maps: List[Dict[str, Any]] = dataclasses.field(default_factory=list)  # MapError of the finest levels
 
     def estimate(self, quantity: Quantity, upto: Optional[int] = None) -> Estimate:
         """What the finest three levels, or those of the first `upto`, say of a quantity."""
         levels = self.levels[:upto]
-        return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell))
+        return estimate([level.cell for level in levels], [level.values[quantity.text] for level in levels], quantity.resolution(levels[-1].cell),
+                        levels[-1].origins.get(quantity.text, 0.0))
 
     def is_confirmed(self, quantity: Quantity) -> Optional[bool]:
         """Whether the error bar of the level before holds the finest value; None where there is no such bar. Three levels can

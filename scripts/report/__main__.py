@@ -1,4 +1,4 @@
-"""moraine report RUN_DIR... [--output report.html] [--times T,T,...]
+"""moraine report RUN_DIR... [--output report.html] [--times T,T,...] [--errors DIR] [--pdf]
 
 One self-contained page about runs: what the flow did, then how its work was shared. Next to it a folder NAME_files with every plot as
 CSV, and as SVG and PNG where matplotlib is. Called by the program. Exit codes are the program's: 2 the input is wrong, 4 the disk failed.
@@ -9,8 +9,10 @@ import html
 import importlib.util
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
+import tempfile
 
 import flow
 
@@ -24,12 +26,14 @@ def fail(code, words):
 
 
 def missing_packages():
-    """What this Python lacks, after a try with Debian's own."""
+    """What this Python lacks, after a try with the .venv that docs/python.md makes, and with Debian's own."""
     missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
-    if missing and os.path.exists(DEBIAN) and "MORAINE_REPORT_SECOND_TRY" not in os.environ and "MORAINE_PYTHON" not in os.environ:
-        if subprocess.run([DEBIAN, "-c", "import " + ", ".join(PACKAGES)], capture_output=True).returncode == 0:
-            os.environ["MORAINE_REPORT_SECOND_TRY"] = "1"
-            os.execv(DEBIAN, [DEBIAN, "-B", *sys.argv])
+    here = pathlib.Path(__file__).resolve().parent
+    places = [str(place / ".venv/bin/python3") for place in (pathlib.Path.cwd(), here.parent, *here.parents[1:4])]
+    for python in [*places, DEBIAN] if missing and not {"MORAINE_SECOND_TRY", "MORAINE_PYTHON"} & set(os.environ) else []:
+        if os.path.exists(python) and subprocess.run([python, "-c", "import " + ", ".join(PACKAGES)], capture_output=True).returncode == 0:
+            os.environ["MORAINE_SECOND_TRY"] = "1"
+            os.execv(python, [python, "-B", *sys.argv])
     return missing
 
 
@@ -43,6 +47,9 @@ def parse():
     parser.add_argument("runs", nargs="+", metavar="RUN_DIR", help="directories of runs; one that is under way or was killed is shown as far as it is")
     parser.add_argument("--output", default="report.html", metavar="FILE", help="page to write (default: report.html)")
     parser.add_argument("--times", metavar="T,T,...", help="times of the pictures of owners [s] (default: three)")
+    parser.add_argument("--errors", metavar="DIR", help="error bars for the first page: what moraine converge wrote")
+    parser.add_argument("--with", dest="data", metavar="FILE.csv", help="a load curve of your own, as displacement_y_m,force_y_N")
+    parser.add_argument("--pdf", action="store_true", help="the page as PDF too, by chromium")
     options = parser.parse_args()
     try:
         options.times = [float(word) for word in options.times.split(",")] if options.times else None
@@ -110,6 +117,7 @@ def left_out(plots, runs):
     words = [f"How {html.escape(run.name)} shared its work: it has no summary.json yet." for run in runs if not run.finished]
     if shared and not names & {"strong_scaling", "weak_scaling"}:
         words.append("Scaling: give runs of one scene on two or more numbers of ranks.")
+    words += [f"The speed of {html.escape(run.name)} in scaling: {html.escape(run.not_measurable())}." for run in runs if run.finished and run.not_measurable()]
     if any(run.loads is None for run in shared):
         words.append("Owners and causes of imbalance: of runs with <code>--set output.block_loads=on</code>.")
     if any(run.loads is None and "asleep" in run.history for run in runs if run.finished):
@@ -137,6 +145,33 @@ def progress(words):
     """On a terminal one line that changes; else nothing."""
     if sys.stderr.isatty():
         print(f"\r\033[Kmoraine report: {words}", end="", file=sys.stderr, flush=True)
+
+
+def own_data(path):
+    """A reader's own curve."""
+    from wrong import Wrong
+    if path is None:
+        return None
+    from moraine.curves import read_data
+    from moraine.errors import Error
+    try:
+        return read_data(pathlib.Path(path))
+    except Error as error:
+        raise Wrong(str(error)) from None
+
+
+def write_pdf(output):
+    """The page printed by chromium."""
+    from wrong import Wrong
+    browser = next((found for found in map(shutil.which, (os.environ.get("CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")) if found), None)
+    if browser is None:
+        raise Wrong(f"no PDF (there is no chromium, which prints the page; {output} is written). sudo apt-get install chromium, or print it from a browser?")
+    target = output.with_suffix(".pdf")
+    with tempfile.TemporaryDirectory(prefix="moraine-chromium-", ignore_cleanup_errors=True) as folder:
+        done = subprocess.run([browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}",
+                               f"--print-to-pdf={target.resolve()}", output.resolve().as_uri()], capture_output=True, text=True)
+    if done.returncode != 0 or not target.is_file():
+        raise Wrong(f"no PDF (chromium failed: {(done.stderr.strip().splitlines() or ['it said nothing'])[-1]}; {output} is written). Print it from a browser?")
 
 
 def balance_plots(runs, times):
@@ -174,7 +209,7 @@ def make(options, missing):
     unique_names(runs)
     drawn = not {"numpy", "matplotlib"} & set(missing)
     progress("pictures of the flow")
-    parts, charts, lacking = flow.sections(runs)
+    parts, charts, lacking = flow.sections(runs, options.errors, own_data(options.data))
     plots = balance_plots(runs, options.times) if drawn else []
     title = "Moraine: " + ", ".join(sorted({run.summary["title"] or run.summary["scene"] for run in runs}))
     columns, rows = run_rows(runs)
@@ -189,8 +224,11 @@ def make(options, missing):
     output.parent.mkdir(parents=True, exist_ok=True)
     write_files([*charts, *plots], files, drawn)
     output.write_text(page.page(title, parts, flow.script()), encoding="utf-8")
+    if options.pdf:
+        progress("PDF")
+        write_pdf(output)
     progress("")
-    print(f"The report is {output}; its plots as {'CSV, SVG and PNG' if drawn else 'CSV'} are in {files}")
+    print(f"The report is {output}{f' and {output.stem}.pdf' if options.pdf else ''}; its plots as {'CSV, SVG and PNG' if drawn else 'CSV'} are in {files}")
     if missing:
         print(f"It lacks the pictures: this Python has no {', '.join(missing)}. Install them by sudo apt-get install "
               f"{' '.join(PACKAGES[name] for name in missing)}", file=sys.stderr)

@@ -6,7 +6,7 @@ import dataclasses
 import html
 import math
 
-COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#7570b3", "#e7298a", "#66a61e", "#a6761d", "#666666")  # on white and on black
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a7a00", "#777777")  # on white and on black, and for the red-green blind
 WIDE, TALL = 1000.0, 500.0  # of the SVG's own units
 
 

@@ -3,6 +3,7 @@ import html
 import itertools
 import math
 
+import overview
 import page
 import together
 from charts import Chart, Line, section
@@ -29,15 +30,23 @@ def since_start(values):
     return [v - values[0] for v in values]
 
 
+def rest_name(run):
+    """What unaccounted_J of a run is called: over a bed with friction most of it is the bed's."""
+    keys = together.known_keys(run)
+    rubs = any(key.endswith("contact.law") and value in ("coulomb", "voellmy", "undrained") for key, value in keys.items())
+    return "friction of the bed, and the rest" if rubs else "unaccounted"
+
+
 def energies(run):
     """The parts of the energy that the flow began with; potential is counted from the start."""
     h = run.history
     parts = {"kinetic": column(h, "kinetic_J"), "strain": column(h, "strain_J"), "potential": since_start(column(h, "potential_J")),
              "dissipated": column(h, "dissipated_J"), "unaccounted": column(h, "unaccounted_J")}
+    parts[rest_name(run)] = parts.pop("unaccounted")
     factor, unit = prefix([v for values in parts.values() for v in values], "J")
-    lines = [Line(name, column(h, "time_s"), [factor * v for v in values], dashed=name == "unaccounted") for name, values in parts.items()]
-    return Chart(f"energies_{run.key}", "Energies", "Potential energy is counted from the start. Unaccounted is the rest: friction on walls and "
-                 "structures, what left the domain, and the error of the transfer.",
+    lines = [Line(name, column(h, "time_s"), [factor * v for v in values], dashed=name == rest_name(run)) for name, values in parts.items()]
+    return Chart(f"energies_{run.key}", "Energies", f"Potential energy is counted from the start. {rest_name(run).capitalize()} is what the others leave: friction on "
+                 "bed, walls and structures, what left the domain, and the error of the transfer.",
                  "time [s]", f"energy [{unit}]", lines)
 
 
@@ -48,9 +57,10 @@ def unaccounted(run):
     turned = [max(abs(k), abs(p - potential[0]), abs(d)) for k, p, d in zip(kinetic, potential, dissipated)]
     most = max((v for v in turned if math.isfinite(v)), default=0)
     shares = [100 * value / most if most > 0 else math.nan for value in column(h, "unaccounted_J")]
-    return Chart(f"energy_budget_{run.key}", "Energy budget", "Unaccounted energy in per cent of the largest of kinetic, released potential and "
-                 "dissipated energy in the run. Below zero there is more energy than there was.", "time [s]", "unaccounted [%]",
-                 [Line("unaccounted", column(h, "time_s"), shares)], zero=True)
+    name = rest_name(run)
+    return Chart(f"energy_budget_{run.key}", "Energy budget", f"{name.capitalize()} in per cent of the largest of kinetic, released potential and "
+                 "dissipated energy in the run. Below zero there is more energy than there was.", "time [s]", f"{name} [%]",
+                 [Line(name, column(h, "time_s"), shares)], zero=True)
 
 
 def fronts(runs):
@@ -124,6 +134,25 @@ def forces(run):
     return charts
 
 
+def load_curves(run, data):
+    """A chart for each structure that moves: the force along its way over how far it went; `data` is a curve of the reader's own."""
+    charts = []
+    for number, (name, table) in enumerate(list(run.structures.items())[:STRONG]):
+        ways = {axis: column(table, f"displacement_{axis}_m") for axis in "xyz" if f"displacement_{axis}_m" in table}
+        far = {axis: max((abs(v) for v in way if math.isfinite(v)), default=0.0) for axis, way in ways.items()}
+        axis = max(far, key=far.get, default=None)
+        if axis is None or far[axis] == 0 or f"force_{axis}_N" not in table:
+            continue
+        away, force = [abs(v) for v in ways[axis]], column(table, f"force_{axis}_N")
+        factor, unit = prefix(force, "N")
+        lines = [Line(f"force along {axis}", away, [factor * v for v in force])]
+        if data is not None and (data.xname, data.yname) == (f"displacement_{axis}_m", f"force_{axis}_N"):
+            lines.append(Line("data", data.x.tolist(), [factor * v for v in data.y.tolist()], dashed=True))
+        charts.append(Chart(f"load_{run.key}_{number}", f"Load curve of {name}", f"Force along {axis} over how far {name} went along it.", "displacement [m]",
+                            f"force [{unit}]", lines, zero=True))
+    return charts
+
+
 def depths(run, frames, stills):
     """Depth along x at the times of the pictures."""
     colours = ("#8a63a8", "#2f7ed8", "#00a08a", "#76a21e", "#d99000", "#d1495b")  # seen on white and on black
@@ -153,7 +182,7 @@ def facts(run):
     filling = s.get("over_filling")
     rows = [("simulated time", number(s.get("simulated_time_s", last[0] if last else None), " s")),
             ("particles", f"{s['particles']:,.0f}".replace(",", "\N{THIN SPACE}") if isinstance(s["particles"], (int, float)) else "not known"),
-            ("front", f"{number(front[0], ' m')} at the start, {number(front[-1], ' m')} at the end" if front else "not known"),
+            ("front", f"went {number(front[-1] - front[0], ' m')}, from x = {number(front[0], ' m', 10)}" if front else "not known"),
             ("largest speed", number(max(fast, default=None), " m/s")),
             ("lost particles", number(s.get("lost_particles")))]
     if isinstance(filling, (int, float)):
@@ -177,6 +206,9 @@ def warnings(run):
     items = []
     for warning in found if isinstance(found, list) else []:
         if not isinstance(warning, dict):
+            continue
+        if isinstance(warning.get("message"), str):  # of the scene, before it ran
+            items.append(warning["message"])
             continue
         words, amount = PROBLEMS.get(warning.get("problem"), (str(warning.get("problem", "unknown problem")), str))
         value = warning.get("amount")
@@ -205,46 +237,34 @@ def pictures(run):
         return "", None, f"Pictures of the flow of {html.escape(run.name)}: {html.escape(str(wrong) or type(wrong).__name__)}"
 
 
-def maps(run):
-    """HTML of the hazard maps, and why there are none where the run has some."""
-    if not (run.path / "maps").is_dir():
-        return "", ""
-    try:
-        import hazards
-        return hazards.maps(run.path), ""
-    except ImportError as missing:
-        return "", f"Hazard maps: {missing}. Install them by <code>sudo apt-get install python3-matplotlib</code>."
-    except Exception as wrong:  # as for pictures
-        return "", f"Hazard maps of {html.escape(run.name)}: {html.escape(str(wrong) or type(wrong).__name__)}"
-
-
 def distinct(runs):
     """One run of each state in which runs ended: the others did the same, to the bit."""
     return list({run.summary.get("state_hash", str(run.path)): run for run in reversed(runs)}.values())[::-1]
 
 
-def sections(runs):
-    """HTML of the flow, its charts, and what is not there."""
-    flows, parts, charts, missing = distinct(runs), [], [], []
+def sections(runs, errors=None, data=None):
+    """HTML of the flow, its charts, and what is not there. errors: a folder with error bars; data: a curve of the reader's own."""
+    flows, before, parts, charts, missing = distinct(runs), [], [], [], []
     for k, run in enumerate(flows):
         run.key = str(k)
         heading = "The flow" if len(flows) == 1 else f"The flow of {run.name}"
         shown, depth, why = pictures(run)
-        mapped, unmapped = maps(run)
+        first, unmapped = overview.section(run, errors)
         missing += [words for words in (why, unmapped) if words]
-        mine = [chart for chart in [depth, energies(run), unaccounted(run), *forces(run)] if chart]
+        mine = [chart for chart in [depth, energies(run), unaccounted(run), *load_curves(run, data), *forces(run)] if chart]
         if len(flows) == 1:
             mine = [chart for chart in (fronts(flows), *mine, speeds(flows), fillings(flows), sleepers(flows), particle_steps(flows)) if chart]
         if len(run.structures) > STRONG:
             missing.append(f"Forces on {len(run.structures) - STRONG} more structures of {html.escape(run.name)}: see its structures.csv.")
         charts += mine
-        parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{warnings(run)}{shown}{mapped}\n"
+        before += [first] if first else []
+        parts.append(f"<section>\n<h2>{html.escape(heading)}</h2>\n{page.facts(facts(run))}{'' if first else warnings(run)}{shown}\n"
                      f'<div class="charts">{"".join(map(section, mine))}</div>\n</section>')
     if len(flows) > 1:
         both = [chart for chart in (fronts(flows), speeds(flows), *together.forces(flows), fillings(flows), sleepers(flows), particle_steps(flows)) if chart]
         charts += both
         parts.insert(0, together.flows(runs, flows, both))
-    return parts, charts, missing
+    return before + parts, charts, missing
 
 
 def script():

@@ -1,6 +1,7 @@
 """Where the particles were, on which rank: blocks at chosen times, coloured by owner."""
 import numpy
 from matplotlib.collections import PatchCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch, Rectangle
 from plots import Plot, legend_beside, pyplot
 
@@ -16,7 +17,8 @@ def columns_of(loads, check):
 
 
 def colours(ranks):
-    return pyplot.get_cmap("tab20" if ranks > 10 else "tab10")
+    from moraine.panels import RANKS
+    return ListedColormap(RANKS)
 
 
 def extent(loads, times):

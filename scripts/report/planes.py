@@ -7,6 +7,7 @@ import json
 import numpy
 from charts import scales, text_of, ticks
 from matplotlib import colormaps
+from moraine.axis_text import axis_title, offset_of
 from PIL import Image, ImageDraw
 
 WIDE, TALL = 900, 420   # pixels at most
@@ -112,13 +113,13 @@ class Plane:
         """The picture with its axes."""
         side = self.high - self.low
         rows = max(2, min(6, int(300 * self.size[1] / self.size[0] / 22)))  # on a narrow screen
-        xs = [((x - self.low[0]) / side[0] * 100, text_of(x)) for x in ticks(self.low[0], self.high[0], 5)]
-        ys = [((self.high[1] - y) / side[1] * 100, text_of(y)) for y in ticks(self.low[1], self.high[1], rows)]
+        zero = [offset_of(float(low), float(high)) for low, high in zip(self.low, self.high)]
+        xs = [((x - self.low[0]) / side[0] * 100, text_of(x - zero[0])) for x in ticks(self.low[0], self.high[0], 5)]
+        ys = [((self.high[1] - y) / side[1] * 100, text_of(y - zero[1])) for y in ticks(self.low[1], self.high[1], rows)]
         down, along = scales(xs, ys)
-        label = "xyz"
-        return (f'<div class="ylabel">{label[self.view[1]]} [m]</div><div class="plot">{down}<div class="pane"><img width="{self.size[0]}" '
+        return (f'<div class="ylabel">{axis_title("xyz"[self.view[1]], zero[1])}</div><div class="plot">{down}<div class="pane"><img width="{self.size[0]}" '
                 f'height="{self.size[1]}" alt="particles at t = {time:.3g} s" src="{source}">{self.names(time)}</div>{along}</div>'
-                + ('<div class="xlabel">x [m]</div>' if last else ""))
+                + (f'<div class="xlabel">{axis_title("x", zero[0])}</div>' if last else ""))
 
 
 def colour_bar(frames):

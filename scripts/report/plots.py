@@ -22,7 +22,8 @@ Plot = collections.namedtuple("Plot", "name title caption figure columns rows ht
 
 
 def colours(count):
-    return [pyplot.get_cmap("tab10")(k % 10) for k in range(count)]
+    from moraine.panels import RANKS
+    return [RANKS[k % len(RANKS)] for k in range(count)]
 
 
 def log_axis(axis, values):
@@ -117,9 +118,11 @@ def decisions(runs):
 
 
 def groups(runs, key):
-    """Runs that differ in ranks only, with at least two numbers of ranks; by (scene, ..., partitioner)."""
+    """Runs whose speed can be measured and that differ in ranks only, with at least two numbers of ranks; by (scene, ..., partitioner)."""
     found = collections.defaultdict(list)
     for run in runs:
+        if run.not_measurable():
+            continue
         s = run.summary
         found[key(s) + (s["device"], s["precision"], s["threads"], run.partitioner)].append(run)
     return {words: sorted(members, key=lambda run: run.ranks) for words, members in found.items()
@@ -136,10 +139,14 @@ def scaling(runs, name, title, caption, key):
     for (words, members), colour in zip(found.items(), colours(len(found))):
         ranks = numpy.array([run.ranks for run in members])
         speed = numpy.array([run.speed() for run in members])
-        efficiency = speed / speed[0] * ranks[0] / ranks
-        left.plot(ranks, speed / 1e6, "o-", color=colour, label=words[-1])
-        left.plot(ranks, speed[0] / 1e6 * ranks / ranks[0], ":", color=colour, linewidth=0.8)
-        right.plot(ranks, 100 * efficiency, "o-", color=colour, label=words[-1])
+        first = numpy.median(speed[ranks == ranks[0]])
+        efficiency = speed / first * ranks[0] / ranks
+        at = numpy.unique(ranks)
+        for axes, values in ((left, speed / 1e6), (right, 100 * efficiency)):
+            middle = numpy.array([numpy.median(values[ranks == n]) for n in at])
+            ends = numpy.array([[values[ranks == n].min(), values[ranks == n].max()] for n in at])
+            axes.errorbar(at, middle, abs(ends - middle[:, None]).T, fmt="o-", color=colour, capsize=3, label=words[-1])
+        left.plot(at, first / 1e6 * at / at[0], ":", color=colour, linewidth=0.8)
         rows += [(run.name, *words, run.ranks, run.summary["particles"], v, e)
                  for run, v, e in zip(members, speed, efficiency)]
     for axes in (left, right):
@@ -158,7 +165,7 @@ def scaling(runs, name, title, caption, key):
 
 def strong(runs):
     return scaling(runs, "strong_scaling", "Strong scaling", "The same scene on more ranks: measured speed, and "
-                   "efficiency against the fewest ranks of each partitioner.",
+                   "efficiency against the fewest ranks of each partitioner; medians, and bars from the slowest to the fastest run where there are several.",
                    lambda s: (s["scene"], s["particles"]))
 
 

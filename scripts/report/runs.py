@@ -21,6 +21,7 @@ WORDS = ("reason", "plan", "kind", "partitioner", "trigger", "structure")
 SUMMARY_NUMBERS = ("ranks", "threads", "particles", "steps", "wall_s", "particle_steps_per_s", "imbalance_mean",
                    "imbalance_max", "imbalance_time_mean", "repartitions", "migrated_particles", "halo_bytes")
 SUMMARY_WORDS = ("version", "commit", "scene", "title", "device", "precision", "partitioner", "state_hash")
+LEAST_S, NOISY = 1.0, 1.5  # of stepping, and times of ranks over their loads: below and beyond a speed says nothing
 CAUSES = ("computing", "lost_to_imbalance", "exchange", "balancing", "output", "rest")
 
 
@@ -142,6 +143,18 @@ class Run:
         if self.loads and self.loads.checks:
             return self.loads.checks[0].step
         return max(0, 2 * step[0] - step[1]) if len(step) > 1 else 0
+
+    def not_measurable(self):
+        """Why its speed says nothing; empty where it does."""
+        stepping = self.summary.get("stepping_s", self.summary["wall_s"])
+        if stepping < LEAST_S:
+            return f"it stepped for {stepping:.2g} s (less than {LEAST_S:g} s)"
+        least = list(self.balance.get("particles_min", []))
+        if self.ranks > 1 and least and max(least) == 0:
+            return "it had ranks without particles"
+        if self.summary["imbalance_time_mean"] > NOISY * self.summary["imbalance_mean"]:
+            return f"ranks with {self.summary['imbalance_mean']:.3g} times the mean load took {self.summary['imbalance_time_mean']:.3g} times its time (a machine that others used, or fewer cores than ranks)"
+        return ""
 
     def speed(self):
         """Particle-steps per second."""

@@ -63,21 +63,27 @@ def common_structures(runs):
     return [name for name in runs[0].structures if all(name in run.structures for run in runs)][:NAMED]
 
 
+def went(run):
+    """How far the front came from where it was at the start [m]; None where it is not known."""
+    front = numbers(run, "front_m")
+    return front[-1] - front[0] if front else None
+
+
 def answers(runs):
     """The table of what runs answer, beside the keys in which they differ."""
     keys = differing(runs) if of_one_scene(runs) else {}
     shown = dict(list(keys.items())[:KEYS])
     moves = any(len(set(numbers(run, "front_m"))) > 1 for run in runs)
-    last = next(iter(numbers(runs[-1], "front_m")[-1:]), None)
-    fronts = [("front at the end [m]", "last column of cells along x that holds a quarter of a cell's volume"),
-              (f"beside {runs[-1].name} [%]", "how much farther the front is than that of the last run")]
+    last = went(runs[-1])
+    fronts = [("front went [m]", "from the start to the end along x: of the last column of cells that holds a quarter of a cell's volume"),
+              (f"beside {runs[-1].name} [%]", "how much farther the front went than that of the last run")]
     columns = [("run", "the end of its directory"), *[(name, "in this the runs differ") for name in shown], *(fronts if moves else []),
                ("largest speed [m/s]", "of all particles at the times of the outputs"),
                *[(f"force on {name} [kN]", "the largest at the recorded times") for name in common_structures(runs)],
                ("wall [s]", "from start to end")]
     rows = []
     for k, run in enumerate(runs):
-        front = next(iter(numbers(run, "front_m")[-1:]), None)
+        front = went(run)
         share = None if front is None or not last or run is runs[-1] else 100 * (front - last) / abs(last)
         forces = [strongest(run, name) for name in common_structures(runs)]
         rows.append([run.name, *[words[k][:24] for words in shown.values()],
@@ -141,10 +147,21 @@ def pictures(runs):
     return f"<h3>At the same times</h3>{planes.colour_bar(alike[0][0])}{''.join(rows)}"
 
 
+def differences(runs):
+    """HTML of maps of each run less those of the last, over the ground; empty where they have none in common."""
+    try:
+        import hazards
+        return hazards.differences([run.path for run in runs], [run.name for run in runs])
+    except ImportError:
+        return ""
+    except Exception as wrong:  # a record that cannot be drawn costs its pictures, and not the page
+        return f"<p>Differences of maps are not shown: {html.escape(str(wrong) or type(wrong).__name__)}</p>"
+
+
 def flows(runs, distinct, charts):
     """The section of runs side by side; `distinct` are those that ended in different states, `charts` theirs."""
     shown = "".join(map(section, charts))
-    return (f"<section>\n<h2>Side by side</h2>\n{answers(runs)}\n{pictures(distinct)}"
+    return (f"<section>\n<h2>Side by side</h2>\n{answers(runs)}\n{differences(distinct)}{pictures(distinct)}"
             + (f'<div class="charts">{shown}</div>' if shown else "") + "\n</section>")
 
 
@@ -170,6 +187,9 @@ def ways(runs, ranks):
         seconds = run.summary.get("stepping_s")
         rows.append([run.name, run.partitioner, text(seconds if isinstance(seconds, (int, float)) else None, 4), f"{run.speed() / max(slowest.speed(), 1e-300):.2f}",
                      *[f"{share[name]:.1f}" for name in ("lost_to_imbalance", "balancing", "exchange")]])
+    doubtful = [(run.name, run.not_measurable()) for run in runs if run.not_measurable()]
+    if doubtful:
+        return ("<p>Which is fastest is not said: " + html.escape("; ".join(f"{name}: {why}" for name, why in doubtful)) + ".</p>" + page.table(columns, rows))
     lost = [100 * run.times["lost_to_imbalance"] / run.summary["wall_s"] for run in (best, slowest)]
     words = (f"<p>On {ranks:.0f} ranks {html.escape(best.name)} ({html.escape(best.partitioner)}) is {best.speed() / max(slowest.speed(), 1e-300):.2f} times as fast "
              f"as {html.escape(slowest.name)} ({html.escape(slowest.partitioner)}); imbalance took {lost[0]:.0f} % of its time, and {lost[1]:.0f} % of the other's.</p>")

@@ -98,6 +98,8 @@ std::vector<Common> values_of(const Scene& scene) {
     }
     for (const GaugeSpec& gauge : scene.hazard.gauges)
         all.push_back({"hazard.gauges", hash_of(fmt::format("{} {} {}", gauge.name, gauge.x, gauge.y)), remedy});
+    if (!scene.hazard.path.empty())
+        all.push_back({"hazard.path", hash_of(fmt::format("{}", scene.hazard.path)), remedy});
     return all;
 }
 

@@ -67,16 +67,15 @@ std::string structure_lines(const Scene& scene) {
     return text;
 }
 
-/// "release    scar: 2412 m3, 3.5 cells thick (4 and more resolve a flow)"
+/// "release    scar: 2412 m3, 3.5 cells thick"
 std::string release_lines(const Scene& scene) {
     std::string text;
     for (const BodySpec& b : scene.bodies) {
         if (b.shape != BodyShape::layer && b.shape != BodyShape::inflow) continue;
         const double cells = b.thickness / scene.cell;
         const std::string when = b.release_time > 0 ? fmt::format(" at {:.6g} s", b.release_time) : "";
-        text +=
-            fmt::format("{:<10} {}: {:.6g} m3{}, {:.3g} cells thick{}\n", b.hydrograph ? "inflow" : "release", b.name,
-                        measure_of(b, scene.dimensions), when, cells, cells < 4 ? " (4 and more resolve a flow)" : "");
+        text += fmt::format("{:<10} {}: {:.6g} m3{}, {:.3g} cells thick\n", b.hydrograph ? "inflow" : "release", b.name,
+                            measure_of(b, scene.dimensions), when, cells);
     }
     return text;
 }

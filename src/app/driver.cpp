@@ -14,11 +14,13 @@
 #include "predict/scene_warnings.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/frame_choice.hpp"
+#include "records/map_tags.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
 #include "records/surroundings_file.hpp"
 #include "records/time_report.hpp"
+#include "seeding/seed_region.hpp"
 
 namespace moraine {
 
@@ -181,7 +183,10 @@ void Driver<Real, Dim>::open_records(std::optional<ResumeAfter> resume, const st
     // Nobody refuses from here on, so what was there before a refusal is there after it.
     for (CsvLog* table : {history_.get(), balance_.get(), structures_.get(), gauges_.get(), sections_.get()})
         if (table) table->begin();
-    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_));
+    std::vector<double> volumes;
+    for (const BodySpec& body : scene_.bodies)
+        volumes.push_back(body.shape == BodyShape::table ? 0 : measure_of(body, scene_.dimensions));
+    write_summary(comm_, directory_ + "/scene.json", surroundings(scene_, volumes));
     if (!series_) return;
     comm_.agree_no_error<MachineError>(message_of([&] {
         if (comm_.is_root() && has_surroundings(scene_))
@@ -314,7 +319,7 @@ void Driver<Real, Dim>::checkpoint() {
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
               rest_ ? rest_->stored() : std::vector<std::int64_t>{},
               flow_ ? flow_->stored() : std::vector<std::int64_t>{}, path_ ? path_->stored() : std::vector<double>{}});
-        if (maps_) maps_->write(directory_);
+        if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
     });
     last_checkpoint_step_ = sim_.clock().step;
     last_checkpoint_wall_ = wall();
@@ -370,10 +375,11 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     watchdog_->be_patient(true);
     if (path_) path_->write();
     if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
-    if (maps_) maps_->write(directory_);
+    if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
-    write_summary(comm_, directory_ + "/summary.json", summarize(sim_, comm_, times, stepping_, health_, ended_by));
+    write_summary(comm_, directory_ + "/summary.json",
+                  summarize(sim_, comm_, times, stepping_, health_, scene_warnings(scene_), ended_by));
     if (!comm_.is_root() || options_.quiet) return;
     if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
     fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}{}\n", times.text(), ended_by, clock.time,

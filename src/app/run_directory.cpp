@@ -88,7 +88,7 @@ bool is_map(const std::string& name) {
     const std::string end = file.extension().string(), stem = file.stem().string();
     if (end == ".partial") return is_map(stem);
     if (stem == "outline") return end == ".gpkg" || end == ".geojson";
-    return (end == ".tif" || end == ".asc") && std::find(maps.begin(), maps.end(), stem) != maps.end();
+    return (end == ".tif" || end == ".asc" || end == ".qml") && std::find(maps.begin(), maps.end(), stem) != maps.end();
 }
 
 /// What a run before left of its maps.

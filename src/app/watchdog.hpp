@@ -2,10 +2,10 @@
 // The watchdog: a run that stands still is ended, and every rank says where it waits.
 //
 // MPI over TCP waits for a lost host without an error, so no rank would ever know. A thread per rank checks now and
-// then whether a step was finished. Seeding, output, checkpoints and plans may take long (a slow disk, a serial partitioner),
-// but a link can be lost in them as well: their time counts a tenth. Time in which the process itself was stopped (a
-// suspended job) shows as a gap between two checks, and does not count. The last checkpoint is whole: it got its name
-// after its bytes.
+// then whether a step was finished. Seeding, output, checkpoints and plans may take long (a slow disk, a serial
+// partitioner), but a link can be lost in them as well: their time counts a tenth. Time in which the process itself was
+// stopped (a suspended job) shows as a gap between two checks, and does not count. The last checkpoint is whole: it got
+// its name after its bytes.
 
 #include <atomic>
 #include <condition_variable>

@@ -22,6 +22,7 @@ struct Ground {
     std::array<std::int64_t, 2> count{1, 1};  ///< nodes along x and y; a profile has one row
     std::vector<double> height;               ///< x fastest, y rising [m]
     std::vector<double> friction, xi, su;     ///< of the bed at the nodes [-, m/s2, Pa]; empty: one value everywhere
+    std::array<double, 2> whole{};            ///< place of node (0, 0) of the whole model, of which this is a part [m]
     std::string crs;                          ///< coordinate system, as WKT; empty: not known
     std::vector<Vec<double, 2>> table;        ///< by fit()
 

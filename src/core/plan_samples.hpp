@@ -2,7 +2,7 @@
 // What hazard maps and sections (records/) ask of particles, on the host and on devices: sums over the columns of a map
 // in plan, and who is near a line.
 //
-//   column   floor((x - min) / a) along x and y, a: side of a map cell
+//   column   floor((x - corner) / a) along x and y, a: side of a map cell, corner: of the map
 //   layer    floor((z - lowest ground of the column) / h), the last one is all above
 //   sums     V_p, m_p and m_p v_p as whole numbers of a unit: the same in any order, by any thread and on any rank
 //
@@ -59,6 +59,7 @@ struct PlanColumns {
     static constexpr std::size_t kept_bytes = 64;                ///< of a column in hazard maps, where soil has been
 
     PlanPlaces places;
+    double corner[2];                    ///< lower corner of the map [m]
     double side;                         ///< a [m]
     std::int64_t size[2];                ///< columns of the map along x and y
     std::int64_t first[2], count[2];     ///< of the rectangle around these tiles, in tiles
@@ -71,7 +72,7 @@ struct PlanColumns {
 
     MORAINE_HD std::int64_t along(int axis, double x) const {
         using std::floor;
-        const double at = floor((x - places.origin[axis]) / side), last = double(size[axis] - 1);
+        const double at = floor((x - corner[axis]) / side), last = double(size[axis] - 1);
         return static_cast<std::int64_t>(at < 0 ? 0.0 : (at > last ? last : at));
     }
     /// Place of the sums of column (i, j) of the map.

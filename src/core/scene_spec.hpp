@@ -166,13 +166,16 @@ struct SectionSpec {
 
 /// Maps of a run over terrain (records/hazard_maps.hpp).
 struct HazardSpec {
-    double cell = 0;         ///< side of a cell of the maps [m]; 0: none
-    double threshold = 0.1;  ///< depth from which the flow has arrived [m]
+    double cell = 0;                 ///< side of a cell of the maps [m]; 0: none
+    std::array<double, 2> origin{};  ///< corner of a cell of the maps: the first height of the model [m]
+    double threshold = 0.1;          ///< depth from which the flow has arrived [m]
     std::vector<std::string> maps;
     std::string gauges_file;
     std::vector<GaugeSpec> gauges;
     std::string sections_file;
     std::vector<SectionSpec> sections;
+    std::string path_file;
+    std::vector<std::array<double, 2>> path;  ///< along which way is counted; empty: none is given
 };
 
 struct BalanceSpec {

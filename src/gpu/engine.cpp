@@ -1,6 +1,5 @@
 #include "gpu/engine.hpp"
 
-
 namespace moraine::gpu {
 
 namespace {
@@ -32,7 +31,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
     fluid_.start(method, scene.bodies.size());
     light_.start(method, scene.bodies.size());
     if (scene.sleep.on)
-        sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, kernels_.key, method, bodies_.material_of.data());
+        sleepers_ =
+            std::make_unique<DeviceSleepers<Real, Dim>>(scene, kernels_.key, method, bodies_.material_of.data());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means(method));
     reports_.start(stream_);
 }

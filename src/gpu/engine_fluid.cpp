@@ -22,8 +22,8 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
                                         const LightMarks<Real>& marks, const NodeContact<Dim>* contact) {
     if (!method_.fluid()) return kernels_.nodes.solve(view(), method_.stencil, round, quantum, marks, stream_, contact);
-    kernels_.nodes.solve_fluid(view(), method_.stencil, round, quantum, marks, fluid_.at_nodes(method_, scene_.cell), stream_,
-                         contact);
+    kernels_.nodes.solve_fluid(view(), method_.stencil, round, quantum, marks, fluid_.at_nodes(method_, scene_.cell),
+                               stream_, contact);
 }
 
 /// The sums of a step with volumes in place of masses; the next step writes all tiles again.

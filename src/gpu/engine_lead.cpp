@@ -77,8 +77,8 @@ void DeviceEngine<Real, Dim>::capture_lead(bool next, const StepScales<Dim>& ste
     const auto launch_step = [&](const LeadNodes& behind, cudaStream_t stream) {
         lead_->decide_concurrently(reports_.work(epoch_.lists, &lead_->state()->report), behind,
                                    [&] { sum_part(1, stream); });
-        kernels_.nodes.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum, light_marks_of(round),
-                       stream, nullptr);
+        kernels_.nodes.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
+                             light_marks_of(round), stream, nullptr);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
         epoch_.lists.collect(epoch_.table.view(), Part::all, interior_blocks(), stream);
         epoch_.lists.make(epoch_.table.view(), stream);

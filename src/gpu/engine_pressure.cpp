@@ -63,13 +63,13 @@ void DeviceEngine<Real, Dim>::sum_boundary_pressures(const Substep& substep) {
     exchange_->solved.record(stream_);
     exchange_->stream.wait_for(exchange_->solved);
     kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.boundary(), boundary_blocks_,
-                               cell_task<Real>(substep), exchange_->stream);
+                                    cell_task<Real>(substep), exchange_->stream);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_interior_pressures(const Substep& substep) {
     kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.interior(), interior_blocks(),
-                               cell_task<Real>(substep), stream_);
+                                    cell_task<Real>(substep), stream_);
     if (exchange_) exchange_->halo.post();
 }
 

@@ -20,7 +20,7 @@
     X(GDALGetRasterBand) X(GDALGetRasterCount) X(GDALGetRasterDataType) X(GDALGetRasterNoDataValue)                \
     X(GDALGetRasterOffset) X(GDALGetRasterScale) X(GDALGetRasterUnitType) X(GDALGetRasterXSize)                    \
     X(GDALGetRasterYSize) X(GDALGetSpatialRef) X(GDALOpenEx) X(GDALRasterIOEx) X(GDALSetDescription)               \
-    X(GDALSetGeoTransform) X(GDALSetRasterNoDataValue) X(GDALSetRasterUnitType) X(GDALSetSpatialRef)               \
+    X(GDALSetGeoTransform) X(GDALSetMetadataItem) X(OGR_F_SetFieldString) X(GDALSetRasterNoDataValue) X(GDALSetRasterUnitType) X(GDALSetSpatialRef)               \
     X(CPLErrorReset) X(CPLGetLastErrorMsg) X(CPLPushErrorHandler) X(CPLQuietErrorHandler) X(CPLSetConfigOption)    \
     X(CSLDestroy) X(CSLSetNameValue) X(VSIFree) X(VSIGetMemFileBuffer) X(VSIUnlink) X(OSRDestroySpatialReference)  \
     X(OSRExportToWktEx) X(OSRGetAuthorityCode) X(OSRGetAuthorityName) X(OSRGetLinearUnits) X(OSRGetName)           \

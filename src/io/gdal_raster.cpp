@@ -157,6 +157,8 @@ std::string geotiff_bytes(const MapImage& image) {
                        -image.cell};
     g.GDALSetGeoTransform(dataset.get(), place);
     if (const GdalSystem system = system_of(image.crs)) g.GDALSetSpatialRef(dataset.get(), system.get());
+    for (const auto& [name_of_tag, value] : image.tags)
+        g.GDALSetMetadataItem(dataset.get(), name_of_tag.c_str(), value.c_str(), nullptr);
     GDALRasterBandH band = g.GDALGetRasterBand(dataset.get(), 1);
     g.GDALSetRasterNoDataValue(band, image.no_data);
     g.GDALSetRasterUnitType(band, image.unit.c_str());

@@ -121,31 +121,62 @@ std::vector<GisShape> read_gis_shapes(const std::string& path, const std::string
     return shapes;
 }
 
-std::string outline_bytes(const std::vector<Rings>& polygons, const std::string& crs, double threshold) {
+namespace {
+
+/// GeoPackages hold the time at which they were written: while this lives it is one that says nothing.
+struct NoTimeOfDay {
+    NoTimeOfDay() { gdal().CPLSetConfigOption("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z"); }
+    ~NoTimeOfDay() { gdal().CPLSetConfigOption("OGR_CURRENT_DATE", nullptr); }
+    NoTimeOfDay(const NoTimeOfDay&) = delete;
+};
+
+OGRGeometryH geometry_of(const std::vector<Rings>& polygons) {
+    const GdalLibrary& g = gdal();
+    OGRGeometryH all = g.OGR_G_CreateGeometry(wkbMultiPolygon);
+    for (const Rings& rings : polygons) {
+        OGRGeometryH polygon = g.OGR_G_CreateGeometry(wkbPolygon);
+        for (const auto& ring : rings) g.OGR_G_AddGeometryDirectly(polygon, ring_of(ring));
+        g.OGR_G_AddGeometryDirectly(all, polygon);
+    }
+    return all;
+}
+
+bool add_field(OGRLayerH layer, const std::string& name, OGRFieldType type) {
+    OGRFieldDefnH field = gdal().OGR_Fld_Create(name.c_str(), type);
+    const bool good = gdal().OGR_L_CreateField(layer, field, TRUE) == OGRERR_NONE;
+    gdal().OGR_Fld_Destroy(field);
+    return good;
+}
+
+bool add_outline(OGRLayerH layer, const std::vector<Rings>& polygons, double threshold, const MapTags& tags) {
+    const GdalLibrary& g = gdal();
+    bool good = add_field(layer, "threshold", OFTReal);
+    for (const auto& tag : tags) good = good && add_field(layer, tag.first, OFTString);
+    if (!good) return false;
+    OGRFeatureH feature = g.OGR_F_Create(g.OGR_L_GetLayerDefn(layer));
+    g.OGR_F_SetFieldDouble(feature, 0, threshold);
+    for (std::size_t k = 0; k < tags.size(); ++k)
+        g.OGR_F_SetFieldString(feature, static_cast<int>(k) + 1, tags[k].second.c_str());
+    g.OGR_F_SetGeometryDirectly(feature, geometry_of(polygons));
+    good = g.OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
+    g.OGR_F_Destroy(feature);
+    return good;
+}
+
+}  // namespace
+
+std::string outline_bytes(const std::vector<Rings>& polygons, const std::string& crs, double threshold,
+                          const MapTags& tags) {
     const GdalLibrary& g = gdal();
     const std::string name = "/vsimem/moraine_outline.gpkg";
+    const NoTimeOfDay none;
     GDALDriverH driver = g.GDALGetDriverByName("GPKG");
     GdalDataset dataset(driver ? g.GDALCreate(driver, name.c_str(), 0, 0, 0, GDT_Unknown, nullptr) : nullptr);
     if (!dataset) throw MachineError(fmt::format("GDAL cannot write GeoPackage ({}).", gdal_message()));
-    const GdalSystem system = system_of(crs);
+    const GdalSystem system = system_of(crs.empty() ? "LOCAL_CS[\"Undefined Cartesian SRS\",UNIT[\"metre\",1]]" : crs);
     OGRLayerH layer = g.GDALDatasetCreateLayer(dataset.get(), "outline", system.get(), wkbMultiPolygon, nullptr);
-    OGRFieldDefnH field = g.OGR_Fld_Create("threshold", OFTReal);
-    bool good = layer && g.OGR_L_CreateField(layer, field, TRUE) == OGRERR_NONE;
-    g.OGR_Fld_Destroy(field);
-    if (good) {
-        OGRGeometryH all = g.OGR_G_CreateGeometry(wkbMultiPolygon);
-        for (const Rings& rings : polygons) {
-            OGRGeometryH polygon = g.OGR_G_CreateGeometry(wkbPolygon);
-            for (const auto& ring : rings) g.OGR_G_AddGeometryDirectly(polygon, ring_of(ring));
-            g.OGR_G_AddGeometryDirectly(all, polygon);
-        }
-        OGRFeatureH feature = g.OGR_F_Create(g.OGR_L_GetLayerDefn(layer));
-        g.OGR_F_SetFieldDouble(feature, 0, threshold);
-        g.OGR_F_SetGeometryDirectly(feature, all);
-        good = g.OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
-        g.OGR_F_Destroy(feature);
-    }
-    if (!good) throw MachineError(fmt::format("GDAL cannot write an outline ({}).", gdal_message()));
+    if (!layer || !add_outline(layer, polygons, threshold, tags))
+        throw MachineError(fmt::format("GDAL cannot write an outline ({}).", gdal_message()));
     dataset.reset();
     return bytes_in_memory(name);
 }

@@ -62,6 +62,9 @@ struct GisShape {
 std::vector<GisShape> read_gis_shapes(const std::string& path, const std::string& key, GisKind kind,
                                       const std::string& crs, std::vector<std::string>& notices);
 
+/// Words about a map, by name.
+using MapTags = std::vector<std::pair<std::string, std::string>>;
+
 /// A map as a tiled, compressed GeoTIFF.
 struct MapImage {
     std::array<std::int64_t, 2> size{};
@@ -70,6 +73,7 @@ struct MapImage {
     std::string crs, name, unit;
     double no_data = -9999;
     std::function<void(std::int64_t, float*)> row;  ///< writes the values of a row, counted from the north
+    MapTags tags{};
 };
 /// The bytes of the file. Throws MachineError.
 std::string geotiff_bytes(const MapImage& image);
@@ -77,7 +81,9 @@ std::string geotiff_bytes(const MapImage& image);
 /// A polygon with holes: rings, the first the outer one.
 using Rings = std::vector<std::vector<std::array<double, 2>>>;
 
-/// The bytes of a GeoPackage of one layer "outline". Throws MachineError.
-std::string outline_bytes(const std::vector<Rings>& polygons, const std::string& crs, double threshold);
+/// The bytes of a GeoPackage of one layer "outline", whose feature has the threshold and the tags; the same of the same
+/// polygons, at any time of day. Without a system it is on a plane. Throws MachineError.
+std::string outline_bytes(const std::vector<Rings>& polygons, const std::string& crs, double threshold,
+                          const MapTags& tags);
 
 }  // namespace moraine

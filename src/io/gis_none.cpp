@@ -42,7 +42,7 @@ std::string geotiff_bytes(const MapImage&) {
     throw MachineError("this build has no GDAL");
 }
 
-std::string outline_bytes(const std::vector<Rings>&, const std::string&, double) {
+std::string outline_bytes(const std::vector<Rings>&, const std::string&, double, const MapTags&) {
     throw MachineError("this build has no GDAL");
 }
 

@@ -86,7 +86,7 @@ void require_heights(const Ground& part, const std::string& path) {
                                    part.first[0] + static_cast<double>(i) * part.spacing,
                                    part.first[1] + static_cast<double>(j) * part.spacing),
                        fmt::format("the model has no data there, under the domain or within {} cells of it", margin),
-                       "Fill its gaps, or shrink the domain?");
+                       "Fill its gaps, or name an area inside of what is known by terrain.crop?");
 }
 
 /// Numbers for "unknown" that nobody declared (-9999, -32767, 0 in the mountains) stand kilometres from what is beside

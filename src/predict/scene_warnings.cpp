@@ -26,9 +26,51 @@ double wave_over_shear(double poisson) {
     return (2 - 2 * poisson) / (1 - 2 * poisson);
 }
 
+/// Whether two boxes lie on each other: alike along all axes but one, and along that with one face in common.
+bool touch(const Extent& one, const Extent& other, int dimensions, double near) {
+    int apart = 0;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(dimensions); ++a) {
+        const double low = std::abs(one.lower[a] - other.lower[a]), high = std::abs(one.upper[a] - other.upper[a]);
+        if (low <= near && high <= near) continue;
+        if (std::min(std::abs(one.upper[a] - other.lower[a]), std::abs(other.upper[a] - one.lower[a])) > near)
+            return false;
+        ++apart;
+    }
+    return apart == 1;
+}
+
+/// Of the boxes that lie on a box and on each other, as layers do: they flow as one.
+Extent joined_extent(const Scene& scene, const BodySpec& body) {
+    Extent all = extent_of(body, scene.dimensions);
+    if (body.shape != BodyShape::box) return all;
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const BodySpec& other : scene.bodies) {
+            if (other.shape != BodyShape::box) continue;
+            const Extent e = extent_of(other, scene.dimensions);
+            if (!touch(all, e, scene.dimensions, 1e-9 * scene.cell)) continue;
+            for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
+                all.lower[a] = std::min(all.lower[a], e.lower[a]);
+                all.upper[a] = std::max(all.upper[a], e.upper[a]);
+            }
+            grows = true;
+        }
+    }
+    return all;
+}
+
+/// Releases and inflows, by their thickness over the ground.
+void warn_of_thickness(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
+    const double cells = body.thickness / scene.cell;
+    if (cells >= fewest_cells * (1 - 1e-9)) return;
+    all.push_back(fmt::format(
+        "{}.{} is {:.3g} cells thick (fewer than 4 do not resolve a flow: it is too fast). A domain.cell of {:.3g} m?",
+        body.shape == BodyShape::inflow ? "inflow" : "release", body.name, cells, body.thickness / fewest_cells));
+}
+
 /// Axes along which a body fills the domain have no cells to count: a strip in 3-D may be as narrow as one.
 void warn_of_cells(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
-    const Extent e = extent_of(body, scene.dimensions);
+    const Extent e = joined_extent(scene, body);
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a) {
         const double side = e.upper[a] - e.lower[a];
@@ -157,9 +199,11 @@ void warn_of_smooth_beds(const Scene& scene, std::vector<std::string>& all) {
 std::vector<std::string> scene_warnings(const Scene& scene) {
     std::vector<std::string> all;
     for (const BodySpec& body : scene.bodies) {
-        // `check` counts the cells of layers and inflows.
-        if (body.shape == BodyShape::table || body.shape == BodyShape::layer || body.shape == BodyShape::inflow)
+        if (body.shape == BodyShape::table) continue;
+        if (body.shape == BodyShape::layer || body.shape == BodyShape::inflow) {
+            warn_of_thickness(scene, body, all);
             continue;
+        }
         warn_of_cells(scene, body, all);
         warn_of_mach(scene, body, all);
         warn_of_transfer(scene, body, all);

@@ -10,6 +10,7 @@
 #include "core/ground.hpp"
 #include "io/disk_file.hpp"
 #include "records/hazard_maps.hpp"
+#include "records/map_style.hpp"
 #include "records/outline.hpp"
 #include "scene/scene_keys.hpp"
 
@@ -24,8 +25,7 @@ double HazardMaps::value_of(int map, const std::array<std::int64_t, 2>& at, cons
     if (map < maps) return column.value[static_cast<std::size_t>(map)];
     Vec<double, 3> x = zero_vec<double, 3>();
     for (std::size_t a = 0; a < 2; ++a)
-        x[static_cast<int>(a)] =
-            scene_.min[a] + (static_cast<double>(at[a]) + 0.5 * share(a, at[a])) * scene_.hazard.cell;
+        x[static_cast<int>(a)] = begin(a, at[a]) + 0.5 * share(a, at[a]) * scene_.hazard.cell;
     const auto slope = ground_at<3>(scene_.structures[0].ground->table.data(), x).slope;
     return column.value[map == max_thickness ? max_depth : deposit] /
            std::sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
@@ -47,10 +47,10 @@ std::vector<HazardMaps::TileValues> HazardMaps::gathered(int map) const {
     return all;
 }
 
-/// Row j from the south; `none` where there are no tiles.
+/// Row j from the south; unknown where the flow was not.
 template <class T>
-void HazardMaps::fill_row(const std::vector<TileValues>& tiles, std::int64_t j, T none, T* row) const {
-    std::fill_n(row, size_[0], none);
+void HazardMaps::fill_row(const std::vector<TileValues>& tiles, std::int64_t j, bool times, T* row) const {
+    std::fill_n(row, size_[0], static_cast<T>(unknown));
     const std::int64_t edge = PlanColumns::edge, first = tiles_along_ * (j / edge);
     const auto before = [](const TileValues& tile, std::int64_t number) { return tile.tile < number; };
     auto tile = std::lower_bound(tiles.begin(), tiles.end(), first, before);
@@ -58,18 +58,18 @@ void HazardMaps::fill_row(const std::vector<TileValues>& tiles, std::int64_t j, 
         const std::int64_t from = edge * (tile->tile - first);
         const auto values = tile->value.begin() + edge * (j % edge);
         std::transform(values, values + std::min(edge, size_[0] - from), row + from,
-                       [](double value) { return static_cast<T>(value); });
+                       [&](double value) { return static_cast<T>(value == 0 && !times ? unknown : value); });
     }
 }
 
 std::string HazardMaps::text_of(int map, const std::vector<TileValues>& tiles) const {
     const double a = scene_.hazard.cell;
     std::string text = fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\n",
-                                   size_[0], size_[1], scene_.min[0], scene_.min[1], a);
+                                   size_[0], size_[1], corner_[0], corner_[1], a);
     text += fmt::format("NODATA_value {}\n", unknown);
     std::vector<double> row(static_cast<std::size_t>(size_[0]));
     for (std::int64_t j = size_[1] - 1; j >= 0; --j) {
-        fill_row(tiles, j, map == arrival ? unknown : 0.0, row.data());
+        fill_row(tiles, j, map == arrival, row.data());
         for (std::size_t i = 0; i < row.size(); ++i)
             text += fmt::format("{:.6g}{}", row[i], i + 1 < row.size() ? ' ' : '\n');
     }
@@ -77,21 +77,16 @@ std::string HazardMaps::text_of(int map, const std::vector<TileValues>& tiles) c
 }
 
 /// As GeoTIFF.
-std::string HazardMaps::image_of(int map, const std::vector<TileValues>& tiles) const {
+std::string HazardMaps::image_of(int map, const std::vector<TileValues>& tiles, const MapTags& tags) const {
     static constexpr const char* units[files] = {"m", "m/s", "Pa", "m3/s2", "s", "m", "m", "m"};
-    const auto none = static_cast<float>(map == arrival ? unknown : 0.0);
-    return geotiff_bytes({size_,
-                          {scene_.min[0], scene_.min[1]},
-                          scene_.hazard.cell,
-                          scene_.structures[0].ground->crs,
-                          hazard_map_names()[static_cast<std::size_t>(map)],
-                          units[map],
-                          unknown,
-                          [&](std::int64_t j, float* row) { fill_row(tiles, size_[1] - 1 - j, none, row); }});
+    return geotiff_bytes({size_, corner_, scene_.hazard.cell, scene_.structures[0].ground->crs,
+                          hazard_map_names()[static_cast<std::size_t>(map)], units[map], unknown,
+                          [&](std::int64_t j, float* row) { fill_row(tiles, size_[1] - 1 - j, map == arrival, row); },
+                          tags});
 }
 
 /// Of the part of the map that was reached.
-std::string HazardMaps::outline(const std::vector<TileValues>& deepest) const {
+std::string HazardMaps::outline(const std::vector<TileValues>& deepest, const MapTags& tags) const {
     std::array<std::int64_t, 2> first = size_, last{-1, -1};
     const auto each = [&](const auto& f) {
         for (const TileValues& tile : deepest)
@@ -102,18 +97,18 @@ std::string HazardMaps::outline(const std::vector<TileValues>& deepest) const {
     each([&](const std::array<std::int64_t, 2>& at) {
         for (std::size_t a = 0; a < 2; ++a) first[a] = std::min(first[a], at[a]), last[a] = std::max(last[a], at[a]);
     });
-    PlanGrid part{{0, 0}, first, {scene_.min[0], scene_.min[1]}, scene_.hazard.cell, size_, {}};
+    PlanGrid part{{0, 0}, first, corner_, scene_.hazard.cell, size_, {scene_.min[0], scene_.min[1]}, {}};
     for (std::size_t a = 0; a < 2; ++a) {
         part.size[a] = std::max<std::int64_t>(0, last[a] + 1 - first[a]);
-        part.end[a] =
-            last_[a] == 1 ? scene_.min[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
+        part.end[a] = last_[a] == 1 ? corner_[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
+        if (first_[a] == 1) part.begin[a] = corner_[a];
     }
     std::vector<bool> reached(static_cast<std::size_t>(part.size[0] * part.size[1]));
     each([&](const std::array<std::int64_t, 2>& at) {
         reached[static_cast<std::size_t>(at[0] - first[0] + part.size[0] * (at[1] - first[1]))] = true;
     });
     const auto polygons = outline_of(reached, part);
-    return by_gdal_ ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold)
+    return by_gdal_ ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, tags)
                     : outline_json(polygons, scene_.hazard.threshold);
 }
 
@@ -126,14 +121,21 @@ std::string HazardMaps::prepare(const std::string& directory) {
     if (!comm_.is_root() || !by_gdal_) return {};
     const std::string trouble = message_of([&] {
         const std::string& crs = scene_.structures[0].ground->crs;
-        geotiff_bytes({{1, 1}, {0, 0}, 1, crs, "depth", "m", unknown, [](std::int64_t, float* row) { *row = 0; }});
-        outline_bytes({}, crs, 1);
+        geotiff_bytes({{1, 1}, {0, 0}, 1, crs, "depth", "m", unknown, [](std::int64_t, float* row) { *row = 0; }, {}});
+        outline_bytes({}, crs, 1, {});
     });
     by_gdal_ = trouble.empty();
     return by_gdal_ ? "" : fmt::format("hazard maps will be .asc and .geojson: {}", trouble);
 }
 
-void HazardMaps::write(const std::string& directory) const {
+/// Of a map: the largest value of its tiles.
+double HazardMaps::most_of(const std::vector<TileValues>& tiles) {
+    double most = 0;
+    for (const TileValues& tile : tiles) most = std::max(most, *std::max_element(tile.value.begin(), tile.value.end()));
+    return most;
+}
+
+void HazardMaps::write(const std::string& directory, const MapTags& tags) const {
     const std::filesystem::path folder = std::filesystem::path(directory) / "maps";
     std::string trouble = message_of([&] {
         if (comm_.is_root()) std::filesystem::create_directories(folder);
@@ -146,11 +148,13 @@ void HazardMaps::write(const std::string& directory) const {
         const std::vector<TileValues> tiles = gathered(map);
         if (!comm_.is_root() || !trouble.empty()) continue;
         trouble = message_of([&] {
-            if (wanted)
+            if (wanted) {
                 replace_file((folder / (name + (by_gdal_ ? ".tif" : ".asc"))).string(),
-                             by_gdal_ ? image_of(map, tiles) : text_of(map, tiles));
+                             by_gdal_ ? image_of(map, tiles, tags) : text_of(map, tiles));
+                replace_file((folder / (name + ".qml")).string(), map_style(name, most_of(tiles)));
+            }
             if (map == max_depth)
-                replace_file((folder / (by_gdal_ ? "outline.gpkg" : "outline.geojson")).string(), outline(tiles));
+                replace_file((folder / (by_gdal_ ? "outline.gpkg" : "outline.geojson")).string(), outline(tiles, tags));
         });
     }
     comm_.agree_no_error<MachineError>(trouble);

@@ -17,12 +17,18 @@ constexpr double never = -9999;  ///< NODATA of arrival
 
 HazardMaps::HazardMaps(const Scene& scene, const Comm& comm) : scene_(scene), comm_(comm) {
     const double a = scene.hazard.cell;
+    const auto whole = [](double share) { return std::fabs(share - 1) < 1e-9 ? 1 : share; };
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        const double cells = (scene.max[axis] - scene.min[axis]) / a, narrow = (1 - 1e-9) * scene.cell / a;
-        size_[axis] = std::llround(std::ceil(cells - 1e-9));
-        if (size_[axis] > 1 && cells - static_cast<double>(size_[axis] - 1) < narrow) --size_[axis];
-        const double last = cells - static_cast<double>(size_[axis] - 1);
-        last_[axis] = std::fabs(last - 1) < 1e-9 ? 1 : last;
+        const double origin = scene.hazard.origin[axis], narrow = (1 - 1e-9) * scene.cell / a;
+        double begin = std::floor((scene.min[axis] - origin) / a + 1e-9);  // in cells of the grid
+        const double low = (scene.min[axis] - origin) / a, high = (scene.max[axis] - origin) / a;
+        if (begin + 1 - low < std::min(narrow, 1 - 1e-9) && high - begin > 1) begin += 1;
+        size_[axis] = std::max<std::int64_t>(1, std::llround(std::ceil(high - begin - 1e-9)));
+        if (size_[axis] > 1 && high - begin - static_cast<double>(size_[axis] - 1) < narrow) --size_[axis];
+        corner_[axis] = origin + a * begin;
+        const bool alone = size_[axis] == 1;
+        first_[axis] = whole((alone ? high : begin + 1) - low);
+        last_[axis] = alone ? first_[axis] : whole(high - begin - static_cast<double>(size_[axis] - 1));
     }
     double density = 0;
     for (const MaterialSpec& material : scene.materials) density = std::max(density, material.density);
@@ -48,8 +54,7 @@ HazardMaps::Tile& HazardMaps::owned_tile(std::int64_t tile) {
             const int part[2] = {n % (pieces + 1), n / (pieces + 1)};
             Vec<double, 3> x = zero_vec<double, 3>();
             for (std::size_t b = 0; b < 2; ++b)
-                x[static_cast<int>(b)] =
-                    scene_.min[b] + a * (static_cast<double>(index[b]) + share(b, index[b]) * part[b] / pieces);
+                x[static_cast<int>(b)] = begin(b, index[b]) + a * share(b, index[b]) * part[b] / pieces;
             const double height = ground_at<3>(ground.table.data(), x).height;
             low = std::min(low, height), high = std::max(high, height);
         }
@@ -62,9 +67,15 @@ HazardMaps::Tile& HazardMaps::owned_tile(std::int64_t tile) {
 
 template <class Real>
 PlanColumns HazardMaps::columns_of(const Simulation<Real, 3>& sim) const {
-    PlanColumns c{sim.plan_places(), scene_.hazard.cell, {size_[0], size_[1]}, {}, {},
-                  volume_unit_,      mass_unit_,         momentum_unit_};
-    return c;
+    return {sim.plan_places(),
+            {corner_[0], corner_[1]},
+            scene_.hazard.cell,
+            {size_[0], size_[1]},
+            {},
+            {},
+            volume_unit_,
+            mass_unit_,
+            momentum_unit_};
 }
 
 template <class Real>
@@ -153,7 +164,7 @@ void HazardMaps::observe_gauges(const std::vector<std::int64_t>& owned, const st
         std::int64_t index[2];
         for (std::size_t a = 0; a < 2; ++a)
             index[a] = std::clamp<std::int64_t>(
-                static_cast<std::int64_t>(std::floor((at[a] - scene_.min[a]) / scene_.hazard.cell)), 0, size_[a] - 1);
+                static_cast<std::int64_t>(std::floor((at[a] - corner_[a]) / scene_.hazard.cell)), 0, size_[a] - 1);
         const std::int64_t edge = PlanColumns::edge, tile = index[0] / edge + tiles_along_ * (index[1] / edge);
         const auto found = std::lower_bound(owned.begin(), owned.end(), tile);
         Flow f;

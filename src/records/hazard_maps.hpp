@@ -49,8 +49,9 @@ class HazardMaps {
     /// Tries what write() will need, before the first step: InputError where the folder cannot be. Rank 0 gets what to
     /// warn of: where GDAL cannot write here, the maps will be .asc and .geojson. Collective.
     std::string prepare(const std::string& directory);
-    /// The files into the directory's folder maps. Rank 0 writes. Collective; throws MachineError.
-    void write(const std::string& directory) const;
+    /// The files into the directory's folder maps, with words about the run. Rank 0 writes. Collective; throws
+    /// MachineError.
+    void write(const std::string& directory, const MapTags& tags) const;
 
     /// gauges.csv: step, time, and of each gauge's column depth, speed and pressure at the last sample.
     std::vector<std::string> gauge_columns() const;
@@ -115,7 +116,13 @@ class HazardMaps {
     };
     Flow flow_of(std::int64_t i, std::int64_t j, const std::int64_t* sums) const;
     /// The side of a column along an axis [a].
-    double share(std::size_t axis, std::int64_t index) const { return index + 1 < size_[axis] ? 1 : last_[axis]; }
+    double share(std::size_t axis, std::int64_t index) const {
+        return index == 0 ? first_[axis] : index + 1 < size_[axis] ? 1 : last_[axis];
+    }
+    /// Where a column's part of the domain begins [m].
+    double begin(std::size_t axis, std::int64_t index) const {
+        return index == 0 ? scene_.min[axis] : corner_[axis] + scene_.hazard.cell * static_cast<double>(index);
+    }
     void observe_gauges(const std::vector<std::int64_t>& owned, const std::vector<std::int64_t>& sums);
     void take(double time, const std::vector<std::int64_t>& owned, const std::vector<std::int64_t>& sums);
     // hazard_map_files.cpp
@@ -124,15 +131,18 @@ class HazardMaps {
     /// All tiles at rank 0, ascending. Collective.
     std::vector<TileValues> gathered(int map) const;
     template <class T>
-    void fill_row(const std::vector<TileValues>& tiles, std::int64_t j, T none, T* row) const;
+    void fill_row(const std::vector<TileValues>& tiles, std::int64_t j, bool times, T* row) const;
     std::string text_of(int map, const std::vector<TileValues>& tiles) const;
-    std::string image_of(int map, const std::vector<TileValues>& tiles) const;
-    std::string outline(const std::vector<TileValues>& deepest) const;
+    std::string image_of(int map, const std::vector<TileValues>& tiles, const MapTags& tags) const;
+    std::string outline(const std::vector<TileValues>& deepest, const MapTags& tags) const;
+    static double most_of(const std::vector<TileValues>& tiles);
 
     const Scene& scene_;
     const Comm& comm_;
     std::array<std::int64_t, 2> size_{};  ///< columns along x and y
-    std::array<double, 2> last_{};        ///< side of the last column along each [a]
+    std::array<double, 2> corner_{};      ///< of the map, on the grid of hazard.origin [m]
+    std::array<double, 2> first_{};       ///< sides of the first column within the domain [a]
+    std::array<double, 2> last_{};        ///< and of the last
     double volume_unit_ = 1, mass_unit_ = 1, momentum_unit_ = 1;
     std::int64_t tiles_along_ = 1;         ///< x
     std::map<std::int64_t, Tile> tiles_;   ///< that this rank owns

@@ -131,6 +131,7 @@ std::int64_t twice_area(const std::vector<Corner>& ring) {
 std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid) {
     const auto place = [&](std::size_t axis, std::int64_t index) {
         const std::int64_t of_map = grid.first[axis] + index;
+        if (of_map == 0) return grid.begin[axis];
         return of_map == grid.whole[axis] ? grid.end[axis]
                                           : grid.corner[axis] + grid.cell * static_cast<double>(of_map);
     };

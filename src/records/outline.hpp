@@ -18,8 +18,8 @@ struct PlanGrid {
     std::array<std::int64_t, 2> size, first;  ///< so many cells, from this one of the map on
     std::array<double, 2> corner;             ///< of the map [m]
     double cell;                              ///< [m]
-    std::array<std::int64_t, 2> whole;        ///< cells of the map; the last ends at `end`
-    std::array<double, 2> end;                ///< [m]
+    std::array<std::int64_t, 2> whole;        ///< cells of the map
+    std::array<double, 2> begin, end;         ///< of the first and of the last of them [m]
 };
 
 /// `reached`: x fastest, y rising.

@@ -37,6 +37,8 @@ inline Json walls(const Scene& scene) {
 inline Json ground(const Scene& scene, const StructureSpec& s) {
     Json::Named named{{"name", s.name}, {"shape", scene.dimensions == 2 ? "polygon" : "ground"}};
     named.emplace_back("file", (std::filesystem::path(scene.path).parent_path() / s.file).string());
+    named.emplace_back("spacing", s.ground->spacing);
+    named.emplace_back("crs", s.ground->crs);
     if (scene.dimensions == 3) return named;
     const auto place = [&](std::int64_t i) { return s.ground->first[0] + static_cast<double>(i) * s.ground->spacing; };
     std::vector<Json> points{std::vector<double>{place(0), scene.min[1]}};
@@ -80,6 +82,39 @@ inline Json structure(const Scene& scene, const StructureSpec& s) {
     return named;
 }
 
+/// Releases and inflows with their volume [m3] and thickness over the ground [m]; `volumes`: of each body.
+inline Json sources(const Scene& scene, const std::vector<double>& volumes) {
+    std::vector<Json> list;
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+        if (const BodySpec& b = scene.bodies[k]; b.shape == BodyShape::layer || b.shape == BodyShape::inflow)
+            list.push_back(Json::Named{{"name", b.name},
+                                       {"kind", b.shape == BodyShape::inflow ? "inflow" : "release"},
+                                       {"material", scene.materials[static_cast<std::size_t>(b.material)].name},
+                                       {"volume_m3", volumes[k]},
+                                       {"thickness_m", b.thickness},
+                                       {"start_s", b.release_time}});
+    return list;
+}
+
+/// What [hazard] asks for, with the places and lines of its files.
+inline Json hazard(const HazardSpec& h) {
+    const auto line = [](const std::vector<std::array<double, 2>>& points) {
+        std::vector<Json> list;
+        for (const auto& p : points) list.push_back(std::vector<double>(p.begin(), p.end()));
+        return Json(list);
+    };
+    std::vector<Json> gauges, sections;
+    for (const GaugeSpec& g : h.gauges)
+        gauges.push_back(Json::Named{{"name", g.name}, {"place", std::vector<double>{g.x, g.y}}});
+    for (const SectionSpec& s : h.sections)
+        sections.push_back(Json::Named{{"name", s.name}, {"points", line(s.points)}});
+    return Json::Named{{"cell", h.cell},
+                       {"threshold", h.threshold},
+                       {"gauges", gauges},
+                       {"sections", sections},
+                       {"path", line(h.path)}};
+}
+
 /// All that the answer depends on, by which a report says in what runs differ.
 inline Json keys(const Scene& scene) {
     Json::Named named;
@@ -89,19 +124,22 @@ inline Json keys(const Scene& scene) {
 
 }  // namespace scene_record
 
-inline Json surroundings(const Scene& scene) {
+inline Json surroundings(const Scene& scene, const std::vector<double>& volumes) {
     std::vector<Json> structures;
     for (const StructureSpec& s : scene.structures) structures.push_back(scene_record::structure(scene, s));
-    return Json::Named{{"version", version_text},
-                       {"scene", scene.name},
-                       {"title", scene.title},
-                       {"dimensions", scene.dimensions},
-                       {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
-                                              {"max", scene_record::vector(scene, scene.max)},
-                                              {"cell", scene.cell}}},
-                       {"wall", scene_record::walls(scene)},
-                       {"structure", structures},
-                       {"keys", scene_record::keys(scene)}};
+    Json::Named all{{"version", version_text},
+                    {"scene", scene.name},
+                    {"title", scene.title},
+                    {"dimensions", scene.dimensions},
+                    {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
+                                           {"max", scene_record::vector(scene, scene.max)},
+                                           {"cell", scene.cell}}},
+                    {"wall", scene_record::walls(scene)},
+                    {"structure", structures}};
+    if (scene.hazard.cell > 0) all.emplace_back("hazard", scene_record::hazard(scene.hazard));
+    all.emplace_back("source", scene_record::sources(scene, volumes));
+    all.emplace_back("keys", scene_record::keys(scene));
+    return all;
 }
 
 }  // namespace moraine

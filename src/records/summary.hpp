@@ -137,9 +137,11 @@ Json energies_in_summary(const TimeSeriesRow<Dim>& row) {
                        {"unaccounted", row.unaccounted}};
 }
 
+/// of_scene: what was said of it before it ran.
 template <int Dim>
-Json warnings_in_summary(const RunHealth<Dim>& health) {
+Json warnings_in_summary(const RunHealth<Dim>& health, const std::vector<std::string>& of_scene) {
     std::vector<Json> list;
+    for (const std::string& message : of_scene) list.push_back(Json::Named{{"problem", "scene"}, {"message", message}});
     for (const HealthWarning<Dim>& w : health.warnings()) list.push_back(w.json());
     return list;
 }
@@ -161,7 +163,7 @@ inline std::vector<std::int64_t> sums_of(const RunCounts& counts, const Comm& co
 /// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
-               const RunHealth<Dim>& health, const std::string& ended_by) {
+               const RunHealth<Dim>& health, const std::vector<std::string>& warnings, const std::string& ended_by) {
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
     const std::vector<std::int64_t> sums = sums_of(counts, comm);
@@ -205,7 +207,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
         {"over_filling", health.over_filling()},
-        {"warnings", warnings_in_summary(health)},
+        {"warnings", warnings_in_summary(health, warnings)},
     };
     if (sim.scene().sleep.on) summary.emplace_back("sleep", sleep_in_summary(last, counts));
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));

@@ -23,8 +23,9 @@ std::vector<int> chosen_ranks(const ReplayOptions& options, const ReplayRecord& 
         if (p > record.blocks_max())
             throw InputError(
                 fmt::format("--ranks {} (a rank needs a block, and no imbalance check has more than {}). At most {}, "
-                            "or --refine 1?",
-                            p, record.blocks_max(), record.blocks_max()));
+                            "or --refine {}?",
+                            p, record.blocks_max(), record.blocks_max(),
+                            options.refine + refinement_for(record.blocks_max(), p, record.layout().dimensions)));
     return ranks;
 }
 

@@ -12,6 +12,7 @@
 #include "comm/phases.hpp"
 #include "core/block.hpp"
 #include "core/error.hpp"
+#include "replay/flow_speed.hpp"
 
 namespace moraine {
 namespace {
@@ -88,6 +89,8 @@ ReplayRecord::ReplayRecord(const ReplayOptions& options)
     if (header_.weighs_cost) weights_ = {std::llround(1e12 * model_.particle), 0, std::llround(1e12 * model_.block)};
     set_network(model_);
     model_.moves = {header_.moves[0], header_.moves[1]};
+    blocks_between_checks_ = cells_per_step(options.directory) * balance_.interval * options.every *
+                             static_cast<double>(1 << options.refine) / 4;
 }
 
 void ReplayRecord::check_sleepers() const {

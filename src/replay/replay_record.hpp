@@ -34,6 +34,11 @@ class ReplayRecord {
     std::int64_t feeds_always() const { return feeds_always_; }
     static constexpr double feed_limit = 1.25;
 
+    /// Blocks of the grid that is replayed, refined if that was asked for, that the fastest of the run went through
+    /// from one imbalance check to the next, in the mean of the rows of history.csv; 0 where that is not known. Beyond
+    /// one, owners of the blocks before say little of those of now.
+    double blocks_between_checks() const { return blocks_between_checks_; }
+
     /// What the run itself did; measured, of the grid as it was run.
     /// Share of the particle-steps that slept or, with --sleep, would have; 0 where all count as awake.
     double asleep_share() const { return particle_steps_ > 0 ? asleep_steps_ / particle_steps_ : 0; }
@@ -78,6 +83,7 @@ class ReplayRecord {
     std::array<double, 2> sleepers_before_{};  ///< particles of the last frame, and those of them that sleep
     std::int64_t last_step_ = -1, blocks_min_ = 0, blocks_max_ = 0, feeds_at_start_ = 0, feeds_always_ = 0;
     int checks_ = 0;
+    double blocks_between_checks_ = 0;
 };
 
 }  // namespace moraine

@@ -23,6 +23,12 @@ std::string line_of(const ForecastResult& r) {
 
 }  // namespace
 
+int refinement_for(std::int64_t feeds, int ranks, int dimensions) {
+    int more = 0;
+    for (; feeds > 0 && feeds < ranks; ++more) feeds *= std::int64_t(1) << dimensions;
+    return more;
+}
+
 std::string words_before(const ReplayOptions& options, const ReplayRecord& record) {
     const ForecastResult& run = record.measured();
     const TimeModel& m = record.model();
@@ -49,6 +55,16 @@ std::string words_before(const ReplayOptions& options, const ReplayRecord& recor
             "Loads are those of a grid {} times finer that nobody ran: every block divided, with as many particles in "
             "each part.\n",
             1 << options.refine);
+    if (record.blocks_between_checks() > 1)
+        text += fmt::format(
+            "Warning: between two imbalance checks the flow crosses {:.2g} blocks of this grid (owners are then "
+            "guessed, and imbalances come out too large). Record it with balance.interval = {}?\n",
+            record.blocks_between_checks(),
+            std::max(1, static_cast<int>(record.balance().interval * options.every / record.blocks_between_checks())));
+    for (const int ranks : options.ranks)
+        if (const int more = refinement_for(record.feeds_always(), ranks, record.layout().dimensions); more > 0)
+            text += fmt::format("Notice: {} ranks want --refine {}: cells {} times smaller than the run's.\n", ranks,
+                                options.refine + more, 1 << (options.refine + more));
     return text + fmt::format(
                       "This scene can feed {} ranks at its start and {} at its worst imbalance check (heaviest rank at "
                       "most {} "

@@ -20,6 +20,9 @@ struct RegretRow {
     double percent() const { return optimum > 0 ? 100 * (seconds / optimum - 1) : 0; }
 };
 
+/// How often cells must be halved beyond now, for `feeds` ranks to become as many as are wanted.
+int refinement_for(std::int64_t feeds, int ranks, int dimensions);
+
 /// What the record holds, the model, and how many ranks the scene can feed.
 std::string words_before(const ReplayOptions& options, const ReplayRecord& record);
 

@@ -63,6 +63,7 @@ class Reader {
             check_hazard(scene_, places_);
             load_gauges(scene_, places_);
             load_sections(scene_, places_);
+            load_path(scene_, places_);
         }
         each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         each_of("inflow", [&](const toml::table& table, const std::string& path) {

@@ -12,7 +12,7 @@
 
 namespace moraine {
 
-void check_hazard(const Scene& scene, const Places& places) {
+void check_hazard(Scene& scene, const Places& places) {
     if (scene.dimensions == 2)
         refuse(places.of("hazard"), "[hazard] in a scene of 2 dimensions", "maps are in plan", "Remove it?");
     if (scene.structures.empty() || scene.structures[0].shape != StructureShape::ground)
@@ -22,6 +22,7 @@ void check_hazard(const Scene& scene, const Places& places) {
         refuse(places.of("hazard.cell"), fmt::format("hazard.cell = {}", scene.hazard.cell),
                fmt::format("less than domain.cell, {} m: columns would hold single particles", scene.cell),
                "Use a larger one?");
+    scene.hazard.origin = scene.structures[0].ground->whole;
     const std::vector<std::string>& valid = hazard_map_names();
     for (const std::string& name : scene.hazard.maps)
         if (std::find(valid.begin(), valid.end(), name) == valid.end())
@@ -87,6 +88,22 @@ void load_gauges(Scene& scene, const Places& places) {
     }
     if (scene.hazard.gauges.empty())
         refuse(places.of("hazard.gauges"), "hazard.gauges has no places", path, "Remove the key?");
+}
+
+void load_path(Scene& scene, const Places& places) {
+    if (scene.hazard.path_file.empty()) return;
+    const std::string path = path_of_file(scene, scene.hazard.path_file);
+    const std::vector<GisShape> lines = read_lines(path, "hazard.path", scene.structures[0].ground->crs, scene.notices);
+    if (lines.size() != 1)
+        refuse(places.of("hazard.path"), fmt::format("hazard.path has {} lines", lines.size()),
+               fmt::format("{}: the way of the flow is one", path), "Keep one?");
+    for (const auto& p : lines[0].points) {
+        check_inside(scene, path, "the path has a point at", p);
+        if (scene.hazard.path.empty() || scene.hazard.path.back() != p) scene.hazard.path.push_back(p);
+    }
+    if (scene.hazard.path.size() < 2)
+        refuse(path, fmt::format("the path has {} points", scene.hazard.path.size()),
+               "at least 2 that differ are needed", "Is the file complete?");
 }
 
 }  // namespace moraine

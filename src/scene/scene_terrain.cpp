@@ -23,11 +23,17 @@ std::string key_of(const Scene& scene) {
 
 /// The part of the model that the domain needs.
 Ground ground_under(Scene& scene, const StructureSpec& spec, const std::string& path, const Places& places) {
+    std::array<double, 2> whole{};
     const auto under = [&](const Ground& all) {
+        whole = all.first;
         if (!places.has("domain.min")) lay_domain(scene, spec, all, places);
         return PlanBox{{{scene.min[0], scene.min[1]}, {scene.max[0], scene.max[1]}}};
     };
-    if (scene.dimensions == 3) return read_model(path, under, scene.notices);
+    if (scene.dimensions == 3) {
+        Ground ground = read_model(path, under, scene.notices);
+        ground.whole = whole;
+        return ground;
+    }
     if (!has_ending(path, ".csv"))
         refuse(places.of(key_of(scene)), fmt::format("{} = {}", key_of(scene), quote(path)),
                "a profile is a table of x,z in a .csv", "Convert or rename it?");

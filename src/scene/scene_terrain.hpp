@@ -37,8 +37,11 @@ void load_gauges(Scene& scene, const Places& places);
 /// Reads the sections of [hazard]. Throws InputError.
 void load_sections(Scene& scene, const Places& places);
 
-/// What holds between [hazard] and the rest. Throws InputError.
-void check_hazard(const Scene& scene, const Places& places);
+/// Reads the path of [hazard]. Throws InputError.
+void load_path(Scene& scene, const Places& places);
+
+/// What holds between [hazard] and the rest; lays the grid of the maps. Throws InputError.
+void check_hazard(Scene& scene, const Places& places);
 
 /// Over terrain a face that the scene does not name is open: what flows out of the model is counted and gone.
 void open_faces(Scene& scene, const Places& places);

@@ -150,7 +150,8 @@ const std::vector<KeyRow<Scene>> hazards{
       .name = "cell",
       .unit = "m",
       .range = {0, std::numeric_limits<double>::infinity(), true, false},
-      .meaning = "Side of a cell of the maps, from the lower corner of the domain on; at least domain.cell."},
+      .meaning = "Side of a cell of the maps, which lie on a grid from the first height of the model on; at least "
+                 "domain.cell."},
      [](Scene& s, const V& v) { s.hazard.cell = v.real; }},
     {{.table = "hazard",
       .name = "maps",
@@ -183,6 +184,15 @@ const std::vector<KeyRow<Scene>> hazards{
                  "GeoPackage or other; the attribute name is optional. Discharge, volume and mass that went over each "
                  "line to its left go into sections.csv at every sample; relative to the scene."},
      [](Scene& s, const V& v) { s.hazard.sections_file = v.text; }},
+    {{.table = "hazard",
+      .name = "path",
+      .type = text,
+      .standard = "",
+      .meaning =
+          "The way of the flow from its source downwards, one line in a file as that of sections: along it moraine "
+          "converge, study and report count front, runout and travel angle, instead of the steepest way from the "
+          "releases; relative to the scene."},
+     [](Scene& s, const V& v) { s.hazard.path_file = v.text; }},
 };
 
 }  // namespace

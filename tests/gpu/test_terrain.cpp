@@ -27,6 +27,7 @@ PlanColumns columns_of(const Simulation<Real, 3>& sim, double side, std::vector<
     c.places = sim.plan_places();
     c.side = side;
     for (int a = 0; a < 2; ++a) {
+        c.corner[a] = sim.scene().min[static_cast<std::size_t>(a)];
         c.size[a] = std::llround(std::ceil(sim.scene().max[static_cast<std::size_t>(a)] / side));
         c.count[a] = (c.size[a] + PlanColumns::edge - 1) / PlanColumns::edge;
     }

@@ -356,7 +356,7 @@ TEST_CASE("polygons go to the model's system, with their attributes, and this is
     CHECK(read_areas(path, "release.area", "", notices)[0].points[0][0] == 9.0);
     CHECK(notices.empty());
     const std::string box =
-        folder.with("o.gpkg", outline_bytes({{{{1, 2}, {5, 2}, {5, 6}}}, {{{8, 8}, {9, 8}, {9, 9}}}}, zone, 0.1));
+        folder.with("o.gpkg", outline_bytes({{{{1, 2}, {5, 2}, {5, 6}}}, {{{8, 8}, {9, 8}, {9, 9}}}}, zone, 0.1, {}));
     const auto two = read_areas(box, "release.area", zone, notices);
     CHECK(notices.empty());
     REQUIRE(two.size() == 2);

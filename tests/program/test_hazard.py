@@ -1,14 +1,16 @@
 """Hazard maps, gauges and sections: they hold what flowed, on any number of ranks and after a restart."""
 import json
 import math
+import sqlite3
 import os
 import subprocess
 import unittest
+import xml.etree.ElementTree as tree
 
 import geotiff
 import moraine
 from moraine import checkpoints, sets, summary, table
-from valley import GDAL, SCENE, ZONE, ValleyTest, grid, read_map, total
+from valley import GDAL, SCENE, ZONE, ValleyTest, grid, map_grid, read_map, total
 
 
 class Hazard(ValleyTest):
@@ -63,6 +65,26 @@ class Hazard(ValleyTest):
             a, b = (total(read_map(moving, names[k])) for k in (depth, thickness))
             self.assertAlmostEqual(b / a, math.sqrt(0.5), delta=1e-5)
 
+    def test_maps_of_other_cells_and_crops_lie_on_one_grid(self):
+        """Which begins at the model's first height, whatever the domain; what sticks out of it is no area."""
+        places = {}
+        for name, low, high, cell in (("whole", "0.0, 0.0", "24.0, 12.0", 0.5), ("part", "0.7, 1.6", "23.2, 11.1", 0.5), ("coarse", "1.0, 1.0", "23.0, 11.0", 1.0)):
+            self.write(SCENE.replace("min = [0.0, 0.0,", f"min = [{low},").replace("max = [24.0, 12.0,", f"max = [{high},").replace("cell = 0.5", f"cell = {cell}")
+                       .replace("cell = 1.0\nthreshold", "cell = 2.0\nthreshold"))
+            directory = self.run_scene(self.scene, name, *sets(time__end=0))
+            run = moraine.table(directory, "history.csv")[0]
+            grid = map_grid(directory, "deposit")
+            places[name] = grid
+            self.assertEqual((grid["x"] % 2, grid["y"] % 2, grid["side"]), (0, 0, 2))
+            # the outer columns go to the ends of the domain, also where what is left is less than a cell
+            area = lambda k, n, start, end: (end[1] if k == n - 1 else start + 2 * (k + 1)) - (end[0] if k == 0 else start + 2 * k)  # noqa: E731
+            ends = [tuple(float(text.split(", ")[a]) for text in (low, high)) for a in (0, 1)]
+            rows = read_map(directory, "deposit")[::-1]
+            volume = sum(depth * area(i, len(rows[0]), grid["x"], ends[0]) * area(j, len(rows), grid["y"], ends[1])
+                         for j, row in enumerate(rows) for i, depth in enumerate(row))
+            self.assertAlmostEqual(volume * 1800 / run["mass_kg"], 1, delta=1e-5)
+        self.assertEqual((places["part"]["x"], places["part"]["y"]), (0, 2))
+
     def test_the_outline_has_the_area_of_the_cells_that_were_reached(self):
         directory = self.run_scene(self.scene, "run", *sets(time__end=0.5))
         reached = sum(d >= 0.2 for row in read_map(directory, "max_depth") for d in row)
@@ -79,8 +101,28 @@ class Hazard(ValleyTest):
         self.assertEqual(tags[33550], (1.0, 1.0, 0.0))
         self.assertEqual(tags[33922], (0, 0, 0, 0.0, 12.0, 0.0))
         self.assertIn(34735, tags)  # the system's keys
+        for word in (b'name="scene"', b'name="state_hash"', b"material.debris.law = drucker-prager", b'name="threshold_m">0.2<', b"scar: 1 m, 2 cells thick"):
+            self.assertIn(word, tags[42112])
+        self.assertIn(summary(directory)["state_hash"].encode(), tags[42112])
+        style = tree.parse(directory / "maps" / "max_depth.qml").getroot()
+        self.assertTrue(1 < len(style.findall(".//item")) <= 8)
+        self.assertEqual(style.findall(".//item")[-1].get("value"), "inf")
         self.assertEqual(tags[259], (8,))
         self.assertIn(-9999, rows[0])
+
+    def test_equal_runs_leave_equal_files_and_a_model_without_system_is_on_a_plane(self):
+        one, two = (self.run_scene(self.scene, name, *sets(time__end=0.3), ranks=ranks) for name, ranks in (("one", None), ("two", 2)))
+        names = sorted(path.name for path in (one / "maps").iterdir())
+        self.assertIn("deposit.qml", names)
+        for name in names:
+            self.assertEqual((one / "maps" / name).read_bytes(), (two / "maps" / name).read_bytes(), name)
+        if GDAL:
+            base = sqlite3.connect(one / "maps" / "outline.gpkg")
+            (name, hash_text), = base.execute("select scene, state_hash from outline").fetchall()
+            system, = base.execute("select srs_name from gpkg_spatial_ref_sys natural join gpkg_geometry_columns").fetchone()
+            base.close()
+            self.assertEqual((name, hash_text), ("scene", summary(one)["state_hash"]))
+            self.assertIn("Cartesian", system)
 
     @unittest.skipUnless(GDAL, "a build without GDAL")
     def test_a_run_goes_on_from_the_maps_of_another(self):

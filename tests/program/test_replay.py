@@ -78,6 +78,17 @@ class Replay(moraine.ProgramTest):
         first = next(step for step in range(1, steps) if fed(step, 1)[1] == worst)
         self.assertEqual(fed(first, 1000), [start, worst])
 
+    def test_intervals_that_are_too_long_for_finer_cells_and_the_refinement_that_ranks_want_are_said(self):
+        moving = sets(body__block__velocity="[10.0, 0.0]", output__block_loads="on")
+        self.run = self.run_scene(self.write(moraine.SMALL_SCENE), "moving", *moving, *sets(balance__interval=8))
+        told = self.replay("--ranks", "4", "--partitioner", "morton", "--refine", "4").out
+        crosses, wanted = re.search(r"the flow crosses ([\d.]+) blocks of this grid .* balance\.interval = (\d+)\?", told).groups()
+        self.assertAlmostEqual(8 / float(crosses), int(wanted), delta=1 + 0.05 * int(wanted))
+        self.assertNotIn("Warning", self.replay("--ranks", "1", "--partitioner", "morton").out)
+        most, more = re.search(r"At most (\d+), or --refine (\d+)\?", self.refused(self.run, "--ranks", "20000")).groups()
+        self.assertTrue(int(most) * 4**(int(more) - 1) < 20000 <= int(most) * 4**int(more))
+        self.assertRegex(self.replay("--ranks", "300", "--partitioner", "morton", "--refine", "4").out, r"300 ranks want --refine \d: cells \d+ times smaller|can feed")
+
     def test_no_trigger_beats_the_offline_optimum(self):
         self.replay("--ranks", "16", "--partitioner", "morton", "--regret", "--latency", "1e-6", "--bandwidth", "1e9")
         regrets = {row["trigger"]: float(row["regret_percent"]) for row in self.rows() if row["kind"] == "regret"}

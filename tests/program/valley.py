@@ -66,10 +66,24 @@ def features(*polygons):
 
 
 def read_map(directory, name):
+    """Rows from the north; where the flow was not 0, but in arrival, where it is -9999."""
     if GDAL:
-        return geotiff.read(directory / "maps" / f"{name}.tif")[0]
-    lines = (directory / "maps" / f"{name}.asc").read_text().splitlines()
-    return [[float(word) for word in line.split()] for line in lines[6:]]
+        rows = geotiff.read(directory / "maps" / f"{name}.tif")[0]
+    else:
+        lines = (directory / "maps" / f"{name}.asc").read_text().splitlines()
+        rows = [[float(word) for word in line.split()] for line in lines[6:]]
+    return [[0.0 if value == -9999 and name != "arrival" else value for value in row] for row in rows]
+
+
+def map_grid(directory, name):
+    """Lower left corner and side of the cells of a map [m]."""
+    if GDAL:
+        rows, tags = geotiff.read(directory / "maps" / f"{name}.tif")
+        side, tie = tags[33550][0], tags[33922]
+        return {"x": tie[3], "y": tie[4] - len(rows) * side, "side": side}
+    words = (directory / "maps" / f"{name}.asc").read_text().split()[:10]
+    head = dict(zip(words[::2], map(float, words[1::2])))
+    return {"x": head["xllcorner"], "y": head["yllcorner"], "side": head["cellsize"]}
 
 
 def total(rows):

@@ -202,12 +202,12 @@ class Converge(PackageTest):
         self.assertIn("say --ranks N?", done.stderr)
 
     def test_a_front_and_a_depth_are_read_from_particles(self):
-        study, _ = converge(moraine.read_scene(INPUTS / "slurry_runout.toml"), "slurry-levels", "front,max_depth@0,front@max", sets={"time.end": 0.3, "output.interval": 0.1},
+        study, _ = converge(moraine.read_scene(INPUTS / "slurry_runout.toml"), "slurry-levels", "front,depth@0,front@max", sets={"time.end": 0.3, "output.interval": 0.1},
                             coarsest=1.0, ratio="1:2")
         run = Run(study.path / "cell-0.25")
         values = study.variants[0].levels[-1].values
         self.assertIn("mass", run.particles.fields)
-        self.assertAlmostEqual(values["max_depth@0"], 5.0)
+        self.assertAlmostEqual(values["depth@0"], 5.0)
         self.assertAlmostEqual(values["front"], float(sorted(run.particles[-1].position[:, 0])[int(0.995 * 3200) - 1]), delta=0.05)
         self.assertGreaterEqual(values["front@max"], values["front"])
 

@@ -15,8 +15,8 @@ constexpr std::array<std::int64_t, 2> size{6, 5};
 std::vector<Rings> outline(const std::string& picture) {
     std::vector<bool> reached(30);
     for (std::size_t k = 0; k < 30; ++k) reached[6 * (4 - k / 6) + k % 6] = picture[k] == '#';
-    return outline_of(reached,
-                      {size, {0, 0}, {10, 20}, 2, size, {10 + 2.0 * double(size[0]), 20 + 2.0 * double(size[1])}});
+    return outline_of(
+        reached, {size, {0, 0}, {10, 20}, 2, size, {10, 20}, {10 + 2.0 * double(size[0]), 20 + 2.0 * double(size[1])}});
 }
 
 double area_of(const std::vector<std::array<double, 2>>& ring) {

@@ -99,9 +99,8 @@ Program p2g_program(const KernelKey& key, bool mean) {
 Program split_program(const KernelKey& key) {
     // Another material may take means of cells: it is asked at run time, but for boxes and cubic splines, where
     // registers would spill (the program refuses such scenes on devices).
-    const bool averages = key.fluid == FluidGrid::means
-                              ? key.shape == Shape::linear || key.shape == Shape::quadratic
-                              : key.fluid == FluidGrid::none && key.cell_means;
+    const bool averages = key.fluid == FluidGrid::means ? key.shape == Shape::linear || key.shape == Shape::quadratic
+                                                        : key.fluid == FluidGrid::none && key.cell_means;
     Program program{"gather", {"gpu/kernels/g2p/g2p_split.cuh"}, {split_kernel(key, averages, false)}};
     if (key.light_nodes) program.kernels.push_back(split_kernel(key, averages || key.fluid == FluidGrid::none, true));
     return program;
