@@ -78,6 +78,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void count_lost(const Quantum& quantum);
     void record_energy(const Quantum& quantum, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
+    HostTerms<Real, Dim> terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const;
     CellContext<Real, Dim> cell_context();
     void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);

@@ -83,14 +83,15 @@ std::string KernelKey::text() const {
                         std::to_string(dimension) + "-D " + name_of(shape) + (affine ? " affine" : "");
     for (std::size_t k = 0; k < laws.size(); ++k)
         words += (k == 0 ? ", " : " + ") + laws[k].name + (laws[k].plain ? " (plain)" : "");
-    words += way == GatherWay::fused ? ", stress in the gather"
+    words += way == GatherWay::fused   ? ", stress in the gather"
              : way == GatherWay::split ? ", stress apart"
                                        : ", stress in the gather of blocks of one material";
     std::string terms;
     const auto add = [&](bool is, const char* term) {
         if (is) terms += (terms.empty() ? "; " : ", ") + std::string(term);
     };
-    add(light_nodes, "light nodes"), add(cell_means, "means of cells"), add(fluid == FluidGrid::means, "means of nodes");
+    add(light_nodes, "light nodes"), add(cell_means, "means of cells"),
+        add(fluid == FluidGrid::means, "means of nodes");
     add(fluid == FluidGrid::pressure, "pressure on the grid"), add(structures, "contact"), add(sleep, "sleep");
     return words + terms;
 }

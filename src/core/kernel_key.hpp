@@ -4,10 +4,10 @@
 // a device's memory, and only a gather apart from the stress keeps a velocity gradient per particle.
 //
 // The stress update is fused with the gather (one kernel, the gradient stays in registers) for what most runs are: USL,
-// one material, quadratic splines of any transfer but AFLIP and FMPM, or hats without an affine field. Else it is split:
-// a gather that leaves dL = dt grad v per list entry, and a stress update per material. In scenes of several materials
-// that would each be fused, blocks whose particles are all of one material are sorted out and fused, the rest split.
-// The two ways differ in rounding. What the grid gives a material besides its motion is fused for fluids alone.
+// one material, quadratic splines of any transfer but AFLIP and FMPM, or hats without an affine field. Else it is
+// split: a gather that leaves dL = dt grad v per list entry, and a stress update per material. In scenes of several
+// materials that would each be fused, blocks whose particles are all of one material are sorted out and fused, the rest
+// split. The two ways differ in rounding. What the grid gives a material besides its motion is fused for fluids alone.
 
 #include <algorithm>
 #include <string>
@@ -37,8 +37,8 @@ struct KernelKey {
     GatherWay way;
     // Terms.
     FluidGrid fluid;
-    bool cell_means;    ///< of some body's material
-    bool light_nodes;   ///< accelerations are limited (core/light_nodes.hpp)
+    bool cell_means;   ///< of some body's material
+    bool light_nodes;  ///< accelerations are limited (core/light_nodes.hpp)
     bool structures;
     bool sleep;
     bool single_round;  ///< USL: one round of sums, nodes and gather a step

@@ -8,8 +8,7 @@ namespace moraine::gpu {
 
 template <class Real, int Dim>
 DeviceSleepers<Real, Dim>::DeviceSleepers(const Scene& scene, const KernelKey& key,
-                                          const Method<Host, Real, Dim>& method,
-                                          const std::uint16_t* material_of)
+                                          const Method<Host, Real, Dim>& method, const std::uint16_t* material_of)
     : method_(method), material_of_(scene.materials.size() > 1 ? material_of : nullptr), rule_(sleep_rule(scene)) {
     for (std::size_t m = 0; m < scene.materials.size(); ++m) waves_.emplace_back(key, scene.materials[m], m);
     accounts_.assign(std::vector<SleepAccount<Dim>>(account_parts));

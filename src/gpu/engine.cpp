@@ -47,7 +47,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
             full_mass_ = std::max(full_mass_, method.stiffness()[b].full_mass);
         limited_count_.resize(2 * LimitedBlocks::lists);
     }
-    if (scene.sleep.on) sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, key_, method, material_of_.data());
+    if (scene.sleep.on)
+        sleepers_ = std::make_unique<DeviceSleepers<Real, Dim>>(scene, key_, method, material_of_.data());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means());
     counters_.assign(std::vector<Counters>{{}});
     accounts_.resize(account_parts);

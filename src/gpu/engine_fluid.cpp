@@ -33,8 +33,7 @@ void DeviceEngine<Real, Dim>::sum_part(int part, cudaStream_t stream) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum,
                                         const LightMarks<Real>& marks, const NodeContact<Dim>* contact) {
-    if (!method_.fluid())
-        return nodes_kernel_.solve(view(), method_.stencil, round, quantum, marks, stream_, contact);
+    if (!method_.fluid()) return nodes_kernel_.solve(view(), method_.stencil, round, quantum, marks, stream_, contact);
     const NodeFluid<Real, Dim> fluid{mean_ == NodeMean::volume, method_.capacity,
                                      static_cast<Real>(std::pow(scene_.cell, -Dim))};
     nodes_kernel_.solve_fluid(view(), method_.stencil, round, quantum, marks, fluid, stream_, contact);

@@ -81,7 +81,7 @@ void DeviceEngine<Real, Dim>::capture_lead(LeadGraph& graph, const StepScales<Di
         lead_->decide_beside(report_work(&lead_->state()->report), behind, static_cast<int>(sizeof(Real)),
                              [&] { sum_part(1, stream); });
         nodes_kernel_.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
-                                    light_marks_of(round), stream);
+                            light_marks_of(round), stream);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
         lists_.collect(tables_.view(), Part::all, interior_blocks(), stream);
         lists_.make(tables_.view(), stream);

@@ -44,12 +44,14 @@ void DeviceEngine<Real, Dim>::sum_boundary_cells(const Substep& substep) {
     if (!exchange_) return;
     exchange_->solved.record(stream_);
     exchange_->stream.wait_for(exchange_->solved);
-    pressure_kernels_.advance_cells(view(), pressure_.view(), lists_.boundary(), boundary_blocks_, cell_task(substep), exchange_->stream);
+    pressure_kernels_.advance_cells(view(), pressure_.view(), lists_.boundary(), boundary_blocks_, cell_task(substep),
+                                    exchange_->stream);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_interior_cells(const Substep& substep) {
-    pressure_kernels_.advance_cells(view(), pressure_.view(), lists_.interior(), interior_blocks(), cell_task(substep), stream_);
+    pressure_kernels_.advance_cells(view(), pressure_.view(), lists_.interior(), interior_blocks(), cell_task(substep),
+                                    stream_);
     if (exchange_) exchange_->halo.post();
 }
 
@@ -72,7 +74,8 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (!substep.is_last()) return;
     CellTask<Real> task = cell_task({substep.number + 1, substep.count, substep.dt});
     task.sums = false;
-    if (exchange_) pressure_kernels_.advance_cells(view(), pressure, lists_.boundary(), boundary_blocks_, task, stream_);
+    if (exchange_)
+        pressure_kernels_.advance_cells(view(), pressure, lists_.boundary(), boundary_blocks_, task, stream_);
     pressure_kernels_.advance_cells(view(), pressure, lists_.interior(), interior_blocks(), task, stream_);
     watch_.end(1, stream_);
 }

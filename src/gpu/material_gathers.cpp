@@ -16,8 +16,7 @@ void wait_for(cudaStream_t stream, cudaEvent_t event) {
 }  // namespace
 
 template <class Real, int Dim>
-MaterialGathers<Real, Dim>::MaterialGathers(const Scene& scene, const KernelKey& key,
-                                            const std::uint16_t* material_of)
+MaterialGathers<Real, Dim>::MaterialGathers(const Scene& scene, const KernelKey& key, const std::uint16_t* material_of)
     : material_of_(material_of) {
     for (std::size_t k = 0; k < scene.materials.size(); ++k) gather_.emplace_back(key, scene.materials[k], k);
     const std::size_t lists = lists_of_part();
@@ -95,7 +94,7 @@ typename MaterialGathers<Real, Dim>::Rest MaterialGathers<Real, Dim>::gather(int
     const SortedBlocks from = lists(part);
     for (int m = 0; m < from.materials; ++m)
         gather_[static_cast<std::size_t>(m)].run(view, from.list(m), args,
-                                                  {grid(part, m, launch), of_material_[part][m % 2]});
+                                                 {grid(part, m, launch), of_material_[part][m % 2]});
     const Launch rest{grid(part, from.materials, launch), launch.stream};
     if (limited) add_to_rest(*limited, from, rest);
     return {from.list(from.materials), {rest, Launch{rest.blocks, limited_}}};

@@ -5,9 +5,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/kernel_key.hpp"
 #include "comm/lead_rule.hpp"
 #include "core/block.hpp"
+#include "core/kernel_key.hpp"
 #include "core/method.hpp"
 #include "core/scene_sleep.hpp"
 #include "core/shape.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-// The constitutive laws as types, in the order by which a LawInfo (core/material/laws.hpp) knows its struct. What kernels
-// include of laws: they know no names and no keys.
+// The constitutive laws as types, in the order by which a LawInfo (core/material/laws.hpp) knows its struct. What
+// kernels include of laws: they know no names and no keys.
 
 #include "core/material/drucker_prager.hpp"
 #include "core/material/herschel_bulkley.hpp"

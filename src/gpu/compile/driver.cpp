@@ -49,7 +49,8 @@ void check(CUresult result, const char* what) {
     if (result == CUDA_SUCCESS) return;
     const char* words = nullptr;
     Driver::instance().error_string(result, &words);
-    throw MachineError(std::string(what) + " failed (" + (words ? words : "unknown error") + "). Is the device in order?");
+    throw MachineError(std::string(what) + " failed (" + (words ? words : "unknown error") +
+                       "). Is the device in order?");
 }
 
 }  // namespace moraine::gpu

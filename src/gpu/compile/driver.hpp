@@ -1,6 +1,6 @@
 #pragma once
-// Entry points of the CUDA driver that the runtime has no name for in all versions: asked for by name, so that nothing is
-// linked to the driver, which login nodes lack.
+// Entry points of the CUDA driver that the runtime has no name for in all versions: asked for by name, so that nothing
+// is linked to the driver, which login nodes lack.
 
 #include <cuda.h>
 

@@ -32,7 +32,8 @@ class Kernel {
     unsigned threads() const { return threads_; }  ///< of a thread block
 
     /// Throws MachineError; std::logic_error where arguments are not what the kernel takes. Asynchronous.
-    void operator()(unsigned grid, cudaStream_t stream, std::initializer_list<Argument> arguments, const char* what) const;
+    void operator()(unsigned grid, cudaStream_t stream, std::initializer_list<Argument> arguments,
+                    const char* what) const;
 
   private:
     CUfunction function_ = nullptr;

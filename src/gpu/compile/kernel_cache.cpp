@@ -176,7 +176,8 @@ fs::path kernel_cache_folder(const std::string& wanted) {
     };
     if (const std::string named = variable("MORAINE_KERNEL_CACHE"); !named.empty())
         return named == "none" ? fs::path() : fs::path(named);
-    if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty()) return fs::path(cache) / "moraine/kernels";
+    if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty())
+        return fs::path(cache) / "moraine/kernels";
     if (const std::string home = variable("HOME"); !home.empty()) return fs::path(home) / ".cache/moraine/kernels";
     return {};
 }

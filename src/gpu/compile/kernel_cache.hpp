@@ -27,7 +27,8 @@ class KernelCache {
     const std::filesystem::path& folder() const { return folder_; }
 
     /// Hash of what a program's image follows from, 32 hexadecimal digits.
-    static std::string key(const std::string& text, const std::vector<std::string>& options, const std::string& compiler);
+    static std::string key(const std::string& text, const std::vector<std::string>& options,
+                           const std::string& compiler);
 
     std::optional<CompiledProgram> find(const std::string& key) const;
     /// The program of this key; make() is called where it is not there, while others wait. Not being able to write is

@@ -23,9 +23,10 @@ CompiledProgram find_or_compile(const KernelCache& cache, const Program& program
     const RuntimeCompiler& compiler = RuntimeCompiler::instance();
     return cache.find_or_make(key_of(program, architecture, compiler.version()), [&] {
         if (tell)
-            tell("Compiling " + std::to_string(program.kernels.size()) + " device kernels for sm_" +
-                 std::to_string(architecture) + " by " + compiler.version() +
-                 (cache.folder().empty() ? " (not kept)" : " (once: they are kept in " + cache.folder().string() + ")"));
+            tell(
+                "Compiling " + std::to_string(program.kernels.size()) + " device kernels for sm_" +
+                std::to_string(architecture) + " by " + compiler.version() +
+                (cache.folder().empty() ? " (not kept)" : " (once: they are kept in " + cache.folder().string() + ")"));
         return compiler.compile(program, architecture);
     });
 }
@@ -39,7 +40,8 @@ std::vector<Kernel> load(const Program& program, const CompiledProgram& compiled
     std::size_t bytes = 0;
     check(driver.global_of_library(&at, &bytes, library, facts_name), "Loading kernels");
     std::vector<unsigned> facts(bytes / sizeof(unsigned));
-    check(cudaMemcpy(facts.data(), reinterpret_cast<const void*>(at), bytes, cudaMemcpyDeviceToHost), "Loading kernels");
+    check(cudaMemcpy(facts.data(), reinterpret_cast<const void*>(at), bytes, cudaMemcpyDeviceToHost),
+          "Loading kernels");
     if (facts.size() != 2 * program.kernels.size() || compiled.names.size() != program.kernels.size())
         throw MachineError("The kernels of " + program.name + " do not fit this program. Another --kernel-cache?");
     std::vector<Kernel> kernels;

@@ -40,7 +40,8 @@ struct RuntimeCompiler::Functions {
         const auto take = [&](auto& function, const char* name) {
             void* found = dlsym(library, name);
             if (!found)
-                throw MachineError(std::string("NVRTC has no ") + name + " (" + dlerror() + "). Is it of CUDA 12.4 or newer?");
+                throw MachineError(std::string("NVRTC has no ") + name + " (" + dlerror() +
+                                   "). Is it of CUDA 12.4 or newer?");
             function = reinterpret_cast<std::decay_t<decltype(function)>>(found);
         };
         take(version, "nvrtcVersion"), take(create, "nvrtcCreateProgram"), take(destroy, "nvrtcDestroyProgram");

@@ -1,6 +1,6 @@
 #pragma once
-// NVIDIA's run-time compiler, NVRTC, loaded when the first program is to be compiled: a build needs only its header, and
-// a run that finds all of its kernels on disk needs nothing.
+// NVIDIA's run-time compiler, NVRTC, loaded when the first program is to be compiled: a build needs only its header,
+// and a run that finds all of its kernels on disk needs nothing.
 //
 // Options are those of every kernel: no fast math, so that the same text gives the same bits wherever it is compiled.
 

@@ -39,7 +39,7 @@ GatherKernel<Real, Dim>::GatherKernel(const KernelKey& key, const MaterialSpec& 
 
 template <class Real, int Dim>
 void GatherKernel<Real, Dim>::launch(const Kernel& kernel, const View<Real, Dim>& view, const Chosen& chosen,
-                               const FluidGatherArgs<Real, Dim>& args, const Launch& launch) const {
+                                     const FluidGatherArgs<Real, Dim>& args, const Launch& launch) const {
     const MeansGatherArgs<Real, Dim>& means = args;
     const GatherArgs<Real, Dim>& plain = args;
     const Argument given = fluid_ == FluidGrid::pressure ? Argument(args)
@@ -53,14 +53,14 @@ void GatherKernel<Real, Dim>::launch(const Kernel& kernel, const View<Real, Dim>
 }
 
 template <class Real, int Dim>
-void GatherKernel<Real, Dim>::run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
-                            const Launch& at) const {
+void GatherKernel<Real, Dim>::run(const View<Real, Dim>& view, const Chosen& chosen,
+                                  const FluidGatherArgs<Real, Dim>& args, const Launch& at) const {
     launch(kernel_, view, chosen, args, at);
 }
 
 template <class Real, int Dim>
 void GatherKernel<Real, Dim>::run_limited(const View<Real, Dim>& view, const Chosen& limited,
-                                    const FluidGatherArgs<Real, Dim>& args, const Launch& at) const {
+                                          const FluidGatherArgs<Real, Dim>& args, const Launch& at) const {
     launch(limited_, view, limited, args, {few_blocks(at.blocks), at.stream});
 }
 
@@ -97,9 +97,9 @@ void StressKernel<Real, Dim>::run(const View<Real, Dim>& view, const Chosen& cho
             "Launching the stress update");
 }
 
-#define MORAINE_GATHERS(Real, Dim)       \
-    template class GatherKernel<Real, Dim>;      \
-    template class FindLimited<Real, Dim>; \
+#define MORAINE_GATHERS(Real, Dim)          \
+    template class GatherKernel<Real, Dim>; \
+    template class FindLimited<Real, Dim>;  \
     template class StressKernel<Real, Dim>;
 MORAINE_GATHERS(float, 2)
 MORAINE_GATHERS(float, 3)

@@ -64,7 +64,7 @@ DtPlace dt_of_nodes() {
     return {offsetof(Work, round) + offsetof(decltype(Work::round), dt), sizeof(Work)};
 }
 
-#define MORAINE_NODES(Real, Dim)    \
+#define MORAINE_NODES(Real, Dim)     \
     template class Nodes<Real, Dim>; \
     template DtPlace dt_of_nodes<Real, Dim>();
 MORAINE_NODES(float, 2)

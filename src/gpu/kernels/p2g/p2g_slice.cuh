@@ -87,9 +87,9 @@ __device__ __forceinline__ void add_value(const Axis<Case>& x, const Axis<Case>&
                 sums[n] = sums[n] + value;
             else
                 sums[n] = std::fma(Case::is_rest(i)   ? y.w[j]
-                              : Case::is_rest(j) ? x.w[i]
-                                                 : outer.w[j + i / 2],
-                              value, sums[n]);
+                                   : Case::is_rest(j) ? x.w[i]
+                                                      : outer.w[j + i / 2],
+                                   value, sums[n]);
         }
     }
 }

@@ -3,10 +3,10 @@
 // of a thread's rank stays in its registers. Whole cells go axis by axis, the others layer by layer.
 
 #include "gpu/kernels/g2p/gather_tile.cuh"
-#include "gpu/kernels/team.cuh"
 #include "gpu/kernels/pressure/layer_factors.cuh"
 #include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/pressure/whole_cells.cuh"
+#include "gpu/kernels/team.cuh"
 
 namespace moraine::gpu {
 

@@ -3,10 +3,10 @@
 // by all threads, and summed cell by cell in their order.
 
 #include "core/find_cells.hpp"
-#include "gpu/kernels/team.cuh"
 #include "gpu/kernels/pressure/layer_factors.cuh"
 #include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/pressure/whole_cells.cuh"
+#include "gpu/kernels/team.cuh"
 
 namespace moraine::gpu {
 

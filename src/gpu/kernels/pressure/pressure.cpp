@@ -40,16 +40,15 @@ template <class Real, int Dim>
 void Pressure<Real, Dim>::find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
                                      const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks,
                                      const Substep& first, cudaStream_t stream) const {
-    const FindWork<Real, Dim> work{
-        view,
-        {{view.context, view.table, view.grid, pressure.cell, pressure.held, nullptr},
-         view.list,
-         capacity,
-         chosen.block,
-         first.dt,
-         first.damping()},
-        pressure.moments,
-        pressure.bulk};
+    const FindWork<Real, Dim> work{view,
+                                   {{view.context, view.table, view.grid, pressure.cell, pressure.held, nullptr},
+                                    view.list,
+                                    capacity,
+                                    chosen.block,
+                                    first.dt,
+                                    first.damping()},
+                                   pressure.moments,
+                                   pressure.bulk};
     find_(team_grid<Dim>(blocks), stream, {work, chosen.count}, "Finding cells");
 }
 
