@@ -258,28 +258,30 @@ void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<D
     counted.swap(impulse_);
 }
 
+/// The terms of a round. shifting: null where it does not shift.
+template <class Real, int Dim>
+HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const {
+    const Real* bulk = method_.grid_bulk();
+    const FluidTerms<Real>* fluid = method_.fluid();
+    const bool limits = round.nodes == NodeTask::solve || round.nodes == NodeTask::hold;
+    return {LightTerm<Real>{limits ? method_.stiffness() : nullptr, method_.limits},
+            SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? cells_.data() : nullptr},
+            PressureTerm<Real>{bulk, cells_.data()},
+            BoxTerm{},
+            MeansTerm<Real>{method_.averaged()},
+            ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? held_.data() : nullptr}};
+}
+
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
     const bool shifts = mean_ == NodeMean::volume && method_.shifts();
     if (shifts && step.structures) shifting.contact = step.structures->field();
-    const GatherCall<Real, Dim> gather{
-        method_.stress(),
-        method_.ends,
-        round.gather,
-        method_.tpic,
-        method_.flip,
-        static_cast<Real>(step.dt),
-        patch_.moves(),
-        patch_.outgoing_count(),
-        patch_.shuffled(),
-        patch_.outcome(),
-        method_.averaged(),
-        round.nodes == NodeTask::solve || round.nodes == NodeTask::hold ? method_.stiffness() : nullptr,
-        method_.limits,
-        method_.fluid(),
-        shifts ? &shifting : nullptr,
-        {cells_.data(), factors_.data(), method_.grid_bulk() ? held_.data() : nullptr}};
+    GatherCall<Real, Dim> gather{method_.stress(),
+                                 method_.ends,
+                                 {round.gather, method_.tpic, method_.flip, static_cast<Real>(step.dt)},
+                                 {patch_.moves(), patch_.outgoing_count(), patch_.shuffled(), patch_.outcome()}};
+    gather.terms = terms_of(round, shifts ? &shifting : nullptr);
     if (sleepers_) wake_sleepers(round, step);
     method_.kernels.g2p(transfer_call(sleepers_ ? sleepers_->awake() : patch_.blocks()), gather);
     if (sleepers_) sleepers_->stay();

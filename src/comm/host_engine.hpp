@@ -93,6 +93,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void count_lost(const Quantum& quantum);
     void record_energy(const Quantum& quantum, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
+    HostTerms<Real, Dim> terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const;
     CellContext<Real, Dim> cell_context();
     const Structure<Dim>* smooth_structures(const ContactField<Dim>& field);
     void begin_surfaces(const StepScales<Dim>& step);

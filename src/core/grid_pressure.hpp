@@ -260,4 +260,38 @@ MORAINE_HD Mat<Real, Dim> isochoric_increment(const Mat<Real, Dim>& dL, Real& cu
     return inverse(mid) * H;
 }
 
+/// What a cell's step gives its particles.
+template <class Real>
+struct CellStep {
+    Real increment;   ///< of ln J
+    Real in_tension;  ///< of it (increment_in_tension())
+    Real loose;       ///< K_c of a loose cell, else 0 [Pa]
+
+    static MORAINE_HD CellStep of(const CellPressure<Real>& cell) {
+        return {cell.increment, increment_in_tension(cell), cell.loose ? cell.bulk : Real(0)};
+    }
+};
+
+/// Gives it to a particle of modulus K = bulk, and to its dL. Returns the work [J].
+template <class Real, int Dim>
+MORAINE_HD double take_cell(const CellStep<Real>& cell, Real bulk, auto& particle, Mat<Real, Dim>& dL) {
+    const Real increment = taken_increment(cell.increment, cell.in_tension, borne_share(cell.loose, bulk));
+    const Real step = bulk * increment;
+    const Real before = (particle.stress(0) + particle.stress(1) + particle.stress(2)) * Real(1.0 / 3.0);
+    const double work = double(particle.volume()) * double(before + Real(0.5) * step) * double(increment);
+    for (int a = 0; a < 3; ++a) particle.stress(a) += step;
+    Real cubic;
+    dL = isochoric_increment(dL, cubic);
+    particle.ln_J() += increment - cubic;
+    return work;
+}
+
+/// |v|^2 of a particle, which the next steps' substeps depend on [m2/s2].
+template <class Real, int Dim>
+MORAINE_HD Real square_speed(const auto& particle) {
+    Real square = Real(0);
+    for (int a = 0; a < Dim; ++a) square += particle.velocity(a) * particle.velocity(a);
+    return square;
+}
+
 }  // namespace moraine

@@ -32,20 +32,9 @@ template <class Real, int Dim>
 struct GatherCall {
     HostStress<Real, Dim> stress;
     DomainEnds<Real, Dim> ends;
-    unsigned gather;
-    bool tpic;
-    Real flip;
-    Real dt;
-    std::uint16_t* moves;
-    std::uint32_t* outgoing_count;
-    std::uint8_t* shuffled;
-    BlockOutcome* outcome;
-    const std::uint8_t* averaged = nullptr;      ///< by body: takes its volumetric part from the cell; null: none does
-    const Stiffness<Real>* stiffness = nullptr;  ///< by body; null: no acceleration is limited
-    ReactionLimits<Real> limits = {};
-    const FluidTerms<Real>* fluid = nullptr;  ///< by body; null: pressures are not smoothed, particles not shifted
-    const Shifting<Real, Dim>* shifting = nullptr;  ///< null: not in this step
-    CellViews<Real, Dim> cells = {};                ///< of the grid's pressure
+    GatherRound<Real> round;
+    GatherNotes notes;
+    HostTerms<Real, Dim> terms = {};
 };
 
 /// What the gaps to structures need besides: they are found by pairs of a block and a structure.

@@ -13,9 +13,7 @@ struct LightCell {
     static constexpr int layers = Dim == 2 ? 1 : Width;
     using Lanes = typename Quad<Real>::Register;
 
-    int base[Dim];                       ///< first node of the stencil
     unsigned ghosts[Dim];                ///< of the stencil (Walls::ghosts)
-    bool at_wall = false;                ///< some ghost is folded
     Real least = Real(0);                ///< mass of a node [kg]
     bool ready = false;                  ///< the next ones are known
     Real around = Real(0);               ///< mass of all nodes but those behind walls [kg]

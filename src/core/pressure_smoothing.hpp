@@ -45,12 +45,14 @@ MORAINE_HD Real smoothing_share(Real smoothing, Real dt) {
     return share < Real(0.5) ? share : Real(0.5);
 }
 
-/// Takes the share. towards: the pressure around the particle; stress: its own [Pa].
-template <class Real, int Dim>
-MORAINE_HD void smooth_pressure(Real share, Real towards, Real compliance, Sym<Real, Dim>& stress, Real& ln_J) {
-    const Real step = share * (towards - stress.trace() * Real(1.0 / 3.0));
-    for (int a = 0; a < 3; ++a) stress[a] += step;
-    ln_J += step * compliance;
+/// Takes the share, if its body smooths. towards: the pressure around the particle [Pa].
+template <class Real>
+MORAINE_HD void smooth_pressure(const FluidTerms<Real>& fluid, Real dt, Real towards, auto& particle) {
+    if (!(fluid.smoothing > Real(0))) return;
+    const Real own = (particle.stress(0) + particle.stress(1) + particle.stress(2)) * Real(1.0 / 3.0);
+    const Real step = smoothing_share(fluid.smoothing, dt) * (towards - own);
+    for (int a = 0; a < 3; ++a) particle.stress(a) += step;
+    particle.ln_J() += step * fluid.compliance;
 }
 
 }  // namespace moraine

@@ -92,6 +92,11 @@ struct Sample {
                 static_cast<std::int64_t>(blocks.size())};
     }
 
+    GatherRound<Real> round(unsigned what, double dt) const {
+        return {what, method.tpic, method.flip, static_cast<Real>(dt)};
+    }
+    GatherNotes notes() { return {patch.moves(), patch.outgoing_count(), patch.shuffled(), patch.outcome()}; }
+
     /// Calls f(slot, x [cells]) for every particle.
     template <class F>
     void each_particle(const F& f) {

@@ -49,17 +49,8 @@ std::map<std::uint32_t, Mat<Real, Dim>> gather(Sample<Real, Dim>& sample, unsign
     }
     const Recorder<Real, Dim> recorder;
     const LawBatch<Real, Dim>* laws[] = {&recorder};
-    const GatherCall<Real, Dim> call{{laws, 1, nullptr},
-                                     sample.method.ends,
-                                     what,
-                                     sample.method.tpic,
-                                     sample.method.flip,
-                                     static_cast<Real>(dt),
-                                     sample.patch.moves(),
-                                     sample.patch.outgoing_count(),
-                                     sample.patch.shuffled(),
-                                     sample.patch.outcome(),
-                                     sample.method.averaged()};
+    GatherCall<Real, Dim> call{{laws, 1, nullptr}, sample.method.ends, sample.round(what, dt), sample.notes()};
+    call.terms.template get<MeansTerm<Real>>().averaged = sample.method.averaged();
     sample.method.kernels.g2p(sample.call(), call);
     return recorder.seen;
 }

@@ -30,13 +30,9 @@ void shift_all(Sample<Real, Dim>& sample, const Filling& filling, const ContactF
     const FluidTerms<Real> fluid[] = {{}, {Real(0), Real(1e-6), Real(shifting)}};
     const Shifting<Real, Dim> rules{sample.method.capacity, static_cast<Real>(std::pow(sample.scene.cell, -Dim)),
                                     sample.method.ends, contact};
-    GatherCall<Real, Dim> gather{{nullptr, 0, nullptr},   sample.method.ends,
-                                 gather_motion,           sample.method.tpic,
-                                 sample.method.flip,      Real(1),
-                                 sample.patch.moves(),    sample.patch.outgoing_count(),
-                                 sample.patch.shuffled(), sample.patch.outcome()};
-    gather.fluid = fluid;
-    gather.shifting = &rules;
+    GatherCall<Real, Dim> gather{
+        {nullptr, 0, nullptr}, sample.method.ends, sample.round(gather_motion, 1), sample.notes()};
+    gather.terms.template get<ShiftingTerm<Real, Dim>>() = {fluid, &rules, nullptr};
     sample.method.kernels.g2p(sample.call(), gather);
 }
 

@@ -28,12 +28,9 @@ void step(Sample<Real, Dim>& sample, double share, double compliance) {
                                        impulse.data()};
     Host::launch_teams(static_cast<std::int64_t>(chosen.size()), kernel);
     const FluidTerms<Real> fluid[] = {{}, {Real(share), Real(compliance), Real(0)}};
-    GatherCall<Real, Dim> gather{{nullptr, 0, nullptr},   sample.method.ends,
-                                 gather_gradient,         sample.method.tpic,
-                                 sample.method.flip,      Real(1),
-                                 sample.patch.moves(),    sample.patch.outgoing_count(),
-                                 sample.patch.shuffled(), sample.patch.outcome()};
-    gather.fluid = fluid;
+    GatherCall<Real, Dim> gather{
+        {nullptr, 0, nullptr}, sample.method.ends, sample.round(gather_gradient, 1), sample.notes()};
+    gather.terms.template get<SmoothingTerm<Real>>().fluid = fluid;
     sample.method.kernels.g2p(sample.call(), gather);
 }
 
@@ -46,13 +43,19 @@ TEST_CASE("the share is k c dt / h, and at most a half") {
 }
 
 TEST_CASE("pressure and ln J go to the grid's together, and the deviator stays") {
-    Sym<double, 3> stress = {{-5, -3, -1, 7, 8, 9}};
-    double ln_J = 0.25;
-    smooth_pressure(0.25, -11.0, 0.125, stress, ln_J);  // mean -3: a quarter of the way to -11
-    CHECK(stress.trace() == doctest::Approx(-15));
-    CHECK(ln_J == doctest::Approx(0.25 - 2 * 0.125));
-    CHECK(stress[0] - stress[1] == doctest::Approx(-2));
-    CHECK(stress[3] == 7);
+    struct {
+        Sym<double, 3> sigma = {{-5, -3, -1, 7, 8, 9}};
+        double ratio = 0.25;
+        double& stress(int k) { return sigma[k]; }
+        double& ln_J() { return ratio; }
+    } particle;
+    smooth_pressure({0.5, 0.125, 0}, 0.5, -11.0, particle);  // mean -3: a quarter of the way to -11
+    CHECK(particle.sigma.trace() == doctest::Approx(-15));
+    CHECK(particle.ratio == doctest::Approx(0.25 - 2 * 0.125));
+    CHECK(particle.sigma[0] - particle.sigma[1] == doctest::Approx(-2));
+    CHECK(particle.sigma[3] == 7);
+    smooth_pressure({0.0, 0.125, 0}, 0.5, -11.0, particle);  // another body
+    CHECK(particle.sigma.trace() == doctest::Approx(-15));
 }
 
 TEST_CASE_TEMPLATE("particles of the fluid take a share of the nodes' mean pressure, as a plain loop says", Real, float,

@@ -50,14 +50,8 @@ std::array<double, Dim> play(Sample<Real, Dim>& sample) {
         Host::launch_teams(static_cast<std::int64_t>(chosen.size()), nodes);
         const GatherCall<Real, Dim> gather{{nullptr, 0, nullptr},
                                            sample.method.ends,
-                                           round.gather & gather_velocity,
-                                           sample.method.tpic,
-                                           sample.method.flip,
-                                           static_cast<Real>(dt),
-                                           sample.patch.moves(),
-                                           sample.patch.outgoing_count(),
-                                           sample.patch.shuffled(),
-                                           sample.patch.outcome()};
+                                           sample.round(round.gather & gather_velocity, dt),
+                                           sample.notes()};
         sample.method.kernels.g2p(sample.call(), gather);
         for (std::size_t k = 0; k < impulse.size(); ++k) sum[k % Dim].add(impulse[k]);
     }

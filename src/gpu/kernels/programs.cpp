@@ -35,17 +35,6 @@ std::string word(bool value) {
     return value ? "true" : "false";
 }
 
-std::string word(FluidGrid fluid) {
-    switch (fluid) {
-        case FluidGrid::means:
-            return "FluidGrid::means";
-        case FluidGrid::pressure:
-            return "FluidGrid::pressure";
-        default:
-            return "FluidGrid::none";
-    }
-}
-
 std::string law_at(const KernelKey& key, std::size_t material) {
     return "LawAt<" + real_of(key) + ", " + std::to_string(key.laws[material].position) + ">";
 }
@@ -63,19 +52,25 @@ std::string team_bytes(const KernelKey& key, const std::string& shared) {
     return "sizeof(" + shared + ") * Team<" + dim_of(key) + ">::per_block";
 }
 
+/// A gather with its terms (gpu/kernels/g2p/gather_case.cuh).
+std::string gather_case(const KernelKey& key, bool averages, bool light) {
+    std::string terms = light ? "light_term" : "no_terms";
+    if (averages) terms += " | means_term";
+    if (key.fluid == FluidGrid::means) terms += " | fluid_term";
+    if (key.fluid == FluidGrid::pressure) terms += " | pressure_term";
+    return "GatherCase<" + real_dim(key) + ", " + shape_of(key) + ", " + word(key.affine) + ", (" + terms + ")>";
+}
+
 ProgramKernel split_kernel(const KernelKey& key, bool averages, bool light) {
-    const std::string of = word(key.affine) + ", " + word(averages) + ", " + word(light) + ", " + word(key.fluid);
-    const std::string all = real_dim(key) + ", " + shape_of(key) + ", " + of;
-    return {"g2p_split<" + all + ", split_blocks<" + real_of(key) + ", " + shape_of(key) + ", " + of + ">()>",
-            team_threads(key), team_bytes(key, "SplitGather<" + all + ">::Shared")};
+    const std::string of = gather_case(key, averages, light);
+    return {"g2p_split<" + of + ", split_blocks<" + of + ">()>", team_threads(key),
+            team_bytes(key, "SplitGather<" + of + ">::Shared")};
 }
 
 ProgramKernel fused_kernel(const KernelKey& key, std::size_t material, bool averages, bool light) {
-    const std::string of = word(key.affine) + ", " + word(averages) + ", " + word(light) + ", " + word(key.fluid);
-    const std::string law = law_of(key, material);
-    const std::string all = real_dim(key) + ", " + shape_of(key) + ", " + law + ", " + of;
-    return {"g2p_fused<" + all + ", fused_blocks<" + real_of(key) + ", " + law + ", " + of + ">()>", team_threads(key),
-            team_bytes(key, "FusedGather<" + all + ">::Shared")};
+    const std::string of = gather_case(key, averages, light) + ", " + law_of(key, material);
+    return {"g2p_fused<" + of + ", fused_blocks<" + of + ">()>", team_threads(key),
+            team_bytes(key, "FusedGather<" + of + ">::Shared")};
 }
 
 /// Plain and near structures.

@@ -6,7 +6,7 @@
 // fluids look at it; weights are made anew for it, because registers for them would be held through the gather.
 
 #include "core/particle_shifting.hpp"
-#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/gather_case.cuh"
 
 namespace moraine::gpu {
 
@@ -23,32 +23,19 @@ struct FluidTile {
     };
     static constexpr int size = power<Dim>(tile_side(Width));
     Real mean[size];
-    Real resting;  ///< rho g.x of its first node [Pa]
 
     __device__ __forceinline__ Value get(int n) const { return {mean[n]}; }
     __device__ __forceinline__ void set(int n, const Value& x) { mean[n] = x.mean; }
 };
 
-/// Fills the tile of a block from a number per node; all threads of the team, which see it afterwards.
-template <class Shape, class Real, int Dim, class Number>
-__device__ __forceinline__ void fill_fluid_tile(const View<Real, Dim>& v, int block,
-                                                FluidTile<Real, Dim, Shape::width>& tile, const Number& number) {
-    for (int n = Team<Dim>::rank(); n < tile.size; n += Team<Dim>::threads) tile.mean[n] = number(n);
-    if (Team<Dim>::rank() == 0) {
-        tile.resting = Real(0);
-        for (int a = 0; a < Dim; ++a)
-            tile.resting += v.context.gravity_slope[a] * Real(first_node<Shape>(v.table.position[block][a]));
-    }
-    Team<Dim>::sync();
-    if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile);
-}
-
-/// From the nodes' values.
+/// From the nodes' values; all threads of the team, which see it afterwards.
 template <class Shape, class Real, int Dim>
 __device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int block,
                                                 FluidTile<Real, Dim, Shape::width>& tile) {
-    fill_fluid_tile<Shape>(v, block, tile,
-                           [&](int n) { return node_in_tile<tile_side(Shape::width)>(v, block, n)[1].e[quad - 1]; });
+    for (int n = Team<Dim>::rank(); n < tile.size; n += Team<Dim>::threads)
+        tile.mean[n] = node_in_tile<tile_side(Shape::width)>(v, block, n)[1].e[quad - 1];
+    Team<Dim>::sync();
+    if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile);
 }
 
 /// A particle's weights and slopes [1/cell].
@@ -117,13 +104,6 @@ __device__ __forceinline__ Vec<Real, Dim> excess_gradient(const FluidTile<Real, 
     return least > at_structure<Real> ? gradient : zero_vec<Real, Dim>();
 }
 
-/// What the particle of a body takes.
-template <class Real, int Dim>
-__device__ __forceinline__ FluidTerms<Real> terms_of(const View<Real, Dim>& v, const FluidArgs<Real>& g,
-                                                     std::uint32_t s) {
-    return g.by_body ? g.by_body[v.p.body[s]] : g.all;
-}
-
 /// The shift of a particle at u in a step [m].
 template <class Shape, bool Rolled, class Real, int Dim>
 __device__ __forceinline__ Vec<Real, Dim> found_shift(const View<Real, Dim>& v, const FluidTerms<Real>& of, Real dt,
@@ -135,159 +115,102 @@ __device__ __forceinline__ Vec<Real, Dim> found_shift(const View<Real, Dim>& v, 
     return shift_by(of.shifting, dt, Real(1) / v.context.inverse_cell, gradient);
 }
 
-/// rho g.x of a particle at u [Pa].
-template <class Real, int Dim, int Width>
-__device__ __forceinline__ Real resting_pressure(const View<Real, Dim>& v, const FluidTile<Real, Dim, Width>& tile,
-                                                 const Vec<Coordinate<Real>, Dim>& u) {
-    Real pressure = tile.resting;
+/// rho g.x of particles of a block.
+template <class Real>
+struct RestingPressure {
+    Real first;  ///< at its first node [Pa]
+
+    /// By one thread.
+    template <class Shape, int Dim>
+    __device__ __forceinline__ void load(const View<Real, Dim>& v, int block) {
+        first = Real(0);
+        for (int a = 0; a < Dim; ++a)
+            first += v.context.gravity_slope[a] * Real(first_node<Shape>(v.table.position[block][a]));
+    }
+    template <int Dim>
+    __device__ __forceinline__ Real at(const View<Real, Dim>& v, const Vec<Coordinate<Real>, Dim>& u) const {
+        Real pressure = first;
 #pragma unroll
-    for (int a = 0; a < Dim; ++a)
-        pressure += v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
-    return pressure;
-}
+        for (int a = 0; a < Dim; ++a)
+            pressure += v.context.gravity_slope[a] * (Real(cell_of<Real>(u[a])) + fraction_of<Real>(u[a]));
+        return pressure;
+    }
+};
 
-/// The pressure that the nodes around a particle at u have there [Pa].
-template <class Shape, bool Rolled, class Real, int Dim>
-__device__ __forceinline__ Real found_pressure(const View<Real, Dim>& v, const FluidTile<Real, Dim, Shape::width>& tile,
-                                               int at, const Vec<Coordinate<Real>, Dim>& u,
-                                               const FluidStencil<Shape, Real, Dim>& n) {
-    return gathered_mean<Shape, Rolled, Real, Dim>(tile, at, n) - resting_pressure(v, tile, u);
-}
-
-/// The tile, and what each thread's particle takes of it, from before it gathers: in registers it would be too much.
+/// The tile, and what each thread's particle takes of it: the shift [m], or the pressure first.
 template <class Real, int Dim, int Width>
 struct FluidShared {
     FluidTile<Real, Dim, Width> tile;
-    Real own[Dim][Team<Dim>::threads];  ///< the shift [m], or the pressure first
+    RestingPressure<Real> resting;
+    Real own[Dim][Team<Dim>::threads];
 };
 
-/// Gathers the shift or the pressure of a particle at u. half: of its box [cells]. What the particle's rows say is read
-/// anew afterwards: registers that held weights until then spilled.
-template <class Shape, bool Rolled, class Real, int Dim>
-__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>& g,
-                                           const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
-                                           const Vec<Real, Dim>& half, FluidShared<Real, Dim, Shape::width>& shared) {
-    const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
-    const FluidStencil<Shape, Real, Dim> n(u, half);
-    if (g.fluid.shifts) {
-        const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, g.dt, shared.tile, at, n);
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
-    } else {
-        shared.own[0][rank] = found_pressure<Shape, Rolled>(v, shared.tile, at, u, n);
+/// Smoothing and shifting. Where the pressure is the grid's, the shift alone: cell_step.cuh smooths.
+template <class Case>
+struct FluidTerm {
+    using Real = typename Case::Real;
+    using Shape = typename Case::Shape;
+    using U = typename Case::U;
+    static constexpr int dim = Case::dim;
+    static constexpr bool rolled = Case::light || Shape::width > 3;
+    static constexpr unsigned hooks =
+        Case::fluid ? hook_block | hook_gather | hook_velocity | (Case::pressure ? 0u : unsigned(hook_stress)) : 0u;
+    struct Shared : SharedIf<FluidTerm, Case::fluid, FluidShared<Real, dim, Shape::width>> {};
+
+    MORAINE_TEAM bool shifts(const auto& in) { return Case::pressure || in.g.fluid.shifts; }
+
+    MORAINE_TEAM void at_block(const auto& in, Shared& own) {
+        if (!Case::pressure && Case::T::rank() == 0) own.resting.template load<Shape>(in.v, in.work.block);
+        load_fluid_tile<Shape>(in.v, in.work.block, own.tile);
     }
-    asm volatile("" ::: "memory");
-}
 
-/// Adds the shift of this thread's particle to the velocity that moves it from u.
-template <class Real, int Dim, int Width>
-__device__ __forceinline__ void add_shift(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>& g, int block,
-                                          const FluidTerms<Real>& of, const FluidShared<Real, Dim, Width>& shared,
-                                          const Vec<Coordinate<Real>, Dim>& u, Real (&velocity)[Dim]) {
-    if (!(of.shifting > Real(0))) return;
-    Vec<Real, Dim> shift;
+    /// What the particle's rows say is read anew afterwards: registers that held weights until then spilled.
+    MORAINE_TEAM void before_gather(const auto& in, const auto& point, Shared& own) {
+        const FluidTerms<Real> of = point.fluid();
+        if (Case::pressure && !(of.shifting > Real(0))) return;
+        const U u = point.place();
+        const int at = number_of<Case::side, Real, dim>(u), rank = Case::T::rank();
+        const FluidStencil<Shape, Real, dim> n(u, point.half_sizes());
+        if (shifts(in)) {
+            const Vec<Real, dim> shift = found_shift<Shape, rolled>(in.v, of, shifting_dt(in, of), own.tile, at, n);
 #pragma unroll
-    for (int a = 0; a < Dim; ++a) shift[a] = shared.own[a][Team<Dim>::rank()];
-    if (v.table.border[block]) {
-        Vec<Real, Dim> move;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) move[a] = g.dt * velocity[a] * v.context.inverse_cell;
-        keep_from_ends(g.ends, v.table.position[block], u, move, shift);
+            for (int a = 0; a < dim; ++a) own.own[a][rank] = shift[a];
+        } else {
+            own.own[0][rank] = gathered_mean<Shape, rolled, Real, dim>(own.tile, at, n) - own.resting.at(in.v, u);
+        }
+        asm volatile("" ::: "memory");
     }
-#pragma unroll
-    for (int a = 0; a < Dim; ++a) velocity[a] += Real(1) / g.dt * shift[a];
-}
 
-/// Takes this thread's particle's share of the pressure around it into its rows.
-template <class Real, int Dim>
-__device__ __forceinline__ void smooth(const FluidTerms<Real>& of, Real dt, Real pressure, CoreRows<Real, Dim>& p) {
-    if (!(of.smoothing > Real(0))) return;
-    Sym<Real, Dim> stress{};
-#pragma unroll
-    for (int a = 0; a < 3; ++a) stress[a] = p.stress(a);
-    smooth_pressure(smoothing_share(of.smoothing, dt), pressure, of.compliance, stress, p.ln_J());
-#pragma unroll
-    for (int a = 0; a < 3; ++a) p.stress(a) = stress[a];
-}
+    /// No further than it is stable.
+    MORAINE_TEAM Real shifting_dt(const auto& in, const FluidTerms<Real>& of) {
+        if (!Case::pressure) return in.g.dt;
+        const Real h = Real(1) / in.v.context.inverse_cell, most = Real(0.5) * h * h / of.shifting;
+        return most < in.g.dt ? most : in.g.dt;
+    }
 
-/// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs.
-template <class Real>
-inline constexpr int pressure_blocks = sizeof(Real) == 8 ? 2 : 4;
+    MORAINE_TEAM void before_stress(const auto& in, auto& point, auto&, const Shared& own, auto&, double&) {
+        const FluidTerms<Real> of = point.fluid();
+        if (in.g.fluid.shifts || !(of.smoothing > Real(0))) return;
+        point.load_pressure();
+        smooth_pressure(of, in.g.dt, own.own[0][Case::T::rank()], point.p);
+        point.store_pressure();
+    }
 
-/// Where the pressure is the grid's: the block's cells besides.
-template <class Real, int Dim, int Width>
-struct PressureShared : FluidShared<Real, Dim, Width> {
-    Real head[Block<Dim>::cells];        ///< of P + rho g.x, which smoothing takes [Pa]
-    Real increment[Block<Dim>::cells];   ///< of ln J
-    Real in_tension[Block<Dim>::cells];  ///< of it (core/grid_pressure.hpp: increment_in_tension)
-    Real loose[Block<Dim>::cells];       ///< K_c of a loose cell, else 0 [Pa]
+    /// u: where it is.
+    MORAINE_TEAM void on_velocity(const auto& in, const auto& point, const U& u, auto& velocity, const Shared& own) {
+        if (!shifts(in) || !(point.fluid().shifting > Real(0))) return;
+        Vec<Real, dim> shift;
+#pragma unroll
+        for (int a = 0; a < dim; ++a) shift[a] = own.own[a][Case::T::rank()];
+        if (in.v.table.border[in.work.block]) {
+            Vec<Real, dim> move;
+#pragma unroll
+            for (int a = 0; a < dim; ++a) move[a] = in.g.dt * velocity[a] * in.v.context.inverse_cell;
+            keep_from_ends(in.g.ends, in.v.table.position[in.work.block], u, move, shift);
+        }
+#pragma unroll
+        for (int a = 0; a < dim; ++a) velocity[a] += Real(1) / in.g.dt * shift[a];
+    }
 };
-template <class Real, int Dim, int Width, FluidGrid Fluid>
-using FluidSharedOf =
-    std::conditional_t<Fluid == FluidGrid::pressure, PressureShared<Real, Dim, Width>, FluidShared<Real, Dim, Width>>;
-
-/// All threads of the team, which see it afterwards.
-template <class Shape, class Real, int Dim>
-__device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const MeansGatherArgs<Real, Dim>&, int block,
-                                           FluidShared<Real, Dim, Shape::width>& shared) {
-    load_fluid_tile<Shape>(v, block, shared.tile);
-}
-template <class Shape, class Real, int Dim>
-__device__ __forceinline__ void load_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g, int block,
-                                           PressureShared<Real, Dim, Shape::width>& shared) {
-    constexpr int cells = Block<Dim>::cells;
-    const CellPressure<Real>* cell = g.cell + std::size_t(v.grid.tile_of[block]) * std::size_t(cells);
-    for (int c = Team<Dim>::rank(); c < cells; c += Team<Dim>::threads) {
-        shared.increment[c] = cell[c].increment;
-        shared.in_tension[c] = increment_in_tension(cell[c]);
-        shared.loose[c] = cell[c].loose ? cell[c].bulk : Real(0);
-        shared.head[c] = cell[c].head;
-    }
-    load_fluid_tile<Shape>(v, block, shared.tile);
-}
-
-/// The shift alone, no further than it is stable.
-template <class Shape, bool Rolled, class Real, int Dim>
-__device__ __forceinline__ void find_fluid(const View<Real, Dim>& v, const FluidGatherArgs<Real, Dim>& g,
-                                           const FluidTerms<Real>& of, const Vec<Coordinate<Real>, Dim>& u,
-                                           const Vec<Real, Dim>&, PressureShared<Real, Dim, Shape::width>& shared) {
-    if (!(of.shifting > Real(0))) return;
-    const int at = number_of<tile_side(Shape::width), Real, Dim>(u), rank = Team<Dim>::rank();
-    const FluidStencil<Shape, Real, Dim> n(u, zero_vec<Real, Dim>());
-    const Real h = Real(1) / v.context.inverse_cell, most = Real(0.5) * h * h / of.shifting;
-    const Vec<Real, Dim> shift = found_shift<Shape, Rolled>(v, of, most < g.dt ? most : g.dt, shared.tile, at, n);
-#pragma unroll
-    for (int a = 0; a < Dim; ++a) shared.own[a][rank] = shift[a];
-    asm volatile("" ::: "memory");
-}
-
-/// What the pressure of a particle at u is smoothed towards [Pa]. cell: its own.
-template <class Real, int Dim, int Width>
-__device__ __forceinline__ Real pressure_of_cell(const View<Real, Dim>& v,
-                                                 const PressureShared<Real, Dim, Width>& shared, int cell,
-                                                 const Vec<Coordinate<Real>, Dim>& u) {
-    return shared.head[cell] - resting_pressure(v, shared.tile, u);
-}
-
-/// What a step of the cell does to a particle's rows and its dL (core/g2p.hpp: take_cell). Returns the work [J].
-template <class Real, int Dim>
-__device__ __forceinline__ double take_cell(Real bulk, Real increment, CoreRows<Real, Dim>& p, Mat<Real, Dim>& dL) {
-    const Real step = bulk * increment, before = (p.stress(0) + p.stress(1) + p.stress(2)) * Real(1.0 / 3.0);
-    const double work = double(p.volume()) * double(before + Real(0.5) * step) * double(increment);
-#pragma unroll
-    for (int a = 0; a < 3; ++a) p.stress(a) += step;
-    Real cubic;
-    dL = isochoric_increment(dL, cubic);
-    p.ln_J() += increment - cubic;
-    return work;
-}
-
-template <class Real, int Dim>
-__device__ __forceinline__ Real square_speed(const CoreRows<Real, Dim>& p) {
-    Real square = Real(0);
-#pragma unroll
-    for (int a = 0; a < Dim; ++a) square += p.velocity(a) * p.velocity(a);
-    return square;
-}
 
 }  // namespace moraine::gpu

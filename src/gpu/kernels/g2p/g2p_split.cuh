@@ -4,252 +4,213 @@
 // dL goes to a buffer by list entry, component by component: written and read in full lines, and free of the order in
 // which particles lie in memory.
 
-#include "gpu/kernels/g2p/fluid.cuh"
-#include "gpu/kernels/g2p/light.cuh"
-#include "gpu/kernels/g2p/volumetric.cuh"
+#include "gpu/kernels/g2p/terms_of.cuh"
 
 namespace moraine::gpu {
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Fluid>
+/// Rows of a particle on their way.
+inline constexpr int place_ahead = 0, motion_ahead = 1, box_ahead = 2;
+
+/// A particle as terms see it: rows that they ask for are loaded, and stored again, one by one; those not used are
+/// dropped by the compiler.
+template <class Case, class Rows>
+struct SplitPoint {
+    using Real = typename Case::Real;
+    using Core = CoreRows<Real, Case::dim>;
+    const BlockInWork<Case>& in;
+    const Rows& rows;
+    const int half;
+    const std::uint32_t slot, body;  ///< body: of sized shapes
+    Core p;
+
+    __device__ __forceinline__ typename Case::U place() const {
+        Core before;
+        before.row[before.place] = rows.take(half, Case::T::rank(), place_ahead);
+        return place_of<Real, Case::dim>(before);
+    }
+    __device__ __forceinline__ Row<Real> stretch() const {
+        Row<Real> row;
+        if (in.v.p.log_stretch) row = rows.take(half, Case::T::rank(), box_ahead);
+        return row;
+    }
+    __device__ __forceinline__ Vec<Real, Case::dim> half_sizes() const {
+        Vec<Real, Case::dim> size = zero_vec<Real, Case::dim>();
+        if constexpr (Case::Shape::sized) {
+            const Row<Real> now = stretch();
+            for (int a = 0; a < Case::dim; ++a) size[a] = half_size(in.v, body, now, a);
+        }
+        return size;
+    }
+    __device__ __forceinline__ FluidTerms<Real> fluid() const {
+        return in.g.fluid.by_body ? in.g.fluid.by_body[in.v.p.body[slot]] : in.g.fluid.all;
+    }
+    __device__ __forceinline__ Real bulk() const { return in.g.bulk[in.v.p.body[slot]]; }
+    __device__ __forceinline__ bool averaged() const { return !in.g.averaged || in.g.averaged[in.v.p.body[slot]]; }
+
+    __device__ __forceinline__ void load(int r) { p.row[r] = load_row(in.v.p.core[r] + slot); }
+    __device__ __forceinline__ void load_pressure() {
+        load(p.normal);
+        if (p.ln_J_row != p.normal) load(p.ln_J_row);
+    }
+    /// All but the place.
+    __device__ __forceinline__ void load_all() {
+#pragma unroll
+        for (int r = 1; r < core_rows<Case::dim>; ++r) load(r);
+        p.row[p.place] = rows.take(half, Case::T::rank(), place_ahead);
+    }
+    __device__ __forceinline__ void store(int r) const {
+        store_row(in.v.p.core[r] + slot, p.row[r]);
+    }
+    __device__ __forceinline__ void store_pressure() const {
+        store(p.normal);
+        if (p.ln_J_row != p.normal) store(p.ln_J_row);
+    }
+};
+
+template <class Case>
 struct SplitGather {
-    using T = Team<Dim>;
-    static constexpr int side = tile_side(Shape::width);
-    static constexpr int place = 0, motion = 1, box = 2;        ///< rows on their way
-    static constexpr bool levers = Affine && Shape::width > 2;  ///< C of hats is the velocity gradient
-    static constexpr bool rolled = Light && Shape::width > 3;   ///< or registers spill in double
-    static constexpr bool fluid = Fluid != FluidGrid::none, of_grid = Fluid == FluidGrid::pressure;
+    using Real = typename Case::Real;
+    using Shape = typename Case::Shape;
+    static constexpr int Dim = Case::dim;
+    static constexpr bool levers = Case::affine && Shape::width > 2;  ///< C of hats is the velocity gradient
+    static constexpr bool rolled = Case::light && Shape::width > 3;   ///< or registers spill in double
+    using T = typename Case::T;
+    using Terms = TermsOf<Case>;
+    using In = BlockInWork<Case>;
+    using U = typename Case::U;
+    using Sums = Gathered<Real, Dim, levers>;
     using Tile = GatherTile<Real, Dim, Shape::width>;
     using Rows = RowsAhead<Real, Shape::sized ? 3 : 2, 0, T::threads>;
-    struct PlainShared {
+    using Point = SplitPoint<Case, Rows>;
+    struct Shared {
         Rows rows;
         Tile tile;
-        std::conditional_t<Light, LightShared<Real, Dim, Shape::width>, char> light;
-        std::conditional_t<Averages, CellMeans<Real, Dim>, char> means;
+        typename Terms::Shared terms;
+        double sums[Case::pressure ? T::warps : 1];
     };
-    struct SharedWithFluid : PlainShared {
-        FluidSharedOf<Real, Dim, Shape::width, Fluid> fluid;
-        double sums[of_grid ? T::warps : 1];
-    };
-    using Shared = std::conditional_t<fluid, SharedWithFluid, PlainShared>;
-    using V = View<Real, Dim>;
-    using Args = GatherArgsOf<Real, Dim, Fluid>;
-    using U = Vec<Coordinate<Real>, Dim>;
-    using Sums = Gathered<Real, Dim, levers>;
 
     /// Asks for the particle's rows; returns its body.
-    static __device__ __forceinline__ std::uint32_t start(const V& v, const Args& g, int half, std::uint32_t s,
-                                                          Shared& shared) {
-        shared.rows.start(half, T::rank(), place, v.p.core[0] + s);
-        if (g.gather & gather_velocity) shared.rows.start(half, T::rank(), motion, v.p.core[1] + s);
+    MORAINE_TEAM std::uint32_t start(const In& in, int half, std::uint32_t s, Shared& shared) {
+        const auto& p = in.v.p;
+        shared.rows.start(half, T::rank(), place_ahead, p.core[0] + s);
+        if (in.g.gather & gather_velocity) shared.rows.start(half, T::rank(), motion_ahead, p.core[1] + s);
         if constexpr (Shape::sized) {
-            if (v.p.log_stretch) shared.rows.start(half, T::rank(), box, v.p.log_stretch + s);
-            return v.p.body[s];
+            if (p.log_stretch) shared.rows.start(half, T::rank(), box_ahead, p.log_stretch + s);
+            return p.body[s];
         }
         return 0;
     }
 
-    static __device__ __forceinline__ bool averages(const Args& g) {
-        return Averages && (!(Light || fluid) || g.averages);
-    }
-
-    /// The nodes of the block, and where they are wanted the means of its cells.
-    static __device__ __forceinline__ void prepare(const V& v, const Args& g, const Work& work, Shared& shared) {
-        if constexpr (Light) {
-            load_light_tile<Shape>(v, work.block, shared.light.tile);
-            weigh_cells<Shape>(v, work.block, shared.light.tile, shared.light.masses);
-        }
-        if constexpr (fluid) load_fluid<Shape>(v, g, work.block, shared.fluid);
-        load_tile<Shape>(v, work.block, shared.tile);
-        if constexpr (Averages)
-            if (averages(g) && (g.gather & gather_gradient))
-                average_cells(v, g, work, shared.means, [&](std::uint32_t s, const U& u) {
-                    return gather_limited<Shape, Light, false>(v, g, work.block, shared.light, s, [&] {
-                        Row<Real> stretch;
-                        if constexpr (Shape::sized)
-                            if (v.p.log_stretch) stretch = load_row(v.p.log_stretch + s);
-                        AxisWeights<Real, Shape, false> n[Dim];
+    /// Sums of the particle in slot s at u, less what light nodes cannot bear. half(a): of its box.
+    template <bool Levers, bool Rolled, class Half>
+    MORAINE_TEAM auto limited_sums(const In& in, std::uint32_t s, const U& u, Shared& shared, const Half& half) {
+        return gather_limited<Case, Levers>(in, shared.terms, s, [&] {
+            AxisWeights<Real, Shape, Levers> n[Dim];
 #pragma unroll
-                        for (int a = 0; a < Dim; ++a)
-                            n[a] = axis_weights<Shape, false>(
-                                fraction_of<Real>(u[a]), Shape::sized ? half_size(v, v.p.body[s], stretch, a) : Real(0),
-                                false);
-                        return gather<Shape, false, Real, Dim>(shared.tile, number_of<side, Real, Dim>(u), n);
-                    });
+            for (int a = 0; a < Dim; ++a)
+                n[a] = axis_weights<Shape, Levers>(fraction_of<Real>(u[a]), half(a),
+                                                   Levers && takes_gradient<Shape>(in.v, in.g, in.work.block, u, a));
+            return gather<Shape, Levers, Real, Dim, Rolled>(shared.tile, number_of<Case::side, Real, Dim>(u), n);
+        });
+    }
+
+    /// The nodes of the block, and what terms make of them.
+    MORAINE_TEAM void prepare(const In& in, Shared& shared) {
+        Terms::template each<hook_block>(shared.terms, [&](auto term, auto& own) { term.at_block(in, own); });
+        load_tile<Shape>(in.v, in.work.block, shared.tile);
+        if (!(in.g.gather & gather_gradient)) return;
+        Terms::template each<hook_cell>(shared.terms, [&](auto term, auto& own) {
+            term.at_cell(in, own, [&](std::uint32_t s, const U& u) {
+                Row<Real> stretch;
+                if constexpr (Shape::sized)
+                    if (in.v.p.log_stretch) stretch = load_row(in.v.p.log_stretch + s);
+                return limited_sums<false, false>(in, s, u, shared, [&](int a) {
+                    return Shape::sized ? half_size(in.v, in.v.p.body[s], stretch, a) : Real(0);
                 });
+            });
+        });
     }
 
-    /// Volumetric rate and pressure of the cell; the stress update follows as a launch of its own.
-    static __device__ __forceinline__ void take_means(const V& v, std::uint32_t s, const Row<Real>& at,
-                                                      const Shared& shared, Sums& sums) {
-        CoreRows<Real, Dim> p;
-        p.row[p.place] = at;
-        const int cell = number_of<4, Real, Dim>(place_of<Real, Dim>(p));
-        shared.means.put_rate(cell, sums);
-        p.row[p.normal] = load_row(v.p.core[p.normal] + s);
-        shared.means.put_stress(cell, p);
-        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
-    }
-
-    static __device__ __forceinline__ void store_gradient(const Args& g, const Mat<Real, Dim>& dL, std::uint32_t k) {
+    MORAINE_TEAM void store_gradient(const typename Case::Args& g, const Mat<Real, Dim>& dL, std::uint32_t k) {
 #pragma unroll
         for (int i = 0; i < Dim; ++i)
 #pragma unroll
             for (int j = 0; j < Dim; ++j) g.gradient[std::uint64_t(Dim * i + j) * g.gradient_stride + k] = dL(i, j);
     }
 
-    /// The box follows the stretch; true when it is held at half a cell.
-    static __device__ __forceinline__ bool stretch_box(const V& v, const Args& g, const Sums& sums, std::uint32_t body,
-                                                       std::uint32_t s, Row<Real> stretch) {
-        bool held = false;
-#pragma unroll
-        for (int a = 0; a < Dim; ++a) {
-            stretch.e[a] = advanced_stretch(stretch.e[a], g.dt * v.context.inverse_cell * sums.gradient[a][a]);
-            held = held || stretched_half(v.context.half_size[body][a], stretch.e[a]) > Real(0.5);
-        }
-        store_row(v.p.log_stretch + s, stretch);
-        return held;
-    }
-
-    /// What a fluid's particle takes of the mean, before the gather.
-    static __device__ __forceinline__ void find_mean(const V& v, const Args& g, std::uint32_t s, int half,
-                                                     std::uint32_t body, Shared& shared) {
-        CoreRows<Real, Dim> p;
-        p.row[p.place] = shared.rows.take(half, T::rank(), place);
-        Vec<Real, Dim> size = zero_vec<Real, Dim>();
-        if constexpr (Shape::sized) {
-            Row<Real> stretch;
-            if (v.p.log_stretch) stretch = shared.rows.take(half, T::rank(), box);
-            for (int a = 0; a < Dim; ++a) size[a] = half_size(v, body, stretch, a);
-        }
-        find_fluid<Shape, (Light || Shape::width > 3)>(v, g, terms_of(v, g.fluid, s), place_of<Real, Dim>(p), size,
-                                                       shared.fluid);
-    }
-
-    /// Before the stress update, which is a launch of its own.
-    static __device__ __forceinline__ void take_pressure(const V& v, const Args& g, std::uint32_t s,
-                                                         const Shared& shared) {
-        const FluidTerms<Real> of = terms_of(v, g.fluid, s);
-        if (!(of.smoothing > Real(0))) return;
-        CoreRows<Real, Dim> p;
-        p.row[p.normal] = load_row(v.p.core[p.normal] + s);
-        if (p.ln_J_row != p.normal) p.row[p.ln_J_row] = load_row(v.p.core[p.ln_J_row] + s);
-        smooth(of, g.dt, shared.fluid.own[0][T::rank()], p);
-        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
-        if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
-    }
-
-    /// The same where the pressure is the grid's: the smoothed one, and what the cell did. p has the new velocity.
-    /// Returns the work [J].
-    static __device__ __forceinline__ double take_grid(const V& v, const Args& g, std::uint32_t s, const Row<Real>& at,
-                                                       const Shared& shared, SeenOf<Real, of_grid>& tally,
-                                                       Mat<Real, Dim>& dL) {
-        CoreRows<Real, Dim> p;
-#pragma unroll
-        for (int r = 1; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
-        p.row[p.place] = at;
-        const Real square = square_speed(p);
-        if (square > tally.square_speed) tally.square_speed = square;
-        const U spot = place_of<Real, Dim>(p);
-        const int cell = number_of<4, Real, Dim>(spot);
-        const Real bulk = g.bulk[v.p.body[s]], borne = borne_share(shared.fluid.loose[cell], bulk);
-        smooth(terms_of(v, g.fluid, s), g.dt, pressure_of_cell(v, shared.fluid, cell, spot), p);
-        const Real increment = taken_increment(shared.fluid.increment[cell], shared.fluid.in_tension[cell], borne);
-        const double work = take_cell(bulk, increment, p, dL);
-        store_row(v.p.core[p.normal] + s, p.row[p.normal]);
-        if (p.ln_J_row != p.normal) store_row(v.p.core[p.ln_J_row] + s, p.row[p.ln_J_row]);
-        return work;
-    }
-
-    static __device__ __forceinline__ void move(const V& v, const Args& g, const Work& work, std::uint32_t k,
-                                                std::uint32_t s, const Sums& sums, U& u, const Shared& shared,
-                                                CoreRows<Real, Dim>& p, SeenOf<Real, of_grid>& tally) {
+    MORAINE_TEAM void move(const In& in, std::uint32_t k, const Point& point, const Sums& sums, U& u, Shared& shared,
+                           CoreRows<Real, Dim>& p, typename Case::Seen& tally) {
         Real velocity[Dim];
 #pragma unroll
-        for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(g.gather, sums.velocity[a], sums.change[a]);
-        if constexpr (fluid)
-            if (of_grid || g.fluid.shifts)
-                add_shift(v, g, work.block, terms_of(v, g.fluid, s), shared.fluid, u, velocity);
-        const PlaceStep<Real> step = move_particle<Light>(v, g, work, k, velocity, u);
+        for (int a = 0; a < Dim; ++a) velocity[a] = moving_velocity(in.g.gather, sums.velocity[a], sums.change[a]);
+        Terms::template each<hook_velocity>(
+            shared.terms, [&](auto term, auto& own) { term.on_velocity(in, point, u, velocity, own); });
+        const PlaceStep<Real> step = move_particle<Case::light>(in.v, in.g, in.work, k, velocity, u);
         if (step.moved > tally.moved) tally.moved = step.moved;
 #pragma unroll
         for (int a = 0; a < Dim; ++a) p.set_coordinate(a, u[a]);
-        store_row(v.p.core[p.place] + s, p.row[p.place]);
-        report(v, g, s, step.faults, step.move);
+        store_row(in.v.p.core[p.place] + point.slot, p.row[p.place]);
+        report(in.v, in.g, point.slot, step.faults, step.move);
     }
 
     /// The particle of list entry k in slot s.
-    static __device__ __forceinline__ void take(const V& v, const Args& g, const Work& work, std::uint32_t k,
-                                                std::uint32_t s, int half, std::uint32_t body, Shared& shared,
-                                                SeenOf<Real, of_grid>& tally, double& power) {
-        const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
-        if constexpr (fluid) find_mean(v, g, s, half, body, shared);
+    MORAINE_TEAM void take(const In& in, std::uint32_t k, std::uint32_t s, int half, std::uint32_t body, Shared& shared,
+                           typename Case::Seen& tally, double& power) {
+        Point point{in, shared.rows, half, s, body, {}};
+        Terms::template each<hook_gather>(shared.terms,
+                                          [&](auto term, auto& own) { term.before_gather(in, point, own); });
         CoreRows<Real, Dim> p;
-        p.row[p.place] = row(place);
-        Row<Real> stretch;
-        if constexpr (Shape::sized)
-            if (v.p.log_stretch) stretch = row(box);
+        p.row[p.place] = shared.rows.take(half, T::rank(), place_ahead);
         U u = place_of<Real, Dim>(p);
-        Sums sums = gather_limited<Shape, Light, levers>(v, g, work.block, shared.light, s, [&] {
-            AxisWeights<Real, Shape, levers> n[Dim];
-#pragma unroll
-            for (int a = 0; a < Dim; ++a)
-                n[a] = axis_weights<Shape, levers>(fraction_of<Real>(u[a]),
-                                                   Shape::sized ? half_size(v, body, stretch, a) : Real(0),
-                                                   levers && takes_gradient<Shape>(v, g, work.block, u, a));
-            return gather<Shape, levers, Real, Dim, rolled>(shared.tile, number_of<side, Real, Dim>(u), n);
-        });
+        Row<Real> stretch;
+        if constexpr (Shape::sized) stretch = point.stretch();
+        Sums sums = limited_sums<levers, rolled>(
+            in, s, u, shared, [&](int a) { return Shape::sized ? half_size(in.v, body, stretch, a) : Real(0); });
 
-        if (g.gather & gather_velocity) {
-            p.row[p.motion] = row(motion);
-            take_velocity(g.flip, sums, p);
-            store_row(v.p.core[p.motion] + s, p.row[p.motion]);
+        if (in.g.gather & gather_velocity) {
+            p.row[p.motion] = shared.rows.take(half, T::rank(), motion_ahead);
+            take_velocity(in.g.flip, sums, p);
+            store_row(in.v.p.core[p.motion] + s, p.row[p.motion]);
             if constexpr (levers)
-                store_affine(v, sums.affine, s);
-            else if constexpr (Affine)
-                store_affine(v, sums.gradient, s);
+                store_affine(in.v, sums.affine, s);
+            else if constexpr (Case::affine)
+                store_affine(in.v, sums.gradient, s);
         }
-        if (g.gather & gather_gradient) {
-            Mat<Real, Dim> dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
-            if constexpr (of_grid)
-                power += take_grid(v, g, s, row(place), shared, tally, dL);
-            else if constexpr (fluid)
-                if (!g.fluid.shifts) take_pressure(v, g, s, shared);
-            if constexpr (Shape::sized)
-                if (v.p.log_stretch && stretch_box(v, g, sums, body, s, stretch)) ++tally.clamped;
-            if constexpr (Averages)
-                if (averages(g) && (!g.averaged || g.averaged[v.p.body[s]])) {
-                    take_means(v, s, row(place), shared, sums);
-                    dL = tensor_of<Dim>(g.dt * v.context.inverse_cell, sums.gradient);
-                }
-            store_gradient(g, dL, k);
+        if (in.g.gather & gather_gradient) {
+            Terms::template each<hook_rate>(
+                shared.terms, [&](auto term, auto& own) { term.on_rate(in, point, point.place(), sums, own, tally); });
+            Mat<Real, Dim> dL = tensor_of<Dim>(in.g.dt * in.v.context.inverse_cell, sums.gradient);
+            Terms::template each<hook_stress>(
+                shared.terms, [&](auto term, auto& own) { term.before_stress(in, point, dL, own, tally, power); });
+            store_gradient(in.g, dL, k);
         }
-        if (moves_particles(g.gather)) move(v, g, work, k, s, sums, u, shared, p, tally);
+        if (moves_particles(in.g.gather)) move(in, k, point, sums, u, shared, p, tally);
     }
 };
 
-template <class Real, int Dim, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Fluid, int MinBlocks>
-__global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
-    g2p_split(const __grid_constant__ View<Real, Dim> v, const Chosen chosen,
-              const __grid_constant__ GatherArgsOf<Real, Dim, Fluid> g) {
-    using T = Team<Dim>;
-    using S = SplitGather<Real, Dim, Shape, Affine, Averages, Light, Fluid>;
+template <class Case, int MinBlocks>
+__global__ void __launch_bounds__(Case::T::block_threads, MinBlocks)
+    g2p_split(const __grid_constant__ View<typename Case::Real, Case::dim> v, const Chosen chosen,
+              const __grid_constant__ typename Case::Args g) {
+    using T = typename Case::T;
+    using S = SplitGather<Case>;
     extern __shared__ __align__(32) unsigned char memory[];
     auto& shared = reinterpret_cast<typename S::Shared*>(memory)[T::index()];
-    SeenOf<Real, S::of_grid> tally;
+    typename Case::Seen tally;
     const std::uint32_t count = *chosen.count;
 #pragma unroll 1
     for (std::uint32_t item = T::first(); item < count; item += T::stride()) {
         const Work work = work_on(v.list, chosen, item);
-        if (!Light && is_limited(g, work.block)) continue;
+        if (!Case::light && is_limited(g, work.block)) continue;
+        const BlockInWork<Case> in{v, g, work};
         double power = 0;
-        each_entry<Dim>(
-            v.list.slot, work,
-            [&](int half, std::uint32_t, std::uint32_t s) { return S::start(v, g, half, s, shared); },
-            [&] { S::prepare(v, g, work, shared); },
+        each_entry<Case::dim>(
+            v.list.slot, work, [&](int half, std::uint32_t, std::uint32_t s) { return S::start(in, half, s, shared); },
+            [&] { S::prepare(in, shared); },
             [&](std::uint32_t k, std::uint32_t s, int half, std::uint32_t body) {
-                S::take(v, g, work, k, s, half, body, shared, tally, power);
+                S::take(in, k, s, half, body, shared, tally, power);
             });
-        if constexpr (S::of_grid) {
+        if constexpr (Case::pressure) {
             power = T::sum(power, shared.sums);
             if (T::rank() == 0) add_exact(&account_of(v).work, g.quantum.of(power));
         }
@@ -259,14 +220,14 @@ __global__ void __launch_bounds__(Team<Dim>::block_threads, MinBlocks)
 }
 
 /// Thread blocks of a multiprocessor: as many as leave a thread the registers it needs, on sm_80 too.
-template <class Real, class Shape, bool Affine, bool Averages, bool Light, FluidGrid Way>
+template <class Case>
 constexpr int split_blocks() {
-    if (Light) return light_blocks;
-    if (Way == FluidGrid::pressure) return sizeof(Real) == 8 ? 2 : 3;
-    constexpr bool Fluid = Way != FluidGrid::none;
-    constexpr bool large = Shape::sized || Shape::width > 3;
-    if (sizeof(Real) == 8) return Affine || ((Averages || Fluid) && large) ? 2 : 3;
-    return 5 - (large || (Fluid && !Affine) ? 1 : 0) - (Affine ? 1 : 0);
+    constexpr bool twice = sizeof(typename Case::Real) == 8, affine = Case::affine, fluid = Case::fluid;
+    if (Case::light) return light_blocks;
+    if (Case::pressure) return twice ? 2 : 3;
+    constexpr bool large = Case::Shape::sized || Case::Shape::width > 3;
+    if (twice) return affine || ((Case::means || fluid) && large) ? 2 : 3;
+    return 5 - (large || (fluid && !affine) ? 1 : 0) - (affine ? 1 : 0);
 }
 
 }  // namespace moraine::gpu

@@ -3,7 +3,7 @@
 // node. Slopes are per cell. Only blocks that find_limited.cuh has listed come here.
 
 #include "core/light_stencil.hpp"
-#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/box.cuh"
 
 namespace moraine::gpu {
 
@@ -131,14 +131,6 @@ __device__ __forceinline__ void weigh_cells(const View<Real, Dim>& v, int block,
     Team<Dim>::sync();
 }
 
-/// Half-size of a particle's box along an axis [cells]; stretch: its row, where the scene has one.
-template <class Real, int Dim>
-__device__ __forceinline__ Real half_size(const View<Real, Dim>& v, std::uint32_t body, const Row<Real>& stretch,
-                                          int a) {
-    const Real half = v.context.half_size[body][a];
-    return held_half(v.p.log_stretch ? stretched_half(half, stretch.e[a]) : half);
-}
-
 /// Thread blocks of a multiprocessor of the instances for limited blocks: a thread has all the registers that it can.
 inline constexpr int light_blocks = 2;
 
@@ -248,29 +240,37 @@ __device__ __forceinline__ bool find_taken(const View<Real, Dim>& v, const Gathe
     return true;
 }
 
-/// gathered(): what the particle in slot s gathers; less what its light nodes cannot bear, in an instance for them.
-template <class Shape, bool Light, bool Affine, class LightOf, class Real, int Dim, class F>
-__device__ __forceinline__ auto gather_limited(const View<Real, Dim>& v, const GatherArgs<Real, Dim>& g, int block,
-                                               LightOf& shared, std::uint32_t s, const F& gathered) {
-    if constexpr (Light) {
-        CoreRows<Real, Dim> p;
+template <class Case>
+struct LightTerm {
+    static constexpr unsigned hooks = Case::light ? hook_block : 0u;
+    struct Shared : SharedIf<LightTerm, Case::light, LightShared<typename Case::Real, Case::dim, Case::Shape::width>> {
+    };
+
+    MORAINE_TEAM void at_block(const auto& in, Shared& own) {
+        load_light_tile<typename Case::Shape>(in.v, in.work.block, own.tile);
+        weigh_cells<typename Case::Shape>(in.v, in.work.block, own.tile, own.masses);
+    }
+
+    /// gathered(): what the particle in slot s gathers; less what its light nodes cannot bear.
+    template <bool Affine>
+    MORAINE_TEAM auto around(const auto& in, Shared& own, std::uint32_t s, const auto& gathered) {
+        constexpr int Dim = Case::dim;
+        CoreRows<typename Case::Real, Dim> p;
 #pragma unroll
-        for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(v.p.core[r] + s);
-        const bool any =
-            find_taken<Shape, Affine>(v, g, block, {place_of<Real, Dim>(p), s, p.mass(), p.volume()}, shared);
+        for (int r = 0; r < core_rows<Dim>; ++r) p.row[r] = load_row(in.v.p.core[r] + s);
+        const bool any = find_taken<typename Case::Shape, Affine>(
+            in.v, in.g, in.work.block, {place_of<typename Case::Real, Dim>(p), s, p.mass(), p.volume()}, own);
         asm volatile("" ::: "memory");  // nothing of it stays in registers
         auto sums = gathered();
         const int rank = Team<Dim>::rank();
 #pragma unroll
         for (int i = 0; i < Dim * Dim; ++i) {
-            if (any) sums.gradient[i % Dim][i / Dim] += shared.seen[i][rank];
+            if (any) sums.gradient[i % Dim][i / Dim] += own.seen[i][rank];
             if constexpr (Affine)
-                if (any) sums.affine[i % Dim][i / Dim] += shared.kept[i][rank];
+                if (any) sums.affine[i % Dim][i / Dim] += own.kept[i][rank];
         }
         return sums;
-    } else {
-        return gathered();
     }
-}
+};
 
 }  // namespace moraine::gpu

@@ -6,7 +6,7 @@
 // a gather. The order is the list's, so the bits do not depend on who owns the block.
 
 #include "core/volumetric.hpp"
-#include "gpu/kernels/g2p/g2p_particle.cuh"
+#include "gpu/kernels/g2p/gather_case.cuh"
 
 namespace moraine::gpu {
 
@@ -70,5 +70,27 @@ __device__ __forceinline__ void average_cells(const View<Real, Dim>& v, const Ga
     if (T::rank() % 2 == 0) means.rate[cell] = mean.rate, means.stress[cell] = mean.stress;
     T::sync();
 }
+
+template <class Case>
+struct MeansTerm {
+    static constexpr unsigned hooks = Case::means ? hook_cell | hook_rate | hook_stress : 0u;
+    struct Shared : SharedIf<MeansTerm, Case::means, CellMeans<typename Case::Real, Case::dim>> {};
+
+    /// Instances for light nodes and for fluids ask.
+    MORAINE_TEAM bool on(const auto& in) { return !(Case::light || Case::fluid) || in.g.averages; }
+
+    MORAINE_TEAM void at_cell(const auto& in, Shared& own, const auto& gathered) {
+        if (on(in)) average_cells(in.v, in.g, in.work, own, gathered);
+    }
+    MORAINE_TEAM void on_rate(const auto& in, const auto& point, const auto& u, auto& sums, const Shared& own, auto&) {
+        if (on(in) && point.averaged()) own.put_rate(number_of<4, typename Case::Real, Case::dim>(u), sums);
+    }
+    MORAINE_TEAM void before_stress(const auto& in, auto& point, auto&, const Shared& own, auto&, double&) {
+        if (!on(in) || !point.averaged()) return;
+        point.load(point.p.normal);
+        own.put_stress(number_of<4, typename Case::Real, Case::dim>(point.place()), point.p);
+        point.store(point.p.normal);
+    }
+};
 
 }  // namespace moraine::gpu
