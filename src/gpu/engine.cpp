@@ -1,5 +1,7 @@
 #include "gpu/engine.hpp"
 
+#include "gpu/compile/kernel_store.hpp"
+
 namespace moraine::gpu {
 
 namespace {
