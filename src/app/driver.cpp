@@ -207,7 +207,7 @@ void Driver<Real, Dim>::run() {
         sim_.conclude();
         sample_maps();
         if (last_output_step_ != sim_.clock().step) output();
-        if (!lost_volume_.empty()) throw PhysicsError(lost_volume_);
+        if (!health_.lost_volume().empty()) throw PhysicsError(health_.lost_volume());
     } catch (const PhysicsError&) {
         progress_->clear();
         if (last_output_step_ != sim_.clock().step) output();
@@ -230,7 +230,7 @@ void Driver<Real, Dim>::advance() {
     stepping_ += wall_clock() - before;
     watchdog_->step_finished(sim_.clock().step);
     after_step();
-    if (!lost_volume_.empty()) throw PhysicsError(lost_volume_);
+    if (!health_.lost_volume().empty()) throw PhysicsError(health_.lost_volume());
 }
 
 /// The time from which after_step() wants the particles.
@@ -299,7 +299,6 @@ void Driver<Real, Dim>::output() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::warn(const TimeSeriesRow<Dim>& row) {
-    lost_volume_ = RunHealth<Dim>::lost_volume(row);
     for (const HealthWarning<Dim>& w :
          health_.observe(row, sim_.clock().start_strain, std::numeric_limits<Real>::epsilon())) {
         if (!comm_.is_root() || options_.quiet) continue;

@@ -69,9 +69,8 @@ class Driver {
     std::unique_ptr<Progress> progress_;
     RunHealth<Dim> health_;
     std::unique_ptr<Watchdog> watchdog_;
-    std::string lost_volume_;  ///< what to end with; empty: no particle has
-    double start_wall_ = 0;    ///< [s]
-    double stepping_ = 0;      ///< wall time of the steps alone [s]
+    double start_wall_ = 0;  ///< [s]
+    double stepping_ = 0;    ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
     std::int64_t next_output_ = 1;      ///< in output intervals
     std::int64_t next_structures_ = 1;  ///< in intervals of structures.csv

@@ -81,7 +81,7 @@ class RunHealth {
 
     /// What to say where a particle has less than a thousandth or more than a thousand times of its volume: nothing
     /// that follows means anything, whatever the method. Empty: none has.
-    static std::string lost_volume(const TimeSeriesRow<Dim>& row) {
+    static std::string lost_volume_in(const TimeSeriesRow<Dim>& row) {
         const Totals<Dim>& t = row.totals;
         if (row.particles == 0 || (t.min_J >= 1e-3 && t.max_J <= 1e3)) return {};
         return fmt::format(
@@ -95,6 +95,7 @@ class RunHealth {
     std::vector<HealthWarning<Dim>> observe(const TimeSeriesRow<Dim>& row, double start_strain, double rounding) {
         std::vector<HealthWarning<Dim>> found;
         const Totals<Dim>& t = row.totals;
+        lost_volume_ = lost_volume_in(row);
         if (!(t.stretch.value <= most_stretch) && !has(HealthProblem::volume))
             found.push_back({HealthProblem::volume, t.stretch.value, row.step, row.time, t.stretch.x});
         const double gain = gain_of(row, start_strain, rounding);
@@ -109,6 +110,8 @@ class RunHealth {
     }
 
     const std::vector<HealthWarning<Dim>>& warnings() const { return warnings_; }
+    /// lost_volume_in() the last row.
+    const std::string& lost_volume() const { return lost_volume_; }
     /// The largest share of the rows; not a number where none has one.
     double over_filling() const { return over_filling_; }
 
@@ -159,6 +162,7 @@ class RunHealth {
     double last_gain_ = 0;  ///< in the row before
     double over_filling_ = std::numeric_limits<double>::quiet_NaN();
     std::vector<HealthWarning<Dim>> warnings_;
+    std::string lost_volume_;
 };
 
 }  // namespace moraine

@@ -243,20 +243,20 @@ TEST_CASE("a file opens nothing but itself and what lies in its folder") {
 
 namespace {
 
-std::string words_of(std::initializer_list<std::uint32_t> list) {
+std::string big_endian(std::initializer_list<std::uint32_t> list) {
     std::string bytes;
-    for (const std::uint32_t word : list)
-        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(word >> shift & 255);
+    for (const std::uint32_t number : list)
+        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 255);
     return bytes;
 }
 
 /// CDF-1 of one variable z of floats: 3 x 4, or 3 records of 4.
 std::string classic_netcdf(bool records) {
-    const std::string head = std::string("CDF\x01", 4) + words_of({records ? 3u : 0u, 10, 2, 1}) +
-                             std::string("y\0\0\0", 4) + words_of({records ? 0u : 3u, 1}) + std::string("x\0\0\0", 4) +
-                             words_of({4, 0, 0, 11, 1, 1}) + std::string("z\0\0\0", 4) +
-                             words_of({2, 0, 1, 0, 0, 5, 16});
-    return head + words_of({static_cast<std::uint32_t>(head.size() + 4)}) + std::string(48, '\1');
+    const std::string head = std::string("CDF\x01", 4) + big_endian({records ? 3u : 0u, 10, 2, 1}) +
+                             std::string("y\0\0\0", 4) + big_endian({records ? 0u : 3u, 1}) +
+                             std::string("x\0\0\0", 4) + big_endian({4, 0, 0, 11, 1, 1}) + std::string("z\0\0\0", 4) +
+                             big_endian({2, 0, 1, 0, 0, 5, 16});
+    return head + big_endian({static_cast<std::uint32_t>(head.size() + 4)}) + std::string(48, '\1');
 }
 
 }  // namespace

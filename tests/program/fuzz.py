@@ -9,11 +9,14 @@ import random
 import re
 import shutil
 import signal
+import struct
 import subprocess
+import time
 import zlib
 
 import damage
 import moraine
+import valley
 from moraine import INPUTS, SMALL_SCENE, sets, summary
 
 LIMIT = 120 if moraine.SLOW else 30  # [s]
@@ -31,7 +34,63 @@ TABLE_H5 = zlib.decompress(base64.b85decode(
     b'Ojltlv{n;}h@Wnn248GYz)ct^}`)O|iR`(mK?hjPmKd3qe2Z%T@k%GYk`=A|it*-+g*e@xt<+{H3f&Dj)nEpdwAJ}_5tP)x0{t#;JL;E*@AcYU@?SQHZY#'
     b'-SJ6#-Q~vWF;p1a;qId!S)Jg^%qk;;gHm^}LN#;bDmR!qthN%Lq+h#Ntsf3P!;w7zLwXm;zA0n-SQWLhpC;<4}J9+M0yPv!KbJN0aA3lfQ>1z=Ok_Q7{Td'
     b'!6+C7qhJ&a9zgoIl>k_&00#qnoCXANk5|2gwh+)qXeSKH@BjcmLcNI'))
-KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table", "hdf5")
+KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table", "hdf5", "grid", "gis", "kill")
+UNKNOWN = ["-9999", "-9999.0", "-32767", "1e10", "nan", "-3.4028235e+38", "inf", "", "1e400", "0x10", "--1", "+1"]
+
+
+def big_endian(*numbers):
+    return struct.pack(f">{len(numbers)}I", *numbers)
+
+
+def netcdf(columns, rows, side, at):
+    """A classic netCDF of heights, with x and y."""
+    name = lambda text: big_endian(len(text)) + text.encode().ljust(4, b"\0")
+    head = b"CDF\1" + big_endian(0, 10, 2) + name("x") + big_endian(columns) + name("y") + big_endian(rows, 0, 0, 11, 3)
+    place, variables = len(head) + 36 + 36 + 40, b""
+    for text, dims, count in (("x", (0,), columns), ("y", (1,), rows), ("z", (1, 0), columns * rows)):
+        variables += name(text) + big_endian(len(dims), *dims, 0, 0, 6, 8 * count, place)
+        place += 8 * count
+    numbers = [side * i for i in range(columns)] + [side * j for j in range(rows)]
+    numbers += [at(side * i, side * j) for j in range(rows) for i in range(columns)]
+    return head + variables + struct.pack(f">{len(numbers)}d", *numbers)
+
+
+def respelled(text, pick):
+    """The same grid as another program writes it."""
+    lines = text.strip("\n").split("\n")
+    head, rows = lines[:6], lines[6:]
+    pick.shuffle(head)
+    for way in pick.sample(range(7), 3):
+        if way == 0:
+            head = [line.upper() for line in head]
+        elif way == 1:
+            rows = [" ".join("+" + word if word[0] != "-" else word for word in row.split()) for row in rows]
+        elif way == 2:
+            rows = [row.replace(" ", pick.choice(("\t", "  ", "\r\n"))) for row in rows]
+        elif way == 3:
+            head = [line for line in head if not line.lower().startswith("nodata")]
+        elif way == 4:
+            head = [line.lower().replace("cellsize", "dx") for line in head] + [f"dy {line.split()[1]}" for line in head if line.lower().startswith("cellsize")]
+        elif way == 5:
+            rows = [" ".join(f"{float(word):.17e}" for word in row.split()) for row in rows]
+        else:
+            rows = [" " + row + " " for row in rows]
+    return pick.choice(("", "\ufeff")) + pick.choice(("\n", "\r\n")).join(head + rows) + pick.choice(("", "\n", "\n\n"))
+
+
+def broken_grid(text, pick):
+    lines = text.split("\n")
+    k = pick.randrange(len(lines) - 1)
+    cells = lines[k].split()
+    way = pick.randrange(5)
+    if way <= 2:
+        cells[pick.randrange(len(cells))] = pick.choice(UNKNOWN)
+    elif way == 3:
+        cells = cells[:-1] if pick.random() < 0.5 else cells + ["1"]
+    else:
+        cells = []
+    lines[k] = " ".join(cells)
+    return "\n".join(lines)
 
 
 def mutated_text(text, pick):
@@ -92,6 +151,11 @@ class Fuzzer:
         assert ended.code == 0, ended
         self.checkpoint = moraine.checkpoints(self.good)[0]
         self.hash = summary(self.good)["state_hash"]
+        self.write_valley(self.folder)
+        self.maps = self.folder / "maps-of-a-run"
+        ended = moraine.call("run", self.folder / "s.toml", "--output", self.maps, "--quiet", "--device", "cpu",
+                             *sets(time__end=0.4, output__checkpoint_interval=0.02))
+        assert ended.code == 0, ended
 
     def case(self, word):
         """What is wrong with the program's answer to this case."""
@@ -204,3 +268,62 @@ class Fuzzer:
         (place / "s.toml").write_text(TABLE.replace("t.csv", "t.h5"))
         (place / "t.h5").write_bytes(mutated_bytes(TABLE_H5, pick))
         return self.ask(["check", "s.toml"], place)[1]
+
+    def write_valley(self, place, dem="valley.asc", area="area.csv", **more):
+        scene = valley.SCENE.replace("valley.asc", dem).replace("area.csv", area)
+        for name, text in {"s.toml": scene, "valley.asc": valley.grid(), "area.csv": valley.AREA, **more}.items():
+            (place / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+
+    def mass_of(self, place):
+        ended = moraine.call("check", "s.toml", folder=place)
+        return re.search("mass .*|$", ended.out).group()
+
+    def try_grid(self, pick, place):
+        """Another spelling is the same ground; another value is refused or said."""
+        self.write_valley(place)
+        whole = self.mass_of(place)
+        if pick.random() < 0.5:
+            (place / "valley.asc").write_text(respelled(valley.grid(), pick))
+            found = self.mass_of(place)
+            return None if found == whole else f"another spelling gives {found!r}, not {whole!r}"
+        (place / "valley.asc").write_text(broken_grid(valley.grid(), pick))
+        return self.ask(["check", "s.toml"], place)[1]
+
+    def try_gis(self, pick, place):
+        """Damaged files of each format that GDAL reads here."""
+        if not valley.GDAL:
+            return None
+        corners = [[2, 3], [6, 3.5], [6.5, 8], [4, 9], [2, 8.5]]
+        files = {"v.nc": netcdf(13, 7, 2.0, valley.heights), "a.geojson": valley.features((corners, {"thickness": 1.0})).encode()}
+        shutil.copy(self.maps / "maps" / "max_depth.tif", place / "v.tif")
+        shutil.copy(self.maps / "maps" / "outline.gpkg", place / "a.gpkg")
+        name = pick.choice(("v.nc", "v.tif", "a.geojson", "a.gpkg"))
+        data = files.get(name) or (place / name).read_bytes()
+        dem, area = (name, "area.csv") if name[0] == "v" else ("valley.asc", name)
+        self.write_valley(place, dem, area, **{name: data})
+        if pick.random() < 0.7:
+            (place / name).write_bytes(mutated_bytes(data, pick))
+        elif name == "v.nc":
+            (place / name).write_bytes(data[:pick.randrange(1, len(data))])
+            code, wrong = self.ask(["check", "s.toml"], place, (2,))
+            return wrong or (None if code == 2 else "a netCDF file that is cut short was taken")
+        return self.ask(["check", "s.toml"], place)[1]
+
+    def try_kill(self, pick, place):
+        """A run that is killed while it writes maps and checkpoints goes on to the same maps."""
+        self.write_valley(place)
+        words = ["run", "s.toml", "--quiet", "--output", "o", "--device", "cpu",
+                 *sets(time__end=0.4, output__checkpoint_interval=0.02)]
+        job = subprocess.Popen(moraine.command(words), cwd=place, env=moraine.environment(), stdin=subprocess.DEVNULL,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(pick.uniform(0.05, 1.5))
+        job.kill()
+        job.wait()
+        last = moraine.checkpoints(place / "o") if (place / "o").exists() else []
+        code, wrong = self.ask(words + (["--restart", last[-1]] if last else ["--overwrite"]), place, (0,))
+        if wrong:
+            return wrong
+        for path in (self.maps / "maps").iterdir():
+            if path.suffix in (".tif", ".asc") and path.read_bytes() != (place / "o" / "maps" / path.name).read_bytes():
+                return f"{path.name} is another after a kill"
+        return None if summary(place / "o")["state_hash"] == summary(self.maps)["state_hash"] else "another hash"

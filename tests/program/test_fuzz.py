@@ -5,6 +5,7 @@ As a test: a fixed list of cases, the same each time. By hand:
     python3 tests/program/test_fuzz.py --case scene:17             # one again
 What was found goes to CORPUS below, as few bytes as show it.
 """
+import collections
 import concurrent.futures
 import sys
 import tempfile
@@ -13,7 +14,8 @@ import time
 import fuzz
 import moraine
 
-COUNTS = {"scene": 50, "run": 12, "checkpoint": 10, "forged": 20, "series": 8, "csv": 6, "loads": 8, "summary": 6, "table": 10, "hdf5": 24}
+COUNTS = {"scene": 50, "run": 12, "checkpoint": 10, "forged": 20, "series": 8, "csv": 6, "loads": 8, "summary": 6, "table": 10, "hdf5": 24,
+          "grid": 16, "gis": 24, "kill": 4}
 
 # What once crashed, hung or ended with another code than 2, as the text of a scene.
 CORPUS = {
@@ -61,11 +63,16 @@ def by_hand(words):
             return
         end = time.time() + 3600 * float(words[1])
         first = 1000000 * int(words[words.index("--seed") + 1]) if "--seed" in words else 1000000
+        tries, found = collections.Counter(), collections.Counter()
         while time.time() < end:
             for word, finding in tried(fuzzer, [f"{kind}:{first}" for kind in fuzz.KINDS]):
+                tries[word.split(":")[0]] += 1
                 if finding:
+                    found[word.split(":")[0]] += 1
                     print(f"{word}: {finding}", flush=True)
             first += 1
+        for kind in fuzz.KINDS:
+            print(f"{kind}: {tries[kind]} tried, {found[kind]} wrong")
 
 
 if __name__ == "__main__":

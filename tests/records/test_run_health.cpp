@@ -148,10 +148,10 @@ TEST_CASE("a particle with a thousandth or a thousand times of its volume ends a
          {std::tuple{1e-3, 1e3, false}, {9e-4, 1.0, true}, {1.0, 1.1e3, true}, {7.6e-126, 1e125, true}}) {
         CAPTURE(least);
         row.totals.min_J = least, row.totals.max_J = most;
-        CHECK(RunHealth<2>::lost_volume(row).empty() == !lost);
+        CHECK(RunHealth<2>::lost_volume_in(row).empty() == !lost);
     }
     row.totals.min_J = std::nan("");
-    CHECK(!RunHealth<2>::lost_volume(row).empty());
+    CHECK(!RunHealth<2>::lost_volume_in(row).empty());
     row.particles = 0;  // all have left
-    CHECK(RunHealth<2>::lost_volume(row).empty());
+    CHECK(RunHealth<2>::lost_volume_in(row).empty());
 }
