@@ -1,5 +1,5 @@
-// moraine: the command line. `run` a scene, `check` it, compile its `kernels`, `converge` it, `replay`, `picture` or `report` runs; `schema`
-// is for editors; exit codes say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, compile its `kernels`, `converge` it, `replay`, `picture` or
+// `report` runs; `schema` is for editors; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>

@@ -24,7 +24,8 @@ struct Command {
 constexpr Command commands[] = {
     {"run", "moraine run SCENE.toml [options]     simulate; in parallel: mpirun -n P moraine run SCENE.toml\n"},
     {"check", "moraine check SCENE.toml [options]   validate; say particles, blocks, dt, steps, minutes and memory\n"},
-    {"kernels", "moraine kernels SCENE.toml [options] compile the scene's device kernels into a folder; needs no device\n"},
+    {"kernels",
+     "moraine kernels SCENE.toml [options] compile the scene's device kernels into a folder; needs no device\n"},
     {"replay",
      "moraine replay RUN_DIR [options]     predict other ranks, partitioners and triggers from recorded loads\n"},
     {"converge", "moraine converge SCENE.toml [options]  runs on finer and finer cells: how exact a value is\n"},
@@ -63,7 +64,8 @@ std::vector<std::string> partitioners() {
 }
 
 constexpr const char* cache_meaning =
-    "where compiled device kernels are kept; none: nowhere (default: MORAINE_KERNEL_CACHE, else ~/.cache/moraine/kernels)";
+    "where compiled device kernels are kept; none: nowhere (default: MORAINE_KERNEL_CACHE, else "
+    "~/.cache/moraine/kernels)";
 
 po::options_description run_options(Options& o) {
     po::options_description options("run");
