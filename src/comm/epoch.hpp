@@ -42,6 +42,8 @@ struct EpochTables {
     std::vector<Key> node_key;  ///< node blocks, ascending
     std::vector<Vec<std::int32_t, Dim>> node_position;
     std::vector<std::uint8_t> node_border;
+    std::vector<std::uint8_t>
+        kept_nodes;  ///< whose values are wanted whoever touches them; empty: none (Patch::keep_nodes)
     std::vector<std::int32_t> node_block;  ///< own x corners
     std::vector<std::int32_t> source;      ///< node block x corners
     std::vector<PeerHalo> peers;           ///< by rank

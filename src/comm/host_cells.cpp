@@ -36,8 +36,8 @@ void HostEngine<Real, Dim>::find_pressures(const Substep& first) {
                            {patch_.particles.view(), method_.grid_bulk()},
                            {factors_.data()}});
     if (!surfaces_) return;
-    surfaces_->take_cells(cells_.data());
-    surfaces_->find_cells(first);
+    surfaces_->blocks.scene.cells = cells_.data();  // what is found near surfaces takes no part there
+    surfaces_->cells.find(first);
 }
 
 template <class Real, int Dim>
@@ -53,9 +53,9 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
     NodeRound<Real, Dim> round = node_round(NodeTask::substep, substep.dt, step);
     round.first_substep = substep.is_first();
     round.step = static_cast<Real>(step.dt);
-    if (surfaces_) surfaces_->press(substep);
+    if (surfaces_) surfaces_->cells.press(substep);
     solve(round, step);
-    if (surfaces_) surfaces_->slow(substep.dt, substep.damping());
+    if (surfaces_) surfaces_->forces.act(substep.dt, substep.damping());
     const std::span<const std::int32_t> blocks = patch_.blocks();
     Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
                        UpdateCells<Real, Dim>{cell_context(),
@@ -64,7 +64,7 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
                                               blocks.data(),
                                               static_cast<Real>(substep.dt),
                                               static_cast<Real>(0.5 * (substep.number + 0.5) * substep.dt)});
-    if (surfaces_) surfaces_->update_cells(substep);
+    if (surfaces_) surfaces_->cells.update(substep);
 }
 
 template class HostEngine<float, 2>;

@@ -39,7 +39,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     migration_.reset();
     patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
-    if (surfaces_) surfaces_->forget();
+    if (surfaces_) surfaces_->blocks.made = false;
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
@@ -120,7 +120,7 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
     field_ = structures.field();
     finding_ = true;
-    if (surfaces_) surfaces_->place(field_, structures.any_moves());
+    if (surfaces_) surfaces_->blocks.find(field_, structures.any_moves());
     if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
         ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
                        {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
@@ -185,7 +185,12 @@ template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
     solve(node_round(round.nodes, step.dt, step), step);
-    if (surfaces_) round.nodes == NodeTask::hold ? begin_surfaces(step) : act_on_surfaces(step);
+    if (!surfaces_) return;
+    surfaces_->begin_step(
+        {step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), surfaces_->pressed.data(),
+         held_.data(), nullptr, gaps_.data(), report_.felt.data(), impulse_.data()},
+        *halo_, pairs_);
+    if (round.nodes != NodeTask::hold) surfaces_->forces.act(step.dt, 0);
 }
 
 template <class Real, int Dim>
@@ -195,7 +200,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
     report_.felt.resize(step.structures->size());
     contact.sums = report_.felt.data();
     contact.ground = ground_.empty() ? nullptr : ground_.data();
-    if (surfaces_) contact.structure = smooth_structures(contact);
+    if (surfaces_) contact.structure = surfaces_->smoothed(contact);
     solve<true>(round, step, contact);
 }
 
@@ -228,7 +233,7 @@ template <bool Contact, bool Energy>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
     impulse_.resize(nodes.size() * Dim);
-    if (surfaces_) pressed_.resize(patch_.stored_nodes());
+    if (surfaces_) surfaces_->pressed.resize(patch_.stored_nodes());
     if (Energy) energy_.resize(nodes.size());
     const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
                                                         patch_.table(),
@@ -243,7 +248,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                         {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
                                                         {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
                                                         energy_.data(),
-                                                        surfaces_ ? pressed_.data() : nullptr};
+                                                        surfaces_ ? surfaces_->pressed.data() : nullptr};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 

@@ -15,7 +15,7 @@
 namespace moraine {
 
 template <class Real, int Dim>
-class HostSurfaces;
+struct HostSurfaces;
 
 template <class Real, int Dim>
 class HostEngine final : public Engine<Real, Dim> {
@@ -95,9 +95,6 @@ class HostEngine final : public Engine<Real, Dim> {
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     HostTerms<Real, Dim> terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const;
     CellContext<Real, Dim> cell_context();
-    const Structure<Dim>* smooth_structures(const ContactField<Dim>& field);
-    void begin_surfaces(const StepScales<Dim>& step);
-    void act_on_surfaces(const StepScales<Dim>& step);
     void sum_cells(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
@@ -128,8 +125,6 @@ class HostEngine final : public Engine<Real, Dim> {
     bool moving_ = false;  ///< migration under way: not binned
 
     std::unique_ptr<HostSurfaces<Real, Dim>> surfaces_;  ///< null: structures act at nodes (Bed::nodes)
-    std::vector<Structure<Dim>> smooth_;                 ///< what nodes see of structures that act on their surfaces
-    Host::Array<Vec<double, Dim>> pressed_;              ///< SolveNodes::pressed
     ContactPairs<Dim> pairs_;
     std::vector<GroundNode<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
     Host::Array<NodeGap> gaps_;

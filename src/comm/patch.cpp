@@ -69,7 +69,6 @@ std::vector<std::uint32_t> Patch<Space, Real, Dim>::start_over(std::size_t n) {
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlocks& binned) {
     tables_ = std::move(tables);
-    kept_nodes_.clear();
     position_.assign(tables_.position);
     neighbour_.assign(tables_.neighbour);
     border_.assign(tables_.border);
@@ -196,7 +195,7 @@ void Patch<Space, Real, Dim>::assign_storage() {
     occupied_ = Space::scan(blocks, used_.data(), place_.data());
     Space::launch(t.own + t.ghosts, PlaceTiles{t.own, t.ghosts, used_.data(), place_.data(), tile_of_.data()});
     Space::launch(t.node_blocks, MarkNeeded<Dim>{t, tile_of_.data(), used_.data()});
-    for (std::size_t c = 0; c < kept_nodes_.size(); ++c) used_[c] |= kept_nodes_[c];
+    for (std::size_t c = 0; c < tables_.kept_nodes.size(); ++c) used_[c] |= tables_.kept_nodes[c];
     const std::int64_t needed = Space::scan(node_blocks, used_.data(), place_.data());
     Space::launch(t.node_blocks, PlaceTiles{t.node_blocks, 0, used_.data(), place_.data(), node_of_.data()});
 
@@ -207,7 +206,7 @@ void Patch<Space, Real, Dim>::assign_storage() {
 
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::keep_nodes(std::vector<std::uint8_t> needed) {
-    kept_nodes_ = std::move(needed);
+    tables_.kept_nodes = std::move(needed);
     assign_storage();
 }
 

@@ -109,8 +109,7 @@ class Patch {
     Array<std::uint8_t> shuffled_;
     Array<BlockOutcome> outcome_;
     std::vector<std::uint32_t> free_;
-    std::vector<std::uint8_t> kept_nodes_;  ///< by node block; empty: those that occupied blocks touch
-    std::uint64_t reordered_ = 0;           ///< particles whose list place no longer follows memory
+    std::uint64_t reordered_ = 0;  ///< particles whose list place no longer follows memory
 
     Array<std::int32_t> tile_of_, node_of_;
     Array<std::int32_t> boundary_, interior_, every_;

@@ -20,7 +20,11 @@ struct Folder {
     ~Folder() { fs::remove_all(path); }
 };
 
-const CompiledProgram some{std::string("\x7f" "ELF\0image", 10), {"first_kernel", "second_kernel"}, "log"};
+const CompiledProgram some{std::string("\x7f"
+                                       "ELF\0image",
+                                       10),
+                           {"first_kernel", "second_kernel"},
+                           "log"};
 
 }  // namespace
 

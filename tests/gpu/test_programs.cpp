@@ -51,13 +51,13 @@ TEST_CASE("one program has each kernel and each header of its parts once") {
             CHECK(all.text().find(kernel.expression) != std::string::npos);
 }
 
-// Beyond 64 bytes registers are spilled for good; below, NVRTC's 64-bit addresses of shared memory cost one or two, which
-// no benchmark shows (docs/adr/0004).
+// Beyond 64 bytes registers are spilled for good; below, NVRTC's 64-bit addresses of shared memory cost one or two,
+// which no benchmark shows (docs/adr/0004).
 TEST_CASE("kernels of shipped scenes compile, and their registers suffice") {
     const std::vector<std::string> names =
         std::getenv("MORAINE_LONG_TESTS")
-            ? std::vector<std::string>{"granular_column", "slurry_runout", "slurry_runout_3d", "submarine_slide",
-                                       "submarine_slide_3d", "strip_footing", "valley", "undercut_bed"}
+            ? std::vector<std::string>{"granular_column",    "slurry_runout", "slurry_runout_3d", "submarine_slide",
+                                       "submarine_slide_3d", "strip_footing", "valley",           "undercut_bed"}
             : std::vector<std::string>{"granular_column", "slurry_runout_3d"};
     for (const std::string& name : names) {
         CAPTURE(name);

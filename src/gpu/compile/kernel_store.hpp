@@ -27,7 +27,6 @@ class KernelStore {
     /// The kernels of a program, in order: compiled now where prepare() did not name it. Valid until the end.
     const std::vector<Kernel>& kernels(const Program& program);
 
-
   private:
     KernelCache cache_{kernel_cache_folder("")};
     std::function<void(const std::string&)> tell_;

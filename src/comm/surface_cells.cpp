@@ -1,6 +1,7 @@
 // The pressure of cells beside surfaces on the host (core/open_faces.hpp).
 
-#include "comm/host_surfaces.hpp"
+#include "comm/surface_cells.hpp"
+
 #include "core/cell_kernels.hpp"
 
 namespace moraine {
@@ -11,14 +12,14 @@ enum HoleLane { hole_volume, hole_pressure, hole_bulk };
 enum RootLane { root_pressure, root_bulk, root_volume, root_source };
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::find_cells(const Substep& first) {
-    cells_.assign(blocks_.size() * cells, {});
-    acceleration_.resize(near_nodes_.size() * cells);
+void SurfaceCells<Real, Dim>::find(const Substep& first) {
+    cells_.assign(on_.blocks.size() * cells, {});
+    acceleration_.resize(on_.near_nodes.size() * cells);
     Host::launch(static_cast<std::int64_t>(acceleration_.size()), [&](int j) {
-        const std::ptrdiff_t at = stored(j);
-        if (at >= 0) acceleration_[static_cast<std::size_t>(j)] = scene_.held[at].acceleration;
+        const std::ptrdiff_t at = on_.stored(j);
+        if (at >= 0) acceleration_[static_cast<std::size_t>(j)] = on_.scene.held[at].acceleration;
     });
-    pass([&](int k, Real* tile) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) {
             find_cell(k, c, first);
             const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
@@ -29,18 +30,18 @@ void HostSurfaces<Real, Dim>::find_cells(const Substep& first) {
             root[lane(child_weight)] += cell.weight, root[lane(child_cross)] += cell.state.head;
         }
     });
-    pass([&](int k, Real* tile) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) {
             close_cell(k, c, first);
             tell_holes(k, c, tile);
         }
     });
-    pass([&](int k, Real* tile) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) fill_hole(k, c);
         for (int c = 0; c < cells; ++c) {
             const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             if (!cell.on || cell.child) continue;
-            Real* own = tile + (tile_offset<Dim, 3>(c) + tile_nodes_to_middle) * node_reals;
+            Real* own = tile + (tile_offset<Dim, 3>(c) + to_middle) * node_reals;
             own[lane(root_pressure)] = cell.state.pressure;
             own[lane(root_bulk)] = cell.state.loose ? -cell.state.bulk : cell.state.bulk;
             own[lane(root_volume)] = cell.state.volume, own[lane(root_source)] = cell.state.source;
@@ -49,7 +50,7 @@ void HostSurfaces<Real, Dim>::find_cells(const Substep& first) {
     Host::launch(static_cast<std::int64_t>(cells_.size()), [&](int i) {
         OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(i)];
         if (!cell.child) return;
-        const Real* root = sum_at(i / cells, root_node(i / cells, i % cells));
+        const Real* root = on_.sum_at(i / cells, root_node(i / cells, i % cells));
         const Real bulk = root[lane(root_bulk)];
         cell.on = root[lane(root_volume)] > Real(0);
         cell.state.pressure = root[lane(root_pressure)], cell.state.bulk = bulk < Real(0) ? -bulk : bulk;
@@ -60,25 +61,25 @@ void HostSurfaces<Real, Dim>::find_cells(const Substep& first) {
 
 /// The tile's node in the middle of the cell with which a cell has its pressure, which may be itself.
 template <class Real, int Dim>
-int HostSurfaces<Real, Dim>::root_node(int k, int c) const {
+int SurfaceCells<Real, Dim>::root_node(int k, int c) const {
     const auto i = static_cast<std::size_t>(k * cells + c);
-    int n = tile_offset<Dim, 3>(c) + tile_nodes_to_middle;
-    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side) n += stride * place_[i].root[a];
+    int n = tile_offset<Dim, 3>(c) + to_middle;
+    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side) n += stride * on_.place_of[i].root[a];
     return n;
 }
 
 /// x.
 template <class Real, int Dim>
-Real HostSurfaces<Real, Dim>::share_of(int k, int c) const {
-    const bool cut = place_[static_cast<std::size_t>(k * cells + c)].cut != nullptr;
+Real SurfaceCells<Real, Dim>::share_of(int k, int c) const {
+    const bool cut = on_.place_of[static_cast<std::size_t>(k * cells + c)].cut != nullptr;
     const int corner = tile_offset<Dim, 3>(c);
-    const SurfaceNode<Dim>& own = surface_nodes_[static_cast<std::size_t>(node_at(k, corner + tile_nodes_to_middle))];
+    const SurfaceNode<Dim>& own = on_.surface_nodes[static_cast<std::size_t>(on_.node_at(k, corner + to_middle))];
     double least = 1e9, soil = 0, space = 0;
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const std::int32_t near = node_at(k, corner + at);
-        const SurfaceNode<Dim>& n = surface_nodes_[static_cast<std::size_t>(near)];
-        const std::ptrdiff_t held = stored(near);
-        const double filling = held < 0 ? 0.0 : double(scene_.held[held].filling);
+        const std::int32_t near = on_.node_at(k, corner + at);
+        const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
+        const std::ptrdiff_t held = on_.stored(near);
+        const double filling = held < 0 ? 0.0 : double(on_.scene.held[held].filling);
         const int offset[3] = {i - 1, j - 1, l - 1};
         double out = 0;
         for (int a = 0; a < Dim; ++a) out += offset[a] * own.normal[a];
@@ -92,14 +93,14 @@ Real HostSurfaces<Real, Dim>::share_of(int k, int c) const {
 
 /// Of a cell by itself: pressure and bulk are sums over its particles yet, and a child's head the sum of G_ic . G_ir.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::find_cell(int k, int c, const Substep&) {
+void SurfaceCells<Real, Dim>::find_cell(int k, int c, const Substep&) {
     const auto i = static_cast<std::size_t>(k * cells + c);
-    const SurfaceCell& place = place_[i];
+    const SurfaceCell<Dim>& place = on_.place_of[i];
     OpenCell<Real, Dim>& cell = cells_[i];
-    const std::int32_t block = blocks_[static_cast<std::size_t>(k)];
-    const ListView<Dim> list = patch_.list();
+    const std::int32_t block = on_.blocks[static_cast<std::size_t>(k)];
+    const ListView<Dim> list = on_.patch.list();
     if (!place.near) return;
-    if (list.count(block) > 0) scene_.cells[first_cell(block) + c].volume = Real(0);
+    if (list.count(block) > 0) on_.scene.cells[first_cell(block) + c].volume = Real(0);
     if (place.part == CellPart::solid) return;
     CellMoments<Real, Dim> moments;
     sum_particles(block, c, moments, cell);
@@ -107,19 +108,19 @@ void HostSurfaces<Real, Dim>::find_cell(int k, int c, const Substep&) {
     const bool shares = place.shares && (place.cut->volume < small_cell || !(cell.particles > Real(0)));
     if (!(cell.particles > Real(0)) && !(cell.share > Real(0))) return;
     make_rows(k, c, moments, cell);
-    if (!(cell.state.volume > Real(1e-7) * Real(std::pow(h_, Dim)))) return;
+    if (!(cell.state.volume > Real(1e-7) * Real(std::pow(on_.h, Dim)))) return;
     cell.on = true;
     cell.child = shares;
     weigh_cell(k, c, cell);
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments,
+void SurfaceCells<Real, Dim>::sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments,
                                             OpenCell<Real, Dim>& cell) const {
     moments.clear();
-    const ListView<Dim> list = patch_.list();
+    const ListView<Dim> list = on_.patch.list();
     if (list.count(block) == 0) return;
-    const HostCellParticles<Real, Dim> particles{patch_.particles.view(), method_.grid_bulk()};
+    const HostCellParticles<Real, Dim> particles{on_.patch.particles.view(), on_.method.grid_bulk()};
     const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (cells + 1) + c;
     for (std::uint32_t n = list.first[block] + bounds[0]; n < list.first[block] + bounds[1]; ++n) {
         const CellParticle<Real, Dim> q = particles(list.slot[n]);
@@ -133,51 +134,51 @@ void HostSurfaces<Real, Dim>::sum_particles(std::int32_t block, int c, CellMomen
 
 /// F_ic of a cell, by its node [cells].
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::faces_of(const Place& node, const CutCell<Dim>* cut, CellNode<Real, Dim>* face) const {
-    const Real scale = static_cast<Real>(std::pow(h_, Dim - 1));
+void SurfaceCells<Real, Dim>::faces_of(const Place& node, const CutCell<Dim>* cut, CellNode<Real, Dim>* face) const {
+    const Real scale = static_cast<Real>(std::pow(on_.h, Dim - 1));
     for (int i = 0; cut && i < nodes; ++i)
         for (int a = 0; a < Dim; ++a) face[i].gradient[a] = scale * static_cast<Real>(cut->face[i][a]);
     if (cut) return;
     Real x[Dim][cell_powers];
     CellBasis<Real> basis[Dim];
     for (int a = 0; a < Dim; ++a) {
-        full_moments(method_.capacity, a, node[a], x[a]);
-        basis[a] = cell_basis<Real>(method_.context.walls.ghosts(a, node[a] - 1, 3));
+        full_moments(on_.method.capacity, a, node[a], x[a]);
+        basis[a] = cell_basis<Real>(on_.method.context.walls.ghosts(a, node[a] - 1, 3));
     }
     CellMoments<Real, Dim> moments;
     moments.clear();
-    moments.add_product(static_cast<Real>(std::pow(h_, Dim)), x);
-    all_cell_nodes(moments, basis, method_.context.inverse_cell, face);
+    moments.add_product(static_cast<Real>(std::pow(on_.h, Dim)), x);
+    all_cell_nodes(moments, basis, on_.method.context.inverse_cell, face);
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Dim>& moments,
+void SurfaceCells<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Dim>& moments,
                                         OpenCell<Real, Dim>& cell) const {
-    const SurfaceCell& place = place_[static_cast<std::size_t>(k * cells + c)];
-    const Place node = cell_node(k, c);
-    const CellBox<Dim> box = geometry_.box(node);
+    const SurfaceCell<Dim>& place = on_.place_of[static_cast<std::size_t>(k * cells + c)];
+    const Place node = on_.cell_node(k, c);
+    const CellBox<Dim> box = on_.geometry.box(node);
     CellBasis<Real> basis[Dim];
     double volume = place.cut ? place.cut->volume : 1;
     for (int a = 0; a < Dim; ++a) {
-        basis[a] = cell_basis<Real>(method_.context.walls.ghosts(a, node[a] - 1, 3));
+        basis[a] = cell_basis<Real>(on_.method.context.walls.ghosts(a, node[a] - 1, 3));
         if (!place.cut) volume *= box.end[a][1] - box.end[a][0];
     }
-    all_cell_nodes(moments, basis, method_.context.inverse_cell, cell.factor);
+    all_cell_nodes(moments, basis, on_.method.context.inverse_cell, cell.factor);
     CellNode<Real, Dim> face[nodes];
     faces_of(node, place.cut, face);
     Real share[nodes];
     bool light = false;
     int n = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
-        const std::int32_t near = node_at(k, tile_offset<Dim, 3>(c) + at);
-        const SurfaceNode<Dim>& beside = surface_nodes_[static_cast<std::size_t>(near)];
-        const std::ptrdiff_t held = stored(near);
-        share[n++] = static_cast<Real>(node_share(beside, held < 0 ? 0.0 : double(scene_.held[held].filling)));
+        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(c) + at);
+        const SurfaceNode<Dim>& beside = on_.surface_nodes[static_cast<std::size_t>(near)];
+        const std::ptrdiff_t held = on_.stored(near);
+        share[n++] = static_cast<Real>(node_share(beside, held < 0 ? 0.0 : double(on_.scene.held[held].filling)));
         light = light || beside.capacity < light_capacity;
     });
-    const Real scale = static_cast<Real>(std::pow(h_, Dim - 1));
+    const Real scale = static_cast<Real>(std::pow(on_.h, Dim - 1));
     open_rows(
-        static_cast<Real>(volume * std::pow(h_, Dim)), [&](int i, int a) { return face[i].gradient[a]; },
+        static_cast<Real>(volume * std::pow(on_.h, Dim)), [&](int i, int a) { return face[i].gradient[a]; },
         [&](int i, int a) { return place.cut ? scale * static_cast<Real>(place.cut->bed[i][a]) : Real(0); },
         [&](int i) { return share[i]; }, cell);
     cell.whole = !place.cut && cell.share == Real(1) && !light;
@@ -185,20 +186,20 @@ void HostSurfaces<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Di
 
 /// Source, weight, and of a child the part of the weight that it has together with its root.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const {
-    const SurfaceCell& place = place_[static_cast<std::size_t>(k * cells + c)];
+void SurfaceCells<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const {
+    const SurfaceCell<Dim>& place = on_.place_of[static_cast<std::size_t>(k * cells + c)];
     CellNode<Real, Dim> of_root[nodes];
     if (cell.child) {
-        Place root = cell_node(k, c);
+        Place root = on_.cell_node(k, c);
         for (int a = 0; a < Dim; ++a) root[a] += place.root[a];
-        faces_of(root, geometry_.cut_at(root), of_root);
+        faces_of(root, on_.geometry.cut_at(root), of_root);
     }
     Mat<Real, Dim> L = zero_mat<Real, Dim>();
     int n = 0;
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
         const CellNode<Real, Dim>& g = cell.factor[n++];
-        const std::int32_t near = node_at(k, tile_offset<Dim, 3>(c) + at);
-        const Real* v = values(near);
+        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(c) + at);
+        const Real* v = on_.values(near);
         if (!v) return;
         const int offset[3] = {i, j, l};
         int there = 0;
@@ -216,9 +217,9 @@ void HostSurfaces<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell
         }
         cell.weight += square / v[quad - 1];
         if (both) {
-            const double filling = double(scene_.held[stored(near)].filling);
+            const double filling = double(on_.scene.held[on_.stored(near)].filling);
             cell.state.head +=
-                Real(node_share(surface_nodes_[static_cast<std::size_t>(near)], filling)) * cross / v[quad - 1];
+                Real(node_share(on_.surface_nodes[static_cast<std::size_t>(near)], filling)) * cross / v[quad - 1];
         }
     });
     for (int a = 0; a < Dim; ++a)
@@ -228,10 +229,10 @@ void HostSurfaces<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell
 
 /// Of a cell with its children: means and the bounded modulus.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::close_cell(int k, int c, const Substep& first) {
+void SurfaceCells<Real, Dim>::close_cell(int k, int c, const Substep& first) {
     OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     if (!cell.on || cell.child) return;
-    const Real* told = sum_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle);
+    const Real* told = on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle);
     CellPressure<Real>& state = cell.state;
     const Real particles = cell.particles + told[lane(child_particles)];
     cell.mixed = told[lane(child_volume)] > Real(0);
@@ -247,7 +248,7 @@ void HostSurfaces<Real, Dim>::close_cell(int k, int c, const Substep& first) {
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::bound(OpenCell<Real, Dim>& cell, const Substep& first) const {
+void SurfaceCells<Real, Dim>::bound(OpenCell<Real, Dim>& cell, const Substep& first) const {
     CellPressure<Real>& state = cell.state;
     if ((cell.whole && !cell.mixed) || !(cell.weight > Real(0))) return;
     const Real bulk = bounded_bulk<Dim>(state.bulk, state.volume, cell.weight, first.dt, first.damping());
@@ -258,13 +259,14 @@ void HostSurfaces<Real, Dim>::bound(OpenCell<Real, Dim>& cell, const Substep& fi
 
 /// What a cell with particles tells the cells around it, by the nodes in their middles.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::tell_holes(int k, int c, Real* tile) const {
+void SurfaceCells<Real, Dim>::tell_holes(int k, int c, Real* tile) const {
     const auto i = static_cast<std::size_t>(k * cells + c);
-    const std::int32_t block = blocks_[static_cast<std::size_t>(k)];
+    const std::int32_t block = on_.blocks[static_cast<std::size_t>(k)];
     const OpenCell<Real, Dim>& cell = cells_[i];
     const CellPressure<Real>* from = nullptr;
     if (cell.on && !cell.child && cell.particles > Real(0)) from = &cell.state;
-    if (!place_[i].near && patch_.list().count(block) > 0) from = &scene_.cells[first_cell(block) + std::size_t(c)];
+    if (!on_.place_of[i].near && on_.patch.list().count(block) > 0)
+        from = &on_.scene.cells[first_cell(block) + std::size_t(c)];
     if (!from || !(from->volume > Real(0)) || !(from->bulk > Real(0))) return;
     each_node<Dim, 3>([&](int at, int, int, int) {
         Real* to = tile + (tile_offset<Dim, 3>(c) + at) * node_reals;
@@ -276,10 +278,10 @@ void HostSurfaces<Real, Dim>::tell_holes(int k, int c, Real* tile) const {
 
 /// A cell without particles takes what the cells around it have, by volume.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::fill_hole(int k, int c) {
+void SurfaceCells<Real, Dim>::fill_hole(int k, int c) {
     OpenCell<Real, Dim>& hole = cells_[static_cast<std::size_t>(k * cells + c)];
     if (!hole.on || hole.child || hole.particles > Real(0)) return;
-    const Real* around = sum_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle);
+    const Real* around = on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle);
     const Real volume = around[lane(hole_volume)];
     hole.on = volume > Real(0);
     if (!hole.on) return;
@@ -288,9 +290,9 @@ void HostSurfaces<Real, Dim>::fill_hole(int k, int c) {
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::press(const Substep& substep) {
+void SurfaceCells<Real, Dim>::press(const Substep& substep) {
     const Real damping = static_cast<Real>(substep.damping());
-    pass([&](int k, Real* tile) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) {
             const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             if (!cell.on) continue;
@@ -305,53 +307,52 @@ void HostSurfaces<Real, Dim>::press(const Substep& substep) {
         }
     });
     Host::launch(static_cast<std::int64_t>(acceleration_.size()), [&](int j) {
-        const std::ptrdiff_t at = stored(j);
+        const std::ptrdiff_t at = on_.stored(j);
         if (at < 0) return;
-        const Real* node = values(j);
-        Vec<Real, Dim>& held = scene_.held[at].acceleration;
+        const Real* node = on_.values(j);
+        Vec<Real, Dim>& held = on_.scene.held[at].acceleration;
         held = acceleration_[static_cast<std::size_t>(j)];
         for (int a = 0; node && a < Dim; ++a)
-            held[a] += sums_[std::size_t(j) * node_reals + std::size_t(a)] / node[quad - 1];
+            held[a] += on_.sums[std::size_t(j) * node_reals + std::size_t(a)] / node[quad - 1];
     });
 }
 
 /// What the structure bears of a cell's pressure.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::tell_pressure(int k, int c, double impulse) {
+void SurfaceCells<Real, Dim>::tell_pressure(int k, int c, double impulse) {
     const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     Vec<double, Dim> given, place;
     bool any = false;
-    const Place node = cell_node(k, c);
+    const Place node = on_.cell_node(k, c);
     for (int a = 0; a < Dim; ++a) {
         given[a] = impulse * double(cell.bed[a]);
         any = any || given[a] != 0;
-        place[a] = scene_.field.origin[a] + h_ * node[a];
+        place[a] = on_.scene.field.origin[a] + on_.h * node[a];
     }
-    if (any) tell(structure_of(k, c), given, place);
+    if (any) on_.tell(structure_of(k, c), given, place);
 }
 
 /// Whose surface a cell is at.
 template <class Real, int Dim>
-int HostSurfaces<Real, Dim>::structure_of(int k, int c) const {
-    const CutCell<Dim>* cut = place_[static_cast<std::size_t>(k * cells + c)].cut;
+int SurfaceCells<Real, Dim>::structure_of(int k, int c) const {
+    const CutCell<Dim>* cut = on_.place_of[static_cast<std::size_t>(k * cells + c)].cut;
     if (cut) return cut->structure;
-    return surface_nodes_[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + tile_nodes_to_middle))]
-        .structure;
+    return on_.surface_nodes[static_cast<std::size_t>(on_.node_at(k, tile_offset<Dim, 3>(c) + to_middle))].structure;
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::update_cells(const Substep& substep) {
-    pass([&](int k, Real* tile) {
+void SurfaceCells<Real, Dim>::update(const Substep& substep) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) {
             const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             if (!cell.on) continue;
-            const Structure<Dim>& s = scene_.field.structure[structure_of(k, c)];
+            const Structure<Dim>& s = on_.scene.field.structure[structure_of(k, c)];
             Real flux = Real(0);
             for (int a = 0; a < Dim; ++a) flux -= cell.bed[a] * static_cast<Real>(s.velocity[a]);
             int n = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
                 const CellNode<Real, Dim>& g = cell.factor[n++];
-                const Real* v = values(node_at(k, tile_offset<Dim, 3>(c) + at));
+                const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(c) + at));
                 for (int a = 0; v && a < Dim; ++a) flux += g.gradient[a] * v[a];
             });
             tile[root_node(k, c) * node_reals] += flux;
@@ -361,7 +362,7 @@ void HostSurfaces<Real, Dim>::update_cells(const Substep& substep) {
     Host::launch(static_cast<std::int64_t>(cells_.size()), [&](int i) {
         OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(i)];
         if (!cell.on) return;
-        const Real flux = sum_at(i / cells, root_node(i / cells, i % cells))[0];
+        const Real flux = on_.sum_at(i / cells, root_node(i / cells, i % cells))[0];
         const Real step = dt * (flux / cell.state.volume - time * cell.state.source);
         cell.state.change = cell.state.bulk * step;
         cell.state.pressure += cell.state.change;
@@ -372,13 +373,13 @@ void HostSurfaces<Real, Dim>::update_cells(const Substep& substep) {
 
 /// To the gather, which knows cells of occupied blocks.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::give_cells() {
-    for (std::size_t k = 0; k < blocks_.size(); ++k) {
-        if (patch_.list().count(blocks_[k]) == 0) continue;
+void SurfaceCells<Real, Dim>::give_cells() {
+    for (std::size_t k = 0; k < on_.blocks.size(); ++k) {
+        if (on_.patch.list().count(on_.blocks[k]) == 0) continue;
         for (int c = 0; c < cells; ++c) {
             const OpenCell<Real, Dim>& cell = cells_[k * cells + static_cast<std::size_t>(c)];
             if (!cell.on) continue;
-            CellPressure<Real>& to = scene_.cells[first_cell(blocks_[k]) + c];
+            CellPressure<Real>& to = on_.scene.cells[first_cell(on_.blocks[k]) + c];
             const Real head = to.head;
             to = cell.state;
             to.head = head;
@@ -386,9 +387,16 @@ void HostSurfaces<Real, Dim>::give_cells() {
     }
 }
 
-template class HostSurfaces<float, 2>;
-template class HostSurfaces<float, 3>;
-template class HostSurfaces<double, 2>;
-template class HostSurfaces<double, 3>;
+template <class Real, int Dim>
+double SurfaceCells<Real, Dim>::pressure_on_surface(int k, int c, double damping) const {
+    if (cells_.empty()) return 0;
+    const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
+    return cell.on ? -double(cell.bears) * (double(cell.state.pressure) + damping * double(cell.state.change)) : 0.0;
+}
+
+template class SurfaceCells<float, 2>;
+template class SurfaceCells<float, 3>;
+template class SurfaceCells<double, 2>;
+template class SurfaceCells<double, 3>;
 
 }  // namespace moraine

@@ -1,31 +1,37 @@
 // What acts along surfaces on the host (core/surface_elements.hpp).
 
-#include "comm/host_surfaces.hpp"
+#include "comm/surface_forces.hpp"
 
 namespace moraine {
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::begin_step() {
+    find_gaps(*on_.pairs);
+    weigh();
+}
 
 /// Who is near to each element, and how much of it soil lies on: whole numbers, in the gap tiles of the node in the
 /// middle of its cell.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
+void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
     gap_tiles_.assign(pairs.tiles() * tile_nodes, NodeGap{});
     for (const auto* list : {&pairs.boundary(), &pairs.interior()})
         Host::launch(static_cast<std::int64_t>(list->size()),
                      [&](int i) { tell_elements((*list)[static_cast<std::size_t>(i)]); });
     const GapShare<Dim> share{&pairs, gap_tiles_.data()};
-    pass([](int, Real*) {}, &share);
+    on_.pass([](int, Real*) {}, &share);
     const GapTiles tiles{pairs.structures(), pairs.tile_of().data(), gap_tiles_.data()};
-    const BlockTable<Dim> table = patch_.table();
-    Host::launch(static_cast<std::int64_t>(blocks_.size()), [&](int k) {
-        for (SurfaceElement<Dim>& e : elements_[static_cast<std::size_t>(k)]) {
-            const std::int32_t near = node_at(k, tile_offset<Dim, 3>(e.cell) + tile_nodes_to_middle);
+    const BlockTable<Dim> table = on_.patch.table();
+    Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
+        for (SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)]) {
+            const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + to_middle);
             const NodeGap gap =
-                gap_at_node(tiles, table, tile_index_.data(), width,
-                            near_nodes_[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
-            const double unit = std::pow(h_, Dim - 1);
+                gap_at_node(tiles, table, on_.tile_index.data(), width,
+                            on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
+            const double unit = std::pow(on_.h, Dim - 1);
             e.gap = gap.is_none() ? 1e9 : gap.cells();
             e.covered = gap.faces() * unit / e.area;
-            const InterfaceLaw law = scene_.field.structure[e.structure].law;
+            const InterfaceLaw law = on_.scene.field.structure[e.structure].law;
             e.touches =
                 law != InterfaceLaw::smooth && (e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0));
         }
@@ -35,18 +41,18 @@ void HostSurfaces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
 /// A particle is near to an element whose middle is within 0.75 h of it along the surface, and lies on those within 1
 /// h, on each by its area times 1 - s / h: all of the particle's area, and no more.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::tell_elements(const ContactPair& pair) {
-    const std::int32_t k = bed_of_[static_cast<std::size_t>(pair.block)];
-    const ListView<Dim> list = patch_.list();
+void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
+    const std::int32_t k = on_.bed_of[static_cast<std::size_t>(pair.block)];
+    const ListView<Dim> list = on_.patch.list();
     if (k < 0 || list.count(pair.block) == 0) return;
-    const ParticleView<Real, Dim> p = patch_.particles.view();
-    const Structure<Dim>& s = scene_.field.structure[pair.structure];
-    const Place& block = patch_.tables().position[static_cast<std::size_t>(pair.block)];
+    const ParticleView<Real, Dim> p = on_.patch.particles.view();
+    const Structure<Dim>& s = on_.scene.field.structure[pair.structure];
+    const Place& block = on_.patch.tables().position[static_cast<std::size_t>(pair.block)];
     NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
-    const RingElement* ring = ring_.data() + static_cast<std::size_t>(k) * tile_nodes;
+    const RingElement<Dim>* ring = on_.ring.data() + static_cast<std::size_t>(k) * tile_nodes;
     for (std::uint32_t i = list.first[pair.block]; i < list.first[pair.block + 1]; ++i) {
         const std::uint32_t slot = list.slot[i];
-        const ParticleGap own = gap_of<Real>(scene_.field, s, block, p.position[slot], p.volume[slot], p.ln_J[slot]);
+        const ParticleGap own = gap_of<Real>(on_.scene.field, s, block, p.position[slot], p.volume[slot], p.ln_J[slot]);
         if (own.gap == NodeGap::none) continue;
         Vec<double, Dim> x;
         int cell = 0;
@@ -58,8 +64,8 @@ void HostSurfaces<Real, Dim>::tell_elements(const ContactPair& pair) {
         int at[nodes], count = 0;
         double share[nodes], all = 0;
         each_node<Dim, 3>([&](int o, int, int, int) {
-            const int n = cell - tile_nodes_to_middle + o;
-            const RingElement& e = ring[n];
+            const int n = cell - to_middle + o;
+            const RingElement<Dim>& e = ring[n];
             if (!(e.area > 0) || e.structure != pair.structure) return;
             const Vec<double, Dim> way = e.place - x;
             const double along = magnitude(way - dot(way, e.normal) * e.normal);
@@ -76,9 +82,9 @@ void HostSurfaces<Real, Dim>::tell_elements(const ContactPair& pair) {
 
 /// W_i of the elements that the soil touches.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::weigh() {
-    pass([&](int k, Real* tile) {
-        for (const SurfaceElement<Dim>& e : elements_[static_cast<std::size_t>(k)]) {
+void SurfaceForces<Real, Dim>::weigh() {
+    on_.pass([&](int k, Real* tile) {
+        for (const SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)]) {
             if (!e.touches) continue;
             int i = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
@@ -90,11 +96,12 @@ void HostSurfaces<Real, Dim>::weigh() {
             });
         }
     });
-    sums_.swap(shares_);
+    shares_.resize(on_.sums.size());
+    on_.sums.swap(shares_);
 }
 
 template <class Real, int Dim>
-SurfaceShares<Dim> HostSurfaces<Real, Dim>::shares_at(std::int32_t near) const {
+SurfaceShares<Dim> SurfaceForces<Real, Dim>::shares_at(std::int32_t near) const {
     const Real* from = shares_.data() + static_cast<std::size_t>(near) * node_reals;
     SurfaceShares<Dim> s;
     for (int q = 0; q < SurfaceShares<Dim>::count; ++q) s.across[q] = double(from[lane(q)]);
@@ -103,13 +110,13 @@ SurfaceShares<Dim> HostSurfaces<Real, Dim>::shares_at(std::int32_t near) const {
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::slow(double dt, double damping) {
-    pass([&](int k, Real* tile) {
-        for (const SurfaceElement<Dim>& e : elements_[static_cast<std::size_t>(k)])
+void SurfaceForces<Real, Dim>::act(double dt, double damping) {
+    on_.pass([&](int k, Real* tile) {
+        for (const SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)])
             if (e.touches) slow_element(k, e, dt, damping, tile);
     });
     apply();
-    pass([&](int k, Real* tile) {
+    on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) close_slave(k, c, tile);
     });
     apply();
@@ -117,36 +124,35 @@ void HostSurfaces<Real, Dim>::slow(double dt, double damping) {
 
 /// What presses an element.
 template <class Real, int Dim>
-Pressing HostSurfaces<Real, Dim>::pressing(int k, const SurfaceElement<Dim>& e, double dt, double damping) const {
+Pressing SurfaceForces<Real, Dim>::pressing(int k, const SurfaceElement<Dim>& e, double dt, double damping) const {
     Pressing by{0, 0};
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
-        const std::int32_t near = node_at(k, tile_offset<Dim, 3>(e.cell) + at);
-        const std::ptrdiff_t node = stored(near);
+        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at);
+        const std::ptrdiff_t node = on_.stored(near);
         const double own = e.own[i++];
         if (node < 0 || !(own > 0)) return;
-        const double pressed = -dot(scene_.pressed[node], e.normal);
+        const double pressed = -dot(on_.scene.pressed[node], e.normal);
         if (!(pressed > 0)) return;
         const SurfaceShares<Dim> shares = shares_at(near);
         const double all = shares.all(), across = all > 0 ? shares.along_normal(e.normal) / all : 1.0;
         if (shares.own * across > 0) by.contact += own * pressed / (shares.own * across);
     });
-    if (cells_.empty()) return by;
-    const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + e.cell)];
-    const double pressure = -double(cell.bears) * (double(cell.state.pressure) + damping * double(cell.state.change));
-    if (cell.on && pressure > 0) by.pressure = pressure * dt;
+    const double pressure = pressures_.pressure_on_surface(k, e.cell, damping);
+    if (pressure > 0) by.pressure = pressure * dt;
     return by;
 }
 
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::slow_element(int k, const SurfaceElement<Dim>& e, double dt, double damping, Real* tile) {
-    const Structure<Dim>& s = scene_.field.structure[e.structure];
+void SurfaceForces<Real, Dim>::slow_element(int k, const SurfaceElement<Dim>& e, double dt, double damping,
+                                            Real* tile) {
+    const Structure<Dim>& s = on_.scene.field.structure[e.structure];
     Vec<double, Dim> slip = zero_vec<double, Dim>();
     const int corner = tile_offset<Dim, 3>(e.cell);
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
-        const Real* v = values(node_at(k, corner + at));
+        const Real* v = on_.values(on_.node_at(k, corner + at));
         for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - s.velocity[a]);
     });
     const double approach = dot(slip, e.normal);
@@ -163,24 +169,24 @@ void HostSurfaces<Real, Dim>::slow_element(int k, const SurfaceElement<Dim>& e, 
     i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
-        const std::int32_t near = node_at(k, corner + at);
-        if (!values(near)) return;
+        const std::int32_t near = on_.node_at(k, corner + at);
+        if (!on_.values(near)) return;
         heavy += w;
         Real* to = tile + (corner + at) * node_reals;
         for (int a = 0; a < Dim; ++a) to[a] -= static_cast<Real>(w * impulse[a]);
     });
-    tell(e.structure, heavy * impulse, e.place);
+    on_.tell(e.structure, heavy * impulse, e.place);
 }
 
 /// R_e along a direction.
 template <class Real, int Dim>
-double HostSurfaces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, const Vec<double, Dim>& along) const {
+double SurfaceForces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, const Vec<double, Dim>& along) const {
     double row = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
-        const std::int32_t near = node_at(k, tile_offset<Dim, 3>(e.cell) + at);
-        const Real* v = values(near);
+        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at);
+        const Real* v = on_.values(near);
         if (!v || w == 0) return;
         const SurfaceShares<Dim> shares = shares_at(near);
         row += w * (shares.all() - shares.along_normal(along)) / double(v[quad - 1]);
@@ -190,12 +196,12 @@ double HostSurfaces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, cons
 
 /// The slaves that follow the middle of a cell and the node beyond: the impulse that closes f (v_o - 2 v_1 + v_2).
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::close_slave(int k, int c, Real* tile) {
-    const int corner = tile_offset<Dim, 3>(c), middle = corner + tile_nodes_to_middle;
-    const GapTiles tiles{pairs_->structures(), pairs_->tile_of().data(), scene_.gaps};
+void SurfaceForces<Real, Dim>::close_slave(int k, int c, Real* tile) {
+    const int corner = tile_offset<Dim, 3>(c), middle = corner + to_middle;
+    const GapTiles tiles{on_.pairs->structures(), on_.pairs->tile_of().data(), on_.scene.gaps};
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const std::int32_t near = node_at(k, corner + at);
-        const SurfaceNode<Dim>& n = surface_nodes_[static_cast<std::size_t>(near)];
+        const std::int32_t near = on_.node_at(k, corner + at);
+        const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
         if (!(n.slaved > 0)) return;
         const int offset[3] = {i - 1, j - 1, l - 1};
         int beyond = middle;
@@ -203,13 +209,15 @@ void HostSurfaces<Real, Dim>::close_slave(int k, int c, Real* tile) {
             if (n.to[a] != -offset[a]) return;
             beyond += stride * n.to[a];
         }
-        if (scene_.field.structure[n.structure].law == InterfaceLaw::smooth) return;
-        const Real *slave = values(near), *one = values(node_at(k, middle)), *two = values(node_at(k, beyond));
+        if (on_.scene.field.structure[n.structure].law == InterfaceLaw::smooth) return;
+        const Real *slave = on_.values(near), *one = on_.values(on_.node_at(k, middle)),
+                   *two = on_.values(on_.node_at(k, beyond));
         if (!slave || !one || !two) return;
         const double m = slave[quad - 1], m1 = one[quad - 1], m2 = two[quad - 1];
         if (m > 0.5 * m1) return;
-        const NodeGap gap = gap_at_node(tiles, patch_.table(), patch_.tile_of(), width,
-                                        near_nodes_[static_cast<std::size_t>(near / cells)], near % cells, n.structure);
+        const NodeGap gap =
+            gap_at_node(tiles, on_.patch.table(), on_.patch.tile_of(), width,
+                        on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, n.structure);
         if (gap.is_none() || !(gap.cells() < touches_below)) return;
         Vec<double, Dim> off;
         for (int a = 0; a < Dim; ++a) off[a] = 2 * double(one[a]) - double(two[a]) - double(slave[a]);
@@ -224,22 +232,22 @@ void HostSurfaces<Real, Dim>::close_slave(int k, int c, Real* tile) {
 
 /// Impulses to velocities, and walls again.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::apply() {
-    const BlockTable<Dim> table = patch_.table();
-    Host::launch(static_cast<std::int64_t>(near_nodes_.size()), [&](int j) {
-        const std::int32_t c = near_nodes_[static_cast<std::size_t>(j)];
+void SurfaceForces<Real, Dim>::apply() {
+    const BlockTable<Dim> table = on_.patch.table();
+    Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
+        const std::int32_t c = on_.near_nodes[static_cast<std::size_t>(j)];
         for (int n = 0; n < cells; ++n) {
-            Real* node = values(j * cells + n);
+            Real* node = on_.values(j * cells + n);
             if (!node) continue;
-            const Real* impulse = sums_.data() + static_cast<std::size_t>(j * cells + n) * node_reals;
+            const Real* impulse = on_.sums.data() + static_cast<std::size_t>(j * cells + n) * node_reals;
             Vec<Real, Dim> v;
             for (int a = 0; a < Dim; ++a) v[a] = node[a] + impulse[a] / node[quad - 1];
             Vec<Real, Dim> end = v;
             if (table.node_border[c]) {
                 int at[Dim];
                 for (int a = 0; a < Dim; ++a)
-                    at[a] = 4 * table.node_position[c][a] - method_.stencil.origin + cell_coordinate<Dim>(n, a);
-                method_.context.walls.constrain(at, end);
+                    at[a] = 4 * table.node_position[c][a] - on_.method.stencil.origin + cell_coordinate<Dim>(n, a);
+                on_.method.context.walls.constrain(at, end);
                 count_walls(c, n, double(node[quad - 1]), v, end);
             }
             for (int a = 0; a < Dim; ++a) {
@@ -252,36 +260,21 @@ void HostSurfaces<Real, Dim>::apply() {
 
 /// What walls gave a node that this rank counts.
 template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before,
-                                          const Vec<Real, Dim>& after) {
-    const BlockTable<Dim> table = patch_.table();
+void SurfaceForces<Real, Dim>::count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before,
+                                           const Vec<Real, Dim>& after) {
+    const BlockTable<Dim> table = on_.patch.table();
     for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
         const std::int32_t source = table.source[c * Block<Dim>::corners + delta];
-        if (source < 0 || patch_.tile_of()[source] < 0 || tile_node<Dim>(n, delta, width) < 0) continue;
+        if (source < 0 || on_.patch.tile_of()[source] < 0 || tile_node<Dim>(n, delta, width) < 0) continue;
         for (int a = 0; source < table.own && a < Dim; ++a)
-            scene_.impulse[c * Dim + a].add(scene_.quantum.of(mass * (double(after[a]) - double(before[a]))));
+            on_.scene.impulse[c * Dim + a].add(on_.scene.quantum.of(mass * (double(after[a]) - double(before[a]))));
         return;
     }
 }
 
-template <class Real, int Dim>
-void HostSurfaces<Real, Dim>::tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place) {
-    const Structure<Dim>& s = scene_.field.structure[structure];
-    const Vec<double, Dim> arm = image_near(scene_.field, s, place) - s.at;
-    double all[StructureSums<Dim>::count] = {};
-    for (int a = 0; a < Dim; ++a) all[a] = impulse[a];
-    if constexpr (Dim == 2)
-        all[2] = arm[0] * impulse[1] - arm[1] * impulse[0];
-    else
-        for (int a = 0; a < 3; ++a)
-            all[3 + a] = arm[(a + 1) % 3] * impulse[(a + 2) % 3] - arm[(a + 2) % 3] * impulse[(a + 1) % 3];
-    all[StructureSums<Dim>::work] = dot(impulse, s.velocity);
-    add_shared(scene_.felt[structure].sum, scene_.quantum, all);
-}
-
-template class HostSurfaces<float, 2>;
-template class HostSurfaces<float, 3>;
-template class HostSurfaces<double, 2>;
-template class HostSurfaces<double, 3>;
+template class SurfaceForces<float, 2>;
+template class SurfaceForces<float, 3>;
+template class SurfaceForces<double, 2>;
+template class SurfaceForces<double, 3>;
 
 }  // namespace moraine
