@@ -11,7 +11,7 @@ from valley import AREA, GDAL, SCENE, ZONE, ValleyTest, features, grid, heights,
 class Terrain(ValleyTest):
     def test_state_and_maps_are_the_same_on_1_to_4_ranks_and_after_a_restart(self):
         one = self.run_scene(self.scene, "one", *sets(output__checkpoint_interval=0.5))
-        self.assertEqual(len(self.maps(one)), 7)
+        self.assertEqual(len(self.maps(one)), 2 * 6 + 1)  # each with a style, and the outline
         for ranks in (2, 3, 4):
             many = self.run_scene(self.scene, f"r{ranks}", "--partitioner", "shuffle",
                                   *sets(balance__trigger="every", balance__interval=20), ranks=ranks)
@@ -44,7 +44,8 @@ class Terrain(ValleyTest):
         self.write(grid(at=lambda x, y: -9999), "xi.asc")
         self.write(with_bed)
         same = self.run_scene(self.scene, "same")
-        self.assertEqual(self.maps(same), self.maps(plain))
+        for name in ("max_depth", "arrival", "deposit"):  # tags have what the scenes say
+            self.assertEqual(read_map(same, name), read_map(plain, name))
         self.write(grid(at=lambda x, y: 0.2 if x < 6 else 0.8), "mu.asc")
         rough = self.run_scene(self.scene, "rough")
         two = self.run_scene(self.scene, "two", "--partitioner", "shuffle", ranks=2)
@@ -146,7 +147,7 @@ class Terrain(ValleyTest):
         ended = call("check", self.scene, "--device", "cpu")
         self.assertEqual(ended.code, 0, ended)
         self.assertRegex(ended.out, r"valley.asc: smoothed from a least radius of curvature of 0\S+ m to 4\S* m; heights")
-        self.assertNotIn("warning", ended.out)
+        self.assertNotIn("less than 5 cells", ended.out)
         one = self.run_scene(self.scene, "one", *sets(time__end=0.5))
         two = self.run_scene(self.scene, "two", *sets(time__end=0.5), ranks=2)
         self.assertEqual(summary(one)["state_hash"], summary(two)["state_hash"])
@@ -179,7 +180,7 @@ class Terrain(ValleyTest):
             model.truncate(4100000000)  # a hole
         self.assertIn("valley.asc:7: 2e+09 heights (a grid of text is read whole: 16 GB",
                       self.assert_one_problem(call("check", self.scene, "--device", "cpu")))
-        self.assertIn("valley.asc:7: the height in row 1, column 2 = \"nan\"",
+        self.assertIn("valley.asc: no height at (2, 12)",
                       self.refused(grid(at=lambda x, y: math.nan if (x, y) == (2, 12) else 1), "valley.asc"))
 
     def test_a_wrong_release_is_refused_with_place_and_remedy(self):
