@@ -33,7 +33,7 @@ def main():
     (here / "valley_gauges.csv").write_text("name,x,y\nhead,30,66\nchannel,50,68\n")
     (here / "valley_sections.csv").write_text("name,x,y\nneck,56,85\nneck,56,50\n")
     (here / "valley_path.csv").write_text("name,x,y\n" + "".join(f"channel,{x},{60 + 10 * math.sin(x / 28):.1f}\n" for x in range(10, 260, 8)))
-    (here / "valley_inflow.csv").write_text("time,discharge,speed\n0,0,2\n5,60,6\n15,20,4\n")
+    (here / "valley_inflow.csv").write_text("time,discharge,speed\n0,0,1\n5,64,2\n15,20,1\n")
 
 
 if __name__ == "__main__":

@@ -17,10 +17,14 @@ import re
 import shutil
 import sys
 
+import numpy
+
 import moraine
+from moraine.grids import read_grid
+from moraine.map_figure import draw_map
 from moraine.picture import draw
 
-NAMES = ("slurry", "slide", "slide-coarse", "slope", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge")
+NAMES = ("slurry", "slide", "slide-coarse", "slope", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge", "scenarios", "load")
 words = argparse.ArgumentParser(description="Makes the pictures of the gallery, all or some.")
 words.add_argument("--only", default=",".join(NAMES), metavar="NAME,...", help=f"of {', '.join(NAMES)} (slide takes most of the time)")
 words.add_argument("--quick", action="store_true", help="coarse cells and early ends: seconds instead of minutes")
@@ -93,7 +97,7 @@ if "slope" in ONLY:
 # %%
 if "valley" in ONLY:
     run = made("valley", "inputs/valley.toml", {"hazard.gauges": "valley_gauges.csv"}, {"domain.cell": 2.0, "hazard.cell": 4.0, "time.end": 10.0})
-    print(f"  up to {run.maps['max_depth'].values.max():.1f} m deep, {run.gauges['channel_depth_m'].max():.1f} m in the channel")
+    print(f"  up to {numpy.nanmax(run.maps['max_depth'].values):.1f} m deep, {run.gauges['channel_depth_m'].max():.1f} m in the channel")
     keep(run, "valley_max_depth.png", field="max_depth")
     keep(run, "valley_times.png", field="arrival")
     keep(run, "valley_deposit.png", field="deposit")
@@ -161,6 +165,34 @@ if "converge" in ONLY:
                              levels=3 if given.quick else None, error=None if given.quick else "1%", options=["--device", "cpu"], overwrite=True)
     shutil.copyfile(study.path / "error-kinetic_J_16.svg", PICTURES / "converge.svg")
     print(f"  {PICTURES / 'converge.svg'}")
+
+# %% [markdown]
+# ## What if the friction is another?
+# The study of the tutorial: in which share of its runs a place is more than half a metre deep.
+
+# %%
+if "scenarios" in ONLY:
+    sampling = {"sampling": {"method": "grid"}, "set": {"domain.cell": 2.0, "hazard.cell": 4.0, "time.end": 4.0, "hazard.gauges": "valley_gauges.csv"}} if given.quick else {}
+    study = moraine.read_scene("inputs/studies/valley_study.toml")
+    friction = {**study["parameter"][0], "steps": 2}
+    study = {**study, "scene": "inputs/valley.toml", **sampling, **({"parameter": [friction]} if given.quick else {})}
+    found = moraine.run_study(study, given.output / "scenarios", options=["--device", "cpu"], overwrite=True)
+    share = read_grid(next((found.path / "maps").glob("max_depth-exceeds-0.5.*")))
+    figure = draw_map("share of the runs [-]", "viridis", share, numpy.isfinite(share.values), read_grid("inputs/valley.asc"), "more than half a metre deep")
+    figure.savefig(PICTURES / "valley_exceeds.png", dpi=100, metadata={"Software": None})
+    print(f"  {PICTURES / 'valley_exceeds.png'}")
+
+# %% [markdown]
+# ## A load curve with a band
+# The pipe again, on three sizes of cells, beside a curve of one's own.
+
+# %%
+if "load" in ONLY:
+    study = moraine.converge("inputs/pipe_penetration.toml", "structure.pipe.force_y@end", given.output / "load", coarsest=0.4 if given.quick else 0.2,
+                             sets={"material.clay.volumetric": "cell", **({"time.end": 1.0} if given.quick else {})}, curves=["structure.pipe.force_y/displacement_y"],
+                             data="inputs/pipe_fit.csv", options=["--device", "cpu"], overwrite=True)
+    shutil.copyfile(next(study.path.glob("curve-*.svg")), PICTURES / "load_curve.svg")
+    print(f"  {PICTURES / 'load_curve.svg'}")
 
 # %%
 print(f"Pictures are in {PICTURES}")

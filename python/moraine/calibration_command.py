@@ -10,7 +10,7 @@ from .scenario_command import check_options, common_options, stopped_by
 
 
 def parser(prog: str = "moraine calibrate") -> argparse.ArgumentParser:
-    words = Parser("moraine calibrate inputs/valley_calibration.toml --device cpu", prog=prog,
+    words = Parser("moraine calibrate inputs/studies/valley_calibration.toml --device cpu", prog=prog,
                    description="Fits parameters of a scene to outlines, deposits, gauges and other values that were seen, and says how well these tell them.")
     words.add_argument("file", metavar="FILE.toml", help="scene, parameters and targets (docs/scenarios.md)")
     common_options(words)

@@ -36,7 +36,7 @@ def check_options(given: argparse.Namespace, command: str) -> List[str]:
 
 
 def parser(prog: str = "moraine study") -> argparse.ArgumentParser:
-    words = Parser("moraine study inputs/valley_study.toml --device cpu", prog=prog,
+    words = Parser("moraine study inputs/studies/valley_study.toml --device cpu", prog=prog,
                    description="Runs a scene with many values of its parameters: envelope, quantiles and probabilities of maps, and what matters most.")
     words.add_argument("study", metavar="STUDY.toml", help="scene, parameters, sampling and quantities (docs/scenarios.md)")
     common_options(words)

@@ -144,13 +144,13 @@ class Run:
             return self.loads.checks[0].step
         return max(0, 2 * step[0] - step[1]) if len(step) > 1 else 0
 
-    def not_measurable(self):
-        """Why its speed says nothing; empty where it does."""
+    def not_measurable(self, idle=True):
+        """Why its speed says nothing; empty where it does. idle: ranks without particles count, which of two ways to share out work is no matter."""
         stepping = self.summary.get("stepping_s", self.summary["wall_s"])
         if stepping < LEAST_S:
             return f"it stepped for {stepping:.2g} s (less than {LEAST_S:g} s)"
         least = list(self.balance.get("particles_min", []))
-        if self.ranks > 1 and least and max(least) == 0:
+        if idle and self.ranks > 1 and least and max(least) == 0:
             return "it had ranks without particles"
         if self.summary["imbalance_time_mean"] > NOISY * self.summary["imbalance_mean"]:
             return f"ranks with {self.summary['imbalance_mean']:.3g} times the mean load took {self.summary['imbalance_time_mean']:.3g} times its time (a machine that others used, or fewer cores than ranks)"

@@ -187,7 +187,7 @@ def ways(runs, ranks):
         seconds = run.summary.get("stepping_s")
         rows.append([run.name, run.partitioner, text(seconds if isinstance(seconds, (int, float)) else None, 4), f"{run.speed() / max(slowest.speed(), 1e-300):.2f}",
                      *[f"{share[name]:.1f}" for name in ("lost_to_imbalance", "balancing", "exchange")]])
-    doubtful = [(run.name, run.not_measurable()) for run in runs if run.not_measurable()]
+    doubtful = [(run.name, run.not_measurable(idle=False)) for run in runs if run.not_measurable(idle=False)]
     if doubtful:
         return ("<p>Which is fastest is not said: " + html.escape("; ".join(f"{name}: {why}" for name, why in doubtful)) + ".</p>" + page.table(columns, rows))
     lost = [100 * run.times["lost_to_imbalance"] / run.summary["wall_s"] for run in (best, slowest)]

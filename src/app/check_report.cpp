@@ -14,6 +14,7 @@
 #include "predict/scene_warnings.hpp"
 #include "predict/step_speed.hpp"
 #include "scene/scene_keys.hpp"
+#include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"
 
 namespace moraine {
@@ -72,7 +73,7 @@ std::string release_lines(const Scene& scene) {
     std::string text;
     for (const BodySpec& b : scene.bodies) {
         if (b.shape != BodyShape::layer && b.shape != BodyShape::inflow) continue;
-        const double cells = b.thickness / scene.cell;
+        const double cells = (b.hydrograph ? peak_depth(b) : b.thickness) / scene.cell;
         const std::string when = b.release_time > 0 ? fmt::format(" at {:.6g} s", b.release_time) : "";
         text += fmt::format("{:<10} {}: {:.6g} m3{}, {:.3g} cells thick\n", b.hydrograph ? "inflow" : "release", b.name,
                             measure_of(b, scene.dimensions), when, cells);

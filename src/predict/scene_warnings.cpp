@@ -11,6 +11,7 @@
 #include "core/material/laws.hpp"
 #include "core/method.hpp"
 #include "predict/prediction.hpp"
+#include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"
 
 namespace moraine {
@@ -61,11 +62,11 @@ Extent joined_extent(const Scene& scene, const BodySpec& body) {
 
 /// Releases and inflows, by their thickness over the ground.
 void warn_of_thickness(const Scene& scene, const BodySpec& body, std::vector<std::string>& all) {
-    const double cells = body.thickness / scene.cell;
+    const double thickness = body.hydrograph ? peak_depth(body) : body.thickness, cells = thickness / scene.cell;
     if (cells >= fewest_cells * (1 - 1e-9)) return;
     all.push_back(fmt::format(
         "{}.{} is {:.3g} cells thick (fewer than 4 do not resolve a flow: it is too fast). A domain.cell of {:.3g} m?",
-        body.shape == BodyShape::inflow ? "inflow" : "release", body.name, cells, body.thickness / fewest_cells));
+        body.shape == BodyShape::inflow ? "inflow" : "release", body.name, cells, thickness / fewest_cells));
 }
 
 /// Axes along which a body fills the domain have no cells to count: a strip in 3-D may be as narrow as one.

@@ -160,6 +160,11 @@ inline std::vector<std::int64_t> sums_of(const RunCounts& counts, const Comm& co
     return sums;
 }
 
+template <std::size_t Dim>
+std::vector<double> list_of(const std::array<double, Dim>& v) {
+    return {v.begin(), v.end()};
+}
+
 /// Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
@@ -168,7 +173,6 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     const TimeSeriesRow<Dim> last = observe(sim, comm);
     const std::vector<std::int64_t> sums = sums_of(counts, comm);
     const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
-    const auto list = [](const std::array<double, Dim>& v) { return std::vector<double>(v.begin(), v.end()); };
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
@@ -202,8 +206,8 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"lost_particles", last.lost_particles},
         {"state_hash", fmt::format("{:016x}", state_hash(sim))},
         {"mass_kg", last.totals.mass},
-        {"momentum", list(last.totals.momentum)},
-        {"momentum_error", list(last.momentum_error)},
+        {"momentum", list_of(last.totals.momentum)},
+        {"momentum_error", list_of(last.momentum_error)},
         {"energies_J", energies_in_summary(last)},
         {"front_m", last.front},
         {"over_filling", health.over_filling()},

@@ -98,7 +98,7 @@ void load_path(Scene& scene, const Places& places) {
         refuse(places.of("hazard.path"), fmt::format("hazard.path has {} lines", lines.size()),
                fmt::format("{}: the way of the flow is one", path), "Keep one?");
     for (const auto& p : lines[0].points) {
-        check_inside(scene, path, "the path has a point at", p);
+        if (scene.hazard.path.empty()) check_inside(scene, path, "the path begins at", p);  // and may lead out of it
         if (scene.hazard.path.empty() || scene.hazard.path.back() != p) scene.hazard.path.push_back(p);
     }
     if (scene.hazard.path.size() < 2)

@@ -77,8 +77,8 @@ void load_inflow(Scene& scene, BodySpec& spec, const Places& places) {
     hydrograph.volume = inflow.volume();
     spec.hydrograph = std::make_shared<const Hydrograph>(hydrograph);
     spec.thickness = inflow.deepest();
-    if (spec.thickness < scene.cell)
-        refuse(file, fmt::format("{} is at most {:.3g} m deep", path, spec.thickness),
+    if (const double peak = peak_depth(spec); peak < scene.cell)
+        refuse(file, fmt::format("{} is at most {:.3g} m deep", path, peak),
                fmt::format("by discharge, speed and line, less than a cell, {} m; from 4 cells on a flow is resolved",
                            scene.cell),
                "Is its speed in m/s, or a smaller domain.cell?");

@@ -126,4 +126,13 @@ Inflow::Foot Inflow::foot_of(const Column& column, double ahead) const {
             {column.across[0] / run, column.across[1] / run, there / run}};
 }
 
+double peak_depth(const BodySpec& body) {
+    double length = 0, most = 0;
+    for (std::size_t k = 1; k < body.points.size(); ++k)
+        length += std::hypot(body.points[k][0] - body.points[k - 1][0], body.points[k][1] - body.points[k - 1][1]);
+    const Hydrograph& h = *body.hydrograph;
+    for (std::size_t k = 0; k < h.time.size(); ++k) most = std::max(most, h.discharge[k] / h.speed[k] / length);
+    return most;
+}
+
 }  // namespace moraine

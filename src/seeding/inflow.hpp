@@ -83,4 +83,8 @@ class Inflow {
     double length_ = 0, volume_ = 0;  ///< L [m]; [m3]
 };
 
+/// The largest depth that the table of an inflow has, however long a run lasts: discharge over speed and length of the
+/// line in plan [m].
+double peak_depth(const BodySpec& body);
+
 }  // namespace moraine

@@ -78,6 +78,14 @@ class Report(moraine.ProgramTest):
         self.assertEqual(call("replay", runs[1], "--ranks", "4,16").code, 0)
         self.report(*runs, "--output", "page.html", "--times", f"0,{END}")
         text = (self.folder / "page.html").read_text()
+        self.assertNotIn("Strong scaling", Page(text).headings)  # runs of less than a second tell nothing of speed
+        self.assertIn("(less than 1 s)", text)
+        for run in runs:  # as if they had taken longer, alone on their machine
+            found = summary(run)
+            found.update(stepping_s=10.0, imbalance_time_mean=found["imbalance_mean"])
+            (run / "summary.json").write_text(json.dumps(found))
+        self.report(*runs, "--output", "page.html", "--times", f"0,{END}")
+        text = (self.folder / "page.html").read_text()
         page = Page(text)
         self.assertEqual(page.open, [])
         self.assertEqual(page.fetched, [])
@@ -213,6 +221,31 @@ class Report(moraine.ProgramTest):
         text = (self.folder / "report.html").read_text()
         self.assertIn("Hazard maps of valley: ", text.split("Not on this page")[1])
         self.assertIn("<h3>Energies</h3>", text)
+
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_the_first_page_of_a_run_over_terrain_says_what_was_asked_and_what_came(self):
+        self.write("name,x,y\nroad,9.5,6.5\n", "gauges.csv"), self.write("name,x,y\nneck,7,10\nneck,7,2\n", "lines.csv")
+        self.valley_run()
+        keys = sets(time__end=0.6, hazard__gauges="gauges.csv", hazard__sections="lines.csv", output__fields='["velocity","mass"]')
+        one, two = (self.run_scene(self.folder / "scene.toml", name, "--device", "cpu", *keys, *sets(terrain__contact__friction=friction))
+                    for name, friction in (("one", 0.2), ("two", 0.05)))
+        self.report(one)
+        first = (self.folder / "report.html").read_text().split("<h2>")[1]
+        for words in ("scar is 2 cells thick", "2 cells (TOO FEW", "drucker-prager: density 1800", "voellmy: friction 0.2, xi 500", "valley.asc (", "<td>road</td>",
+                      "<td>neck</td>", "travel angle", "left the domain", "moraine converge</code> of this scene tells", "Nothing is taken up from the bed"):
+            self.assertIn(words, first)
+        self.report(one, two)
+        self.assertIn("Largest depth: one less two", (self.folder / "report.html").read_text())
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("friction of the bed, and the rest", text)
+        self.assertNotIn(">unaccounted<", text)
+        self.assert_one_problem(call("report", one, "--errors", self.folder, folder=self.folder))
+        self.assert_one_problem(call("report", one, "--with", self.folder / "none.csv", folder=self.folder))
+
+    @unittest.skipUnless(has_matplotlib() and chromium.PROGRAM, "no matplotlib or chromium")
+    def test_the_page_is_printed_as_pdf(self):
+        self.report(self.structure_run(), "--pdf")
+        self.assertEqual((self.folder / "report.pdf").read_bytes()[:5], b"%PDF-")
 
     @unittest.skipUnless(has_matplotlib(), "no matplotlib")
     def test_warnings_and_numbers_that_are_none_are_shown_without_a_traceback(self):

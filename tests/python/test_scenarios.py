@@ -67,7 +67,7 @@ class Studies(PackageTest):
         self.assertIn("has another study", self.problem(self.study, "grid", **other))
 
     def test_a_failed_run_is_said_and_counts_nowhere(self):
-        found = self.study("failed", parameter=[{"key": "domain.max", "values": [[2.1, 0.2], [0.2, 0.2]]}], sampling={"method": "grid"},
+        found = self.study("study-failed", parameter=[{"key": "domain.max", "values": [[2.1, 0.2], [0.2, 0.2]]}], sampling={"method": "grid"},
                            set={"time.end": 0.2, "output.interval": 0.2})
         from moraine.scenario_text import summary
         self.assertEqual((len(found.finished), len(found.failed)), (1, 1))
@@ -75,24 +75,24 @@ class Studies(PackageTest):
 
     @unittest.skipIf(scipy is None, "no scipy")
     def test_an_interrupted_study_goes_on_to_the_same_and_jobs_change_nothing(self):
-        study = folder("torn.toml")
+        study = folder("study-torn.toml")
         study.write_text(f'scene = "{INPUTS / "sliding_block.toml"}"\nquantities = ["centre_x_m"]\n[set]\n"time.end" = 0.4\n"domain.max" = [2.1, 0.2]\n'
                          f'[[parameter]]\nkey = "{FRICTION}"\nrange = [0.1, 0.4]\n[sampling]\nmethod = "sobol"\nruns = 4\nseed = 3\n')
         command = [program.PROGRAM, "study", str(study), "--device", "cpu", "--jobs", "2"]
         environment = {**os.environ, "MORAINE_PYTHON": sys.executable, "OMP_NUM_THREADS": "1"}
-        job = subprocess.Popen([*command, "--output", str(folder("torn"))], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        while not is_done(folder("torn") / "run-1") and job.poll() is None:
+        job = subprocess.Popen([*command, "--output", str(folder("study-torn"))], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while not is_done(folder("study-torn") / "run-1") and job.poll() is None:
             time.sleep(0.02)
         job.send_signal(signal.SIGTERM)
         _, said = job.communicate()
         self.assertEqual(job.returncode, 5, said)
-        done = subprocess.run([*command, "--output", str(folder("torn"))], env=environment, capture_output=True, text=True)
+        done = subprocess.run([*command, "--output", str(folder("study-torn"))], env=environment, capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         whole = subprocess.run([*command, "--jobs", "1", "--output", str(folder("whole-study"))], env=environment, capture_output=True, text=True)
         self.assertEqual(whole.returncode, 0, whole.stderr)
-        values = [[run["values"] for run in json.loads((folder(name) / "study.json").read_text())["runs"].values()] for name in ("torn", "whole-study")]
+        values = [[run["values"] for run in json.loads((folder(name) / "study.json").read_text())["runs"].values()] for name in ("study-torn", "whole-study")]
         self.assertEqual(*values)
-        page = (folder("torn") / "study.html").read_text()
+        page = (folder("study-torn") / "study.html").read_text()
         self.assertIn("4 runs of sliding_block.toml, by sobol; 4 have ended.", page)
         self.assertEqual(page.count('class="mark"'), 4)
 

@@ -127,7 +127,7 @@ class Ways(PackageTest):
         kept = json.loads((run.path / "scene.json").read_text())["hazard"]
         self.assertEqual((kept["gauges"], kept["sections"][0]["points"]), ([{"name": "road", "place": [13, 12]}], [[12, 20], [12, 4]]))
         for text, column in (("gauges.road.depth@max", run.gauges["road_depth_m"].max()), ("sections.neck.volume", run.sections["neck_volume_m3"][-1]),
-                             ("maps.max_speed.max", run.maps["max_speed"].values.max())):
+                             ("maps.max_speed.max", numpy.nanmax(run.maps["max_speed"].values))):
             quantity, = parse_quantities(text)
             quantity.check(run, {"time": {"end": 0.4}})
             self.assertAlmostEqual(quantity.read(run, 0.4, 1.0), float(column), delta=1e-5 * abs(column))
