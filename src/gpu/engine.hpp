@@ -106,7 +106,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void sum_part(int part, cudaStream_t stream);
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const NodeContact<Dim>* contact);
-    const NodeContact<Dim>& contact_at_nodes(const StructureSet<Dim>& structures);
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     LightMarks<Real> light_marks_of(const Round& round) const;
     bool limits(const Round& round) const {
@@ -118,8 +117,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     // engine_pressure.cpp: the grid's pressure
     void hold(const Round& round, const StepScales<Dim>& step);
     void find_pressures(const Substep& first);
-    void sum_boundary_pressures(const Substep& substep);
-    void sum_interior_pressures(const Substep& substep);
+    void sum_pressures(SharePart part, const Substep& substep);
     void solve_substep(const Substep& substep, const StepScales<Dim>& step);
 
     // engine_gather.cpp; part: 0 is the boundary, 1 the interior
@@ -143,7 +141,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     bool begin_lead(const LeadRequest<Dim>& request);
     void queue_lead();
     void capture_lead(bool next, const StepScales<Dim>& step, const Columns<Real, Dim>& columns);
-    void take_entry(StepReport<Dim>& report);
     void report_lead();
 
     const Scene& scene_;

@@ -149,16 +149,6 @@ bool DeviceEngine<Real, Dim>::leads(const LeadRequest<Dim>* request) {
     return false;
 }
 
-/// A report that came with a decision.
-template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::take_entry(StepReport<Dim>& report) {
-    const LeadEntry<Dim>& entry = lead_->next(stream_);
-    report.next_dt = entry.dt;
-    if (report.seconds[0] == 0) report.seconds = lead_->seconds_until(entry);
-    lead_->take(entry);
-    if (entry.report.in_guard_layer) lead_->queue_no_more();
-}
-
 /// Makes the report of a lead's last step, which no kernel has written yet.
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::report_lead() {

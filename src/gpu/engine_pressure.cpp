@@ -29,7 +29,8 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures) work.contact = contact_at_nodes(*step.structures);
+    if (step.structures)
+        work.contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
     kernels_.pressure.hold_nodes(work, stream_);
     summed_ = false;
 }
@@ -40,9 +41,9 @@ void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep
         case SubstepStage::find_pressures:
             return find_pressures(substep);
         case SubstepStage::sum_boundary:
-            return sum_boundary_pressures(substep);
+            return sum_pressures(SharePart::boundary, substep);
         case SubstepStage::sum_interior:
-            return sum_interior_pressures(substep);
+            return sum_pressures(SharePart::interior, substep);
         case SubstepStage::solve_nodes:
             return solve_substep(substep, step);
     }
@@ -58,19 +59,19 @@ void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::sum_boundary_pressures(const Substep& substep) {
-    if (!exchange_) return;
-    exchange_->solved.record(stream_);
-    exchange_->stream.wait_for(exchange_->solved);
-    kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.boundary(), boundary_blocks_,
-                                    cell_task<Real>(substep), exchange_->stream);
-}
-
-template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::sum_interior_pressures(const Substep& substep) {
-    kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), epoch_.lists.interior(), interior_blocks(),
-                                    cell_task<Real>(substep), stream_);
-    if (exchange_) exchange_->halo.post();
+void DeviceEngine<Real, Dim>::sum_pressures(SharePart part, const Substep& substep) {
+    const auto advance = [&](const Chosen& chosen, int blocks, cudaStream_t stream) {
+        kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), chosen, blocks, cell_task<Real>(substep),
+                                        stream);
+    };
+    if (part == SharePart::interior) {
+        advance(epoch_.lists.interior(), interior_blocks(), stream_);
+        if (exchange_) exchange_->halo.post();
+    } else if (exchange_) {
+        exchange_->solved.record(stream_);
+        exchange_->stream.wait_for(exchange_->solved);
+        advance(epoch_.lists.boundary(), boundary_blocks_, exchange_->stream);
+    }
 }
 
 template <class Real, int Dim>
@@ -83,7 +84,8 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
         kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
     if (step.structures) {
-        const NodeContact<Dim> contact = contact_at_nodes(*step.structures);
+        const NodeContact<Dim> contact =
+            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
         solve(&contact);
         contact_.structures.fetch(stream_);
     } else {

@@ -156,18 +156,14 @@ LightMarks<Real> DeviceEngine<Real, Dim>::light_marks_of(const Round& round) con
 }
 
 template <class Real, int Dim>
-const NodeContact<Dim>& DeviceEngine<Real, Dim>::contact_at_nodes(const StructureSet<Dim>& structures) {
-    return contact_.find_at_nodes(structures, epoch_.table.view(), method_.stencil, stream_);
-}
-
-template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     reports_.watch.begin(1, stream_);
     if (round.nodes == NodeTask::hold) return hold(round, step);
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
-        const NodeContact<Dim> contact = contact_at_nodes(*step.structures);
+        const NodeContact<Dim> contact =
+            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
         run_nodes(args, step.quantum, marks, &contact);
         contact_.structures.fetch(stream_);
     } else {
@@ -216,7 +212,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     store_.clock.step();
     if (lead_) lead_->note_timed(report.seconds);
     if (lead_ && lead_->is_under_way()) {
-        take_entry(report);
+        lead_->take_into(report, stream_);
         return report;
     }
     if (static_cast<std::size_t>(census_.blocks) > epoch_.tile_capacity) grow_tiles();

@@ -105,10 +105,6 @@ class Lead {
         }
         return entry;
     }
-    void take(const LeadEntry<Dim>& entry) {
-        ++taken_;
-        last_clock_ = entry.clock;
-    }
 
     /// The parts' times of the step that the entry reports, by the device's clock and the shares that the stopwatch
     /// last found; zeros where the step before was not of a lead.
@@ -119,6 +115,15 @@ class Lead {
         Seconds parts{};
         for (std::size_t k = 0; k < parts.size() && timed > 0; ++k) parts[k] = all * timed_[k] / timed;
         return parts;
+    }
+    /// Takes the next entry: dt of the step that is made, and times of the one that `report` is of.
+    void take_into(StepReport<Dim>& report, cudaStream_t stream) {
+        const LeadEntry<Dim>& entry = next(stream);
+        report.next_dt = entry.dt;
+        if (report.seconds[0] == 0) report.seconds = seconds_until(entry);
+        ++taken_;
+        last_clock_ = entry.clock;
+        if (entry.report.in_guard_layer) queue_no_more();
     }
     void note_timed(const Seconds& seconds) {
         if (seconds[0] > 0) timed_ = seconds;
