@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "gpu/compile/driver.hpp"
+#include "gpu/compile/cuda_driver.hpp"
 
 namespace moraine::gpu {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "gpu/compile/driver.hpp"
+#include "gpu/compile/cuda_driver.hpp"
 
 namespace moraine::gpu {
 

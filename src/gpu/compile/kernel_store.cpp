@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "gpu/compile/driver.hpp"
+#include "gpu/compile/cuda_driver.hpp"
 #include "gpu/compile/runtime_compiler.hpp"
 #include "gpu/memory/array.hpp"
 

@@ -1,4 +1,4 @@
-#include "gpu/compile/driver.hpp"
+#include "gpu/compile/cuda_driver.hpp"
 
 #include <cuda_runtime_api.h>
 
