@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <initializer_list>
+
 #include "core/particle_update.hpp"
 #include "core/shape.hpp"
 
