@@ -16,16 +16,6 @@ bool fuses_alone(const Scene& scene, const MaterialSpec& m) {
     return scene.shape == Shape::linear && plain && !has_fluid_terms(m);
 }
 
-GatherWay way_of(const Scene& scene) {
-    const std::vector<MaterialSpec>& all = scene.materials;
-    if (all.size() == 1) return fuses_alone(scene, all.front()) ? GatherWay::fused : GatherWay::split;
-    const bool each = std::all_of(all.begin(), all.end(), [&](const MaterialSpec& m) {
-        // What a fluid takes of the grid is asked of all particles of a scene.
-        return !has_fluid_terms(m) && m.volumetric != Volumetric::grid && fuses_alone(scene, m);
-    });
-    return each && !all.empty() ? GatherWay::by_material : GatherWay::split;
-}
-
 template <class Law>
 concept Undrained = requires(const Law& law) {
     law.strength.depends_on_rate;
@@ -57,6 +47,16 @@ const char* name_of(Shape shape) {
 
 }  // namespace
 
+GatherWay gather_way(const Scene& scene) {
+    const std::vector<MaterialSpec>& all = scene.materials;
+    if (all.size() == 1) return fuses_alone(scene, all.front()) ? GatherWay::fused : GatherWay::split;
+    const bool each = std::all_of(all.begin(), all.end(), [&](const MaterialSpec& m) {
+        // What a fluid takes of the grid is asked of all particles of a scene.
+        return !has_fluid_terms(m) && m.volumetric != Volumetric::grid && fuses_alone(scene, m);
+    });
+    return each && !all.empty() ? GatherWay::by_material : GatherWay::split;
+}
+
 KernelKey kernel_key(const Scene& scene) {
     KernelKey key{};
     key.real = scene.precision;
@@ -64,7 +64,7 @@ KernelKey kernel_key(const Scene& scene) {
     key.shape = scene.shape;
     key.affine = is_affine(scene.transfer);
     for (const MaterialSpec& m : scene.materials) key.laws.push_back(law_key(m));
-    key.way = way_of(scene);
+    key.way = gather_way(scene);
     key.fluid = uses_grid_pressure(scene) ? FluidGrid::pressure
                 : has_fluid_terms(scene)  ? FluidGrid::means
                                           : FluidGrid::none;

@@ -50,13 +50,7 @@ struct KernelKey {
 
 KernelKey kernel_key(const Scene& scene);
 
-/// Whether a scene's gather and stress update are one kernel.
-inline bool fuses(const Scene& scene) {
-    return kernel_key(scene).way == GatherWay::fused;
-}
-/// Whether they are for blocks of one material.
-inline bool fuses_by_block(const Scene& scene) {
-    return kernel_key(scene).way == GatherWay::by_material;
-}
+/// How the scene's gather and stress update go together.
+GatherWay gather_way(const Scene& scene);
 
 }  // namespace moraine

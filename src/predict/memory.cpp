@@ -121,7 +121,7 @@ namespace {
 int device_reals(const Scene& scene) {
     const ParticleSize size = size_of(scene);
     const int d = scene.dimensions;
-    return 4 * (size.rows + 1) + size.scalars + (fuses(scene) ? 0 : d * d);
+    return 4 * (size.rows + 1) + size.scalars + (gather_way(scene) == GatherWay::fused ? 0 : d * d);
 }
 
 /// What may be larger in a later epoch, whose arrays then have a sixteenth to spare.
@@ -129,7 +129,7 @@ double device_tables(const Scene& scene, const Prediction& p) {
     const int d = scene.dimensions;
     const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
     const double sleepers = scene.sleep.on ? 8 + 8 + 8 + 4 * 4 + 3 : 0;
-    const double sorted = fuses_by_block(scene) ? 4.0 * static_cast<double>(scene.materials.size() + 1) + 2 : 0;
+    const double sorted = gather_way(scene) == GatherWay::by_material ? 4.0 * static_cast<double>(scene.materials.size() + 1) + 2 : 0;
     const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2 + sleepers + sorted;
     const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
     return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);

@@ -98,7 +98,7 @@ TEST_CASE("what the grid gives clay is gathered apart from the stress, and what 
         clay.volumetric = volumetric;
         clay.pressure_smoothing = smoothing;
         clay.particle_shifting = shifting;
-        return fuses(scene);
+        return gather_way(scene) == GatherWay::fused;
     };
     for (const char* law : {"tresca", "von-mises"}) {
         CHECK(fused(law, Volumetric::particle, 0, 0));
@@ -112,29 +112,29 @@ TEST_CASE("what the grid gives clay is gathered apart from the stress, and what 
 TEST_CASE("several materials have their blocks apart where each alone is fused and none takes more of the grid") {
     Scene scene =
         scene_of({.name = "clay", .edge = 8, .height = 8, .single = 0, .double_precision = 0}, Precision::double_);
-    CHECK_FALSE(fuses_by_block(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::by_material);
     scene.materials.push_back(scene.materials.front());
     for (Transfer transfer : {Transfer::flip, Transfer::pic, Transfer::apic, Transfer::tpic, Transfer::aflip}) {
         scene.transfer = transfer;
-        CHECK(fuses_by_block(scene) == (transfer != Transfer::aflip));
+        CHECK((gather_way(scene) == GatherWay::by_material) == (transfer != Transfer::aflip));
     }
-    CHECK_FALSE(fuses(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::fused);
     scene.transfer = Transfer::flip;
     scene.materials[1].volumetric = Volumetric::cell;
-    CHECK(fuses_by_block(scene));
+    CHECK(gather_way(scene) == GatherWay::by_material);
     scene.materials[1].volumetric = Volumetric::grid;
-    CHECK_FALSE(fuses_by_block(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::by_material);
     scene.materials[1].volumetric = Volumetric::particle;
     scene.materials[1].law = "bingham";
-    CHECK(fuses_by_block(scene));
+    CHECK(gather_way(scene) == GatherWay::by_material);
     scene.materials[1].pressure_smoothing = 0.2;
-    CHECK_FALSE(fuses_by_block(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::by_material);
     scene.materials[1].pressure_smoothing = 0;
     scene.shape = Shape::cubic;
-    CHECK_FALSE(fuses_by_block(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::by_material);
     scene.shape = Shape::quadratic;
     scene.stress_update = StressUpdate::musl;
-    CHECK_FALSE(fuses_by_block(scene));
+    CHECK_FALSE(gather_way(scene) == GatherWay::by_material);
 }
 
 TEST_CASE(

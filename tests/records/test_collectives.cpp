@@ -70,6 +70,7 @@ TEST_CASE("an output and a checkpoint take at most 20 collectives each") {
     sim.seed();
     CsvLog history(comm, folder / "history.csv", TimeSeriesRow<3>::columns({}));
     CsvLog structures(comm, folder / "structures.csv", structure_columns<3>());
+    history.begin(), structures.begin();
     ParticleSeries series(comm, folder / "p.vtkhdf");
     for (int n = 0; n < 2; ++n) {
         sim.step();
