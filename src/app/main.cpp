@@ -53,7 +53,7 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
-/// What devices do not have (gpu/kernels/g2p/g2p_fluid.cuh).
+/// What devices do not have (gpu/kernels/programs.cpp).
 void check_device_scene(const Scene& scene) {
     for (const MaterialSpec& m : scene.materials)
         if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid)
