@@ -78,7 +78,8 @@ def around(away: NDArray[Any]) -> NDArray[Any]:
     reach = max(1, len(away) // 10)
     total = numpy.concatenate([[0.0], numpy.cumsum(away**2)])
     ends = [(max(0, k - reach), min(len(away), k + reach + 1)) for k in range(len(away))]
-    return numpy.sqrt(numpy.array([(total[b] - total[a]) / (b - a) for a, b in ends]))
+    smooth: NDArray[Any] = numpy.sqrt(numpy.array([(total[b] - total[a]) / (b - a) for a, b in ends]))
+    return smooth
 
 
 def band_of(runs: Sequence[Run], cells: Sequence[float], name: CurveName) -> Band:

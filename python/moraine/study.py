@@ -74,7 +74,8 @@ def _known_of(found: Any) -> Dict[str, Any]:
     runs = found.get("runs") if isinstance(found, dict) else None
     if not isinstance(runs, dict) or not all(isinstance(s, (int, float)) for s in runs.values()):
         raise ValueError("no study")
-    return found
+    known: Dict[str, Any] = found
+    return known
 
 
 class Study:
