@@ -129,7 +129,8 @@ double device_tables(const Scene& scene, const Prediction& p) {
     const int d = scene.dimensions;
     const double cells = std::pow(4, d), offsets = std::pow(3, d), corners = std::pow(2, d);
     const double sleepers = scene.sleep.on ? 8 + 8 + 8 + 4 * 4 + 3 : 0;
-    const double sorted = gather_way(scene) == GatherWay::by_material ? 4.0 * static_cast<double>(scene.materials.size() + 1) + 2 : 0;
+    const double sorted =
+        gather_way(scene) == GatherWay::by_material ? 4.0 * static_cast<double>(scene.materials.size() + 1) + 2 : 0;
     const double own = 4 * (d + offsets + corners + 2 * (cells + 1) + (offsets + 2) + 8) + 2 + sleepers + sorted;
     const double node = 4 * (d + corners + 1) + 1 + node_block_bytes(scene);
     return 17.0 / 16 * (static_cast<double>(p.epoch_blocks) * own + static_cast<double>(p.node_blocks) * node);

@@ -55,11 +55,17 @@ std::vector<Kernel> load(const Program& program, const CompiledProgram& compiled
     return kernels;
 }
 
+int current_device() {
+    int device = 0;
+    check(cudaGetDevice(&device), "Asking for the device");
+    return device;
+}
+
 }  // namespace
 
 int architecture_of_device() {
-    int device = 0, major = 0, minor = 0;
-    check(cudaGetDevice(&device), "Asking for the device");
+    const int device = current_device();
+    int major = 0, minor = 0;
     check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device), "Asking the device");
     check(cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, device), "Asking the device");
     return 10 * major + minor;
@@ -87,10 +93,11 @@ void KernelStore::keep_in(KernelCache cache, std::function<void(const std::strin
 }
 
 void KernelStore::prepare(const std::vector<Program>& programs) {
+    const int device = current_device();
     std::vector<Program> wanted;
     std::set<std::string> texts;
     for (const Program& program : programs)
-        if (std::string text = program.text(); !loaded_.count(text) && texts.insert(text).second)
+        if (std::string text = program.text(); !loaded_.count({device, text}) && texts.insert(text).second)
             wanted.push_back(program);
     const int architecture = architecture_of_device();
     if (wanted.empty()) return;
@@ -99,15 +106,15 @@ void KernelStore::prepare(const std::vector<Program>& programs) {
     auto next = kernels.begin();
     for (const Program& program : wanted) {
         const auto end = next + static_cast<std::ptrdiff_t>(program.kernels.size());
-        loaded_[program.text()].assign(next, end);
+        loaded_[{device, program.text()}].assign(next, end);
         next = end;
     }
 }
 
 const std::vector<Kernel>& KernelStore::kernels(const Program& program) {
-    const std::string text = program.text();
-    if (!loaded_.count(text)) prepare({program});
-    return loaded_.at(text);
+    const std::pair key(current_device(), program.text());
+    if (!loaded_.count(key)) prepare({program});
+    return loaded_.at(key);
 }
 
 }  // namespace moraine::gpu

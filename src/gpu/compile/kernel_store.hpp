@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/compile/kernel.hpp"
@@ -15,7 +16,8 @@ namespace moraine::gpu {
 
 class KernelStore {
   public:
-    /// Of the process: kernels are the driver's, and live as long as its context.
+    /// Of the process, for the device that is current in each call: kernels are the driver's, and live as long as its
+    /// context.
     static KernelStore& instance();
 
     /// Where compiled programs are kept from now on, and who hears that some are being compiled; null: nobody.
@@ -30,7 +32,8 @@ class KernelStore {
   private:
     KernelCache cache_{kernel_cache_folder("")};
     std::function<void(const std::string&)> tell_;
-    std::map<std::string, std::vector<Kernel>> loaded_;  ///< by text
+    /// By device and text: a kernel is one of the device that was current when it was loaded.
+    std::map<std::pair<int, std::string>, std::vector<Kernel>> loaded_;
 };
 
 /// Compiler and options of kernels for the current device, for records.
