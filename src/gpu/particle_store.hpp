@@ -3,6 +3,7 @@
 // order (memory/refresh.hpp).
 
 #include "core/method.hpp"
+#include "gpu/exchange/particle_record.hpp"
 #include "gpu/memory/particles.hpp"
 #include "gpu/memory/refresh_clock.hpp"
 

@@ -6,6 +6,11 @@
 #include "scene/scene_identity.hpp"
 #include "simulation/diagnostics.hpp"
 
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
 namespace moraine {
 
 /// scene, title, version, commit, laws and parameters of materials and bed, releases, cell, threshold [m], time [s] and
