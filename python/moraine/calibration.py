@@ -39,7 +39,7 @@ def calibrate(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = No
     name = "scene" if isinstance(given, Mapping) else pathlib.Path(given).stem
     path = pathlib.Path(output or f"runs/calibrate-{name}")
     search = {key: value for key, value in dict(file.given.get("search", {})).items() if key != "runs"}  # more may be asked for later
-    seen = [(t.name, t.value, t.error, t.rings, t.grid.values.tolist() if t.grid else None) for t in targets]
+    seen = [(t.name, t.value, t.error, t.seen.polygons if t.seen else None, t.grid.values.tolist() if t.grid else None) for t in targets]
     identity = file.identity([search, seen])
     known = open_folder(path, FILE, identity, overwrite)
     if not known and path.exists():

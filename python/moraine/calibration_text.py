@@ -26,7 +26,7 @@ def target_rows(found: Calibration) -> List[List[str]]:
     rows = [["target", "seen", "known to", "best run", "off by", "error of the surface"]]
     for k, target in enumerate(found.targets):
         value = found.values[found.best.name][k]
-        seen = "the outline" if target.rings is not None else "the map" if target.grid is not None else f"{target.value:g}"
+        seen = "the outline" if target.seen is not None else "the map" if target.grid is not None else f"{target.value:g}"
         rows.append([target.name, seen, f"+- {two_digits(target.error)}", exact(value, target.error), f"{(value - target.value) / target.error:+.1f} errors",
                      two_digits(found.surface_errors[k])])
     return rows

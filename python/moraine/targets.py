@@ -7,9 +7,8 @@ import numpy
 
 from .errors import Error
 from .grids import Grid, read_grid
-from .map_errors import overlap_of
-from .map_values import named_map, one_grid, reached
-from .polygons import Ring, cells_inside, read_polygons
+from .map_values import named_map, one_grid
+from .overlap import Overlap, Seen, read_seen
 from .quantity import Quantity, parse_quantities
 from .results import Run
 
@@ -28,7 +27,7 @@ class Target:
     error: float
     quantity: Optional[Quantity] = None
     value: float = 0.0
-    rings: Optional[List[Ring]] = None
+    seen: Optional[Seen] = None
     map_name: str = ""
     grid: Optional[Grid] = None
 
@@ -36,9 +35,8 @@ class Target:
         """What a run has there."""
         if self.quantity is not None:
             return self.quantity.read(run, end, cell)
-        if self.rings is not None:
-            came = reached(run)
-            return 1 - overlap_of(came.values, cells_inside(self.rings, came))
+        if self.seen is not None:
+            return 1 - Overlap(run, self.seen).share
         assert self.grid is not None
         ours, seen = (numpy.nan_to_num(values) for values in one_grid((named_map(run, self.map_name), self.grid)))
         there = (ours != 0) | (seen != 0)
@@ -77,7 +75,7 @@ def parse_target(given: Mapping[str, Any], number: int, folder: pathlib.Path) ->
             raise Error(f"{where}: {given['quantity']} is {len(found)} values (one is needed). Is it {found[0].name}?")
         return Target(found[0].text, float(error), found[0], float(value))
     if kind == "outline":
-        return Target("outline", float(error), rings=read_polygons(folder / str(given["outline"])))
+        return Target("outline", float(error), seen=read_seen(folder / str(given["outline"])))
     return Target(f"map {given['map']}", float(error), map_name=str(given["map"]), grid=read_grid(folder / str(given["file"])))
 
 

@@ -15,12 +15,13 @@ import moraine
 from moraine.fleet import is_done
 from moraine.grids import Grid
 from moraine.parameters import Parameter, parse_parameters
+from moraine.overlap import Overlap, Seen, read_seen, system_of
 from moraine.polygons import cells_inside, read_polygons
 from moraine.sampling import design
 from moraine.scenario_maps import map_statistics
 from moraine.sensitivity import correlation, influences
 from runs_for_tests import INPUTS, PackageTest, folder, program
-from test_maps import write_asc
+from test_maps import valley, write_asc
 from test_way import slope
 
 try:
@@ -40,6 +41,11 @@ FRICTION = "structure.incline.contact.friction"
 BLOCK = {"scene": str(INPUTS / "sliding_block.toml"), "quantities": ["centre_x_m"],
          "set": {"time.end": 0.2, "domain.max": [2.1, 0.2], "output.interval": 0.2}}
 OPTIONS = ["--device", "cpu"]
+
+
+UTM = ('PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],'
+       'PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],PARAMETER["scale_factor",0.9996],'
+       'PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1],AUTHORITY["EPSG","32632"]]')
 
 
 def way(friction, t=0.2):
@@ -184,6 +190,35 @@ class Calibrations(PackageTest):
         found = moraine.calibrate(given, folder("met"), options=OPTIONS, told=lambda line: None)
         self.assertEqual([target.read(seen, 0.8, 2.0) for target in found.targets], [0.0, 0.0])
         self.assertTrue(all(value >= 0 for values in found.values.values() for value in values))
+
+    def test_what_was_seen_counts_beyond_the_maps_and_must_be_in_their_coordinates(self):
+        run = valley("seen-beyond", ground=False)  # 3 x 2 cells of 2 m reached, between (8, 10) and (14, 14), in maps to x = 40
+        box = lambda west, south, east, north: [numpy.array([(west, south), (east, south), (east, north), (west, north)], dtype=float)]  # noqa: E731
+        seen = Overlap(moraine.Run(run), Seen([box(8, 10, 14, 14)], None))
+        self.assertEqual((seen.computed, seen.seen, seen.common, seen.share), (24.0, 24.0, 24.0, 1.0))
+        beyond = Overlap(moraine.Run(run), Seen([box(8, 10, 56, 14)], None))
+        self.assertEqual((beyond.seen, beyond.common, beyond.share), (192.0, 24.0, 0.125))
+        both = Overlap(moraine.Run(run), Seen([box(8, 10, 12, 14), box(10, 10, 14, 14)], None))
+        self.assertEqual(both.seen, 24.0)  # areas that lie over each other are one
+        self.assertIn("lies nowhere in the maps", self.problem(Overlap, moraine.Run(run), Seen([box(7.1, -46.3, 7.2, -46.2)], None)))
+
+    def test_polygons_of_another_system_than_the_maps_are_refused_with_the_command_that_helps(self):
+        scene = slope("systems", east=600000.0, north=5200000.0)
+        (scene.parent / "dem.prj").write_text(UTM)
+        done = moraine.run(scene, folder("systems-run"), sets={"domain.cell": 2.0, "time.end": 0.2}, progress=False, options=[*OPTIONS, "--no-particles"])
+        if "tif" not in {path.suffix[1:] for path in (done.path / "maps").iterdir()}:
+            self.skipTest("no GDAL")
+        self.assertEqual(system_of(done), 32632)
+        ring = [[600004, 5200008], [600010, 5200008], [600010, 5200016], [600004, 5200016], [600004, 5200008]]
+        shape = {"type": "Polygon", "coordinates": [ring]}
+        for name, crs in (("named", {"crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}}}), ("other", {"crs": {"properties": {"name": "EPSG:32633"}}})):
+            folder(f"{name}.geojson").write_text(json.dumps({**shape, **crs}))
+        self.assertGreater(Overlap(done, read_seen(folder("named.geojson"))).share, 0.2)
+        self.assertIn("ogr2ogr -t_srs EPSG:32632", self.problem(Overlap, done, read_seen(folder("other.geojson"))))
+        folder("degrees.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [[[10.3, 46.9], [10.4, 46.9], [10.4, 47.0]]]}))
+        self.assertIn("EPSG:4326", self.problem(Overlap, done, read_seen(folder("degrees.geojson"))))
+        own = next((done.path / "maps").glob("outline.gpkg"))
+        self.assertEqual((read_seen(own).system, Overlap(done, read_seen(own)).share), (32632, 1.0))
 
     def test_rings_of_all_kinds_of_file_hold_the_same_cells(self):
         ring = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)]
