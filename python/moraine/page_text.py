@@ -5,16 +5,15 @@ import io
 import math
 from typing import Any, List, Sequence, Tuple
 
-
-
 STYLE = """
 :root { color-scheme: light dark; --ink: #1c1f23; --faint: #59616b; --edge: #d5d9de; --paper: #ffffff; --bad: #b3261e; --badpaper: #fdecea; --mark: #1f77b4; --band: #1f77b433; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e8eb; --faint: #a4acb6; --edge: #3a4048; --paper: #14171a; --bad: #ffb4ab; --badpaper: #3b1a17; --mark: #7fb2dd; --band: #7fb2dd33; } }
 * { box-sizing: border-box; }
 body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); background: var(--paper); max-width: 84rem; margin: 0 auto; padding: 1rem; }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0.5rem 0; } h2 { font-size: 1.3rem; margin: 2rem 0 0.8rem; border-bottom: 1px solid var(--edge); }
-h3 { font-size: 1rem; margin: 0 0 0.4rem; } .scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; }
+h3 { font-size: 1rem; margin: 0 0 0.4rem; } .scroll { overflow-x: auto; margin-bottom: 1.2rem; } table { border-collapse: collapse; font-size: 0.85rem; }
 th, td { padding: 0.25rem 0.6rem; border-bottom: 1px solid var(--edge); text-align: right; white-space: nowrap; } th:first-child, td:first-child { text-align: left; }
+@media (max-width: 47rem) { th, td { white-space: normal; padding: 0.25rem 0.3rem; } td:first-child { overflow-wrap: anywhere; min-width: 4rem; } }
 .cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 19rem), 1fr)); gap: 1.2rem 1.6rem; }
 .wide { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 34rem), 1fr)); gap: 1.2rem 1.6rem; }
 figure { margin: 0; min-width: 0; overflow-x: auto; } figcaption { color: var(--faint); font-size: 0.85rem; } img { width: 100%; min-width: 34rem; height: auto; background: #fff; }

@@ -32,10 +32,14 @@ def _height(place: NDArray[Any], height: NDArray[Any], mass: NDArray[Any]) -> fl
 
 
 class Runout:
-    """The particles of a run along its way. Nothing is read before it is asked for."""
+    """The particles of a run along its way. Nothing is read before it is asked for. alike: particles count alike, where their masses were not written."""
 
-    def __init__(self, run: Run, cell: float) -> None:
-        self.run, self.cell = run, cell
+    def __init__(self, run: Run, cell: float, alike: bool = False) -> None:
+        self.run, self.cell, self.alike = run, cell, alike
+
+    def _mass(self, particles: Particles) -> NDArray[Any]:
+        found: NDArray[Any] = numpy.ones(len(particles)) if self.alike else particles["mass"].astype(float)
+        return found
 
     @functools.cached_property
     def way(self) -> Way:
@@ -45,15 +49,15 @@ class Runout:
     def start(self) -> Tuple[float, float]:
         """Place along the way and height [m] of the tail at the first output that has particles."""
         for k in range(len(self.run.particles)):
-            first = self.run.particles.read(k, ["mass"])
+            first = self.run.particles.read(k, [] if self.alike else ["mass"])
             if len(first):
-                place, mass = self.way.along(first.position), first["mass"].astype(float)
+                place, mass = self.way.along(first.position), self._mass(first)
                 return _quantile(place, mass, 1 - BEHIND), _height(place, first.position[:, -1], mass)
         raise Error(f"{self.run.path} has no front (it has no particles). Is time.end behind the first inflow?")
 
     def front(self, particles: Particles) -> float:
         """Place along the way [m] behind which 99.5 % of the mass are."""
-        return _quantile(self.way.along(particles.position), particles["mass"].astype(float), BEHIND)
+        return _quantile(self.way.along(particles.position), self._mass(particles), BEHIND)
 
     def runout(self, particles: Particles) -> float:
         """L [m]: along the way from the tail at the start to the front."""
@@ -62,7 +66,7 @@ class Runout:
     def drop(self, particles: Particles) -> float:
         """H [m]: from the height of the tail at the start down to that of the front."""
         place = self.way.along(particles.position)
-        return self.start[1] - _height(-place, particles.position[:, -1], particles["mass"].astype(float))
+        return self.start[1] - _height(-place, particles.position[:, -1], self._mass(particles))
 
     def travel_ratio(self, particles: Particles) -> float:
         """H / L [-]."""

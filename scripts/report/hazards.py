@@ -16,6 +16,7 @@ WIDE, TALL = 1240, 760                     # pixels at most
 FLOW, HEIGHT, SOLID = (178, 24, 43), (70, 70, 70), 0.8  # outline, lines of equal height, share of a map's colour
 LINE = 3                                   # of the outline, in pixels
 MAPS = 8                                   # at most
+NARROW = 300                               # pixels of a map on a screen of 390
 DIFFERENT = ("max_depth", "deposit")       # of which differences of runs are shown
 MARKS = {"release": ((20, 20, 20), "release or inflow"), "section": ((0, 90, 181), "section"), "gauge": ((0, 90, 181), "gauge"), "way": ((120, 60, 160), "way of the flow")}
 
@@ -115,12 +116,17 @@ class Sheet:
                 draw.line(at + at[:1] if kind == "release" else at, fill=colour, width=3)
 
     def labels(self, names):
-        """Names as marks over the picture."""
-        found = []
+        """Names as marks over the picture, below their place where another one is above it on a narrow screen."""
+        found, taken = [], []
         for name, (x, y) in names:
-            across, down = (x - self.west) / (self.east - self.west) * 100, (self.north - y) / (self.north - self.south) * 100
-            if 0 <= across <= 100 and 0 <= down <= 100:
-                found.append(f'<b style="left:{across:.2f}%;top:calc({down:.2f}% - 1.1rem)">{html.escape(name)}</b>')
+            across, down = (x - self.west) / (self.east - self.west), (self.north - y) / (self.north - self.south)
+            if not (0 <= across <= 1 and 0 <= down <= 1):
+                continue
+            boxes = [(across * NARROW, down * NARROW * self.size[1] / self.size[0] + 16 * side, 4 + 6.5 * len(name)) for side in (-1, 1)]
+            free = [all(abs(a - b) > (wide + other) / 2 or abs(c - d) > 15 for b, d, other in taken) for a, c, wide in boxes]
+            below = free == [False, True]
+            taken.append(boxes[below])
+            found.append(f'<b style="left:{100 * across:.2f}%;top:calc({100 * down:.2f}% {"+" if below else "-"} 1.1rem)">{html.escape(name)}</b>')
         return "".join(found)
 
     def scale_bar(self):

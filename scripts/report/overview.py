@@ -60,17 +60,19 @@ def asked(run, scene):
 
 
 def travel(run):
-    """Runout, drop and travel angle, where particles have masses."""
+    """Runout, drop and travel angle; where particles have no masses, they count alike."""
     try:
         from moraine.results import Run
         from moraine.runout import Runout, value_of
         there = Run(run.path)
-        runout, last = Runout(there, 1.0), there.particles.read(-1, ["mass"])
+        last = there.particles.read(-1)
+        runout = Runout(there, 1.0, alike="mass" not in last.fields)
         values = {name: value_of(runout, name, last) for name in ("runout", "drop", "travel_angle")}
-    except Exception:  # no particles, no masses, or no ground: the page has it not
+    except Exception:  # no particles, or no ground: the page has it not
         return []
     kind = {"path": "along the path of the scene", "steepest": "along the steepest way from the release", "x": "along x"}[runout.way.kind]
-    return [("runout L", f"{values['runout']:.4g} m {kind}"), ("drop H", f"{values['drop']:.4g} m"),
+    alike = ", particles counted alike (output.fields has no mass)" if runout.alike else ""
+    return [("runout L", f"{values['runout']:.4g} m {kind}{alike}"), ("drop H", f"{values['drop']:.4g} m"),
             ("travel angle", f"{values['travel_angle']:.3g} degrees (H / L = {values['drop'] / values['runout']:.3g})" if values["runout"] > 0 else "not known")]
 
 
@@ -109,20 +111,30 @@ def places(run, scene):
     return "".join(parts)
 
 
+def with_bar(estimate, levels):
+    """The finest value with the digits that its error, or its change to the level before, leaves."""
+    from moraine.number_text import digits, exact, two_digits
+    if estimate["error"]:
+        return f"{digits(estimate['finest'], estimate['error'])} +- {two_digits(estimate['error'])}"
+    before, now = ([level["values"][estimate["quantity"]] for level in levels[-2:]] * 2)[:2]
+    return f"{exact(now, now - before, estimate['origin'])} (no bar is seen; {two_digits(abs(now - before))} from the level before)"
+
+
 def bars(folder):
     """The error bars of a refinement study or a study of scenarios in `folder`, as a table."""
+    from moraine.number_text import two_digits
     from wrong import Wrong
     path = pathlib.Path(folder)
     try:
         if (path / "converge.json").is_file():
             known = json.loads((path / "converge.json").read_text(encoding="utf-8"))
-            rows = [(e["quantity"], number(e["finest"], "", 6), "none is seen" if e["error"] is None else f"+- {e['error']:.2g}",
-                     "-" if e["relative"] is None else f"{100 * e['relative']:.2g} %", "not yet" if e["confirmed"] is None else "yes" if e["confirmed"] else "NO")
-                    for e in known["estimates"]]
+            levels = {variant["name"]: variant["levels"] for variant in known["variants"]}
+            rows = [(e["quantity"], with_bar(e, levels[e["variant"]]), "-" if e["relative"] is None else f"{100 * e['relative']:.2g} %",
+                     "not yet" if e["confirmed"] is None else "yes" if e["confirmed"] else "NO") for e in known["estimates"]]
             for variant in known["variants"]:
-                rows += [(f"maps.{m['name']}, mean over its cells", "-", "none is seen" if m["mean_error"] is None else f"+- {m['mean_error']:.2g}", "-",
+                rows += [(f"maps.{m['name']}, mean over its cells", "no bar is seen" if m["mean_error"] is None else f"+- {two_digits(m['mean_error'])}", "-",
                           f"outlines overlap by {100 * m['overlap']:.3g} %") for m in variant.get("maps", [])]
-            return page.table(("quantity", "finest cells", "error of the cells", "share", "confirmed by a further level"), rows)
+            return page.table(("quantity", "finest cells, error of the cells", "share", "confirmed by a further level"), rows)
         raise OSError("there is no converge.json in it")
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise Wrong(f"--errors {folder} cannot be read ({error}). Is it the directory that moraine converge wrote?") from None

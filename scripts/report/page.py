@@ -41,7 +41,8 @@ section > .chart { max-width: 60rem; } section > .chart .area { height: 15rem; }
 .pane { position: relative; background: var(--pane); border: 1px solid var(--edge); } .pane img { display: block; width: 100%; height: auto; }
 .pane b { position: absolute; transform: translate(-50%, -50%); font-size: 0.8rem; color: #111; background: #ffffffb0; padding: 0 0.2rem; border-radius: 2px; }
 .stills { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 20rem), 1fr)); gap: 1.2rem 2rem; margin: 1.2rem 0; }
-.scroll + h3 { margin-top: 1.2rem; } @media (max-width: 47rem) { .maps .pane b { font-size: 0.7rem; padding: 0 0.1rem; } }
+.scroll + h3, .scroll + .scroll { margin-top: 1.2rem; }
+@media (max-width: 47rem) { td { white-space: normal; } td:first-child { overflow-wrap: anywhere; min-width: 4rem; } th, td { padding: 0.25rem 0.3rem; } .maps .pane b { font-size: 0.7rem; padding: 0 0.1rem; } }
 .maps { display: grid; grid-template-columns: minmax(0, 1fr); gap: 1.6rem; margin: 1.2rem 0; }
 @media print { body { max-width: none; padding: 0; } figure, table, .warning { break-inside: avoid; } .movie { display: none; } }
 .stills.flat { grid-template-columns: minmax(0, 1fr); gap: 0.6rem; } .movie { margin: 2rem 0 1rem; } .movie.high { max-width: 40rem; }

@@ -226,13 +226,13 @@ class Report(moraine.ProgramTest):
     def test_the_first_page_of_a_run_over_terrain_says_what_was_asked_and_what_came(self):
         self.write("name,x,y\nroad,9.5,6.5\n", "gauges.csv"), self.write("name,x,y\nneck,7,10\nneck,7,2\n", "lines.csv")
         self.valley_run()
-        keys = sets(time__end=0.6, hazard__gauges="gauges.csv", hazard__sections="lines.csv", output__fields='["velocity","mass"]')
+        keys = sets(time__end=0.6, hazard__gauges="gauges.csv", hazard__sections="lines.csv", output__fields='["velocity"]')
         one, two = (self.run_scene(self.folder / "scene.toml", name, "--device", "cpu", *keys, *sets(terrain__contact__friction=friction))
                     for name, friction in (("one", 0.2), ("two", 0.05)))
         self.report(one)
         first = (self.folder / "report.html").read_text().split("<h2>")[1]
         for words in ("scar is 2 cells thick", "2 cells (TOO FEW", "drucker-prager: density 1800", "voellmy: friction 0.2, xi 500", "valley.asc (", "<td>road</td>",
-                      "<td>neck</td>", "travel angle", "left the domain", "moraine converge</code> of this scene tells", "Nothing is taken up from the bed"):
+                      "<td>neck</td>", "travel angle", "particles counted alike", "left the domain", "moraine converge</code> of this scene tells", "Nothing is taken up from the bed"):
             self.assertIn(words, first)
         self.report(one, two)
         self.assertIn("Largest depth: one less two", (self.folder / "report.html").read_text())
