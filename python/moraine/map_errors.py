@@ -2,7 +2,8 @@
 areas that were reached overlap.
 
 The order is that of the mean difference over the cells that any of two levels reached; a cell's error is the safety factor times its
-difference to the level before over r^p - 1 (Roache 1994, of grid functions).
+difference to the level before over r^p - 1 (Roache 1994, of grid functions), where that is no less than the root mean square of the
+differences of the cells around it: two levels that happen to cross there are not exact.
 """
 import dataclasses
 import math
@@ -10,6 +11,7 @@ import pathlib
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from .grids import Grid
@@ -56,6 +58,18 @@ def _difference(one: NDArray[Any], other: NDArray[Any]) -> Tuple[NDArray[Any], f
     return away, float(away[there].mean()) if there.any() else 0.0
 
 
+def around(away: NDArray[Any]) -> NDArray[Any]:
+    """The larger of a cell's own difference and the root mean square of those of the 3 x 3 cells around it that have one.
+
+    >>> around(numpy.array([[3.0, 0.0, numpy.nan]])).round(3).tolist()
+    [[3.0, 2.121, nan]]
+    """
+    known = numpy.isfinite(away)
+    squares, counts = (sliding_window_view(numpy.pad(values, 1), (3, 3)).sum(axis=(2, 3)) for values in (numpy.where(known, away, 0.0)**2, known.astype(float)))
+    wide: NDArray[Any] = numpy.maximum(away, numpy.sqrt(squares / numpy.maximum(counts, 1.0)))
+    return wide
+
+
 def map_error(runs: List[Run], cells: List[float], name: str) -> Tuple[MapError, Grid]:
     """Of two runs or three from coarse to fine; and the error of each cell, or its difference where there is no order."""
     grids = tuple(named_map(run, name) for run in runs)
@@ -70,7 +84,7 @@ def map_error(runs: List[Run], cells: List[float], name: str) -> Tuple[MapError,
         return found, field
     safety = safety_factor(order)
     factor = safety / math.expm1(order * math.log(cells[-2] / cells[-1]))
-    field.values *= factor
+    field.values = factor * around(field.values)
     return dataclasses.replace(found, order=order, safety=safety, mean_error=factor * mean, largest_error=factor * found.largest), field
 
 
