@@ -15,12 +15,13 @@ import moraine
 from moraine.fleet import is_done
 from moraine.grids import Grid
 from moraine.parameters import Parameter, parse_parameters
+from moraine.map_values import reached
 from moraine.overlap import Overlap, Seen, read_seen, system_of
 from moraine.polygons import cells_inside, read_polygons
 from moraine.sampling import design
 from moraine.scenario_maps import map_statistics
 from moraine.sensitivity import correlation, influences
-from runs_for_tests import INPUTS, PackageTest, folder, program
+from runs_for_tests import INPUTS, ROOT, PackageTest, folder, program
 from test_maps import valley, write_asc
 from test_way import slope
 
@@ -244,6 +245,46 @@ class Calibrations(PackageTest):
                         {"search": {"runs": 3}}, {"quantities": ["front"]}):
             self.problem(moraine.calibrate, self.file(0.2, **changes), folder("refused-2"), options=OPTIONS, told=lambda line: None)
             self.assertFalse((folder("refused-2") / "run-001").exists(), changes)
+
+class Events(PackageTest):
+    """python/examples/event.py over a plane of 1:2."""
+
+    def place(self, name, outline):
+        place = slope(name).parent
+        for old in ("scene.toml", "area.csv"):
+            (place / old).unlink()
+        for file, corners, more in (("release", [(4, 8), (10, 8), (10, 16), (4, 16)], {"thickness": 2.0}), ("outline", outline, {})):
+            ring = [*corners, corners[0]]
+            (place / f"{file}.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [
+                {"type": "Feature", "properties": more, "geometry": {"type": "Polygon", "coordinates": [ring]}}]}))
+        return place
+
+    def event(self, place, *more):
+        return subprocess.run([sys.executable, str(ROOT / "python/examples/event.py"), str(place), "--cell", "0.5", "--end", "0.8", *more], capture_output=True, text=True)
+
+    def test_a_folder_gives_the_overlap_of_an_event_with_its_error_bar(self):
+        place = self.place("event", [(4, 8), (20, 8), (20, 16), (4, 16)])
+        done = self.event(place)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = list(csv.DictReader((place / "event/overlap.csv").read_text().splitlines()))
+        numpy.testing.assert_allclose([float(row["cell_m"]) for row in rows], [1, 2 / 3, 0.5])
+        came = reached(moraine.Run(place / "event/cells/cell-0.5"))
+        inside = cells_inside(read_polygons(place / "outline.geojson"), came)
+        last = {name: float(value) for name, value in rows[-1].items()}
+        self.assertEqual((last["seen_m2"], last["computed_m2"], last["common_m2"]), (128.0, came.values.sum(), (inside & came.values).sum()))
+        self.assertEqual(last["overlap"], (inside & came.values).sum() / (inside | came.values).sum())
+        self.assertTrue(0.3 < last["overlap"] < 1, last)
+        self.assertRegex(done.stdout, r"overlap = 0\.\d+ \+- |no error bar \(")
+
+    def test_what_a_folder_lacks_is_said(self):
+        place = self.place("event-lacks", [(-118.3, 34.4), (-118.2, 34.4), (-118.2, 34.5)])
+        done = self.event(place)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("lies nowhere in the maps", done.stderr)
+        self.assertFalse((place / "event/cells").exists())
+        (place / "outline.geojson").unlink()
+        done = self.event(place)
+        self.assertEqual((done.returncode, done.stderr.count("has no outline (it needs outline.geojson, .gpkg, .csv). Is it the right folder?\n")), (2, 1), done.stderr)
 
 
 if __name__ == "__main__":
