@@ -1,6 +1,6 @@
 """Order, Richardson value and error bar: of sequences that were made for it, and of sums and steps with exact results."""
-import gzip
 import json
+import lzma
 import math
 import pathlib
 import random
@@ -8,13 +8,13 @@ import unittest
 
 from moraine.richardson import estimate, observed_order
 
-COMPUTED = pathlib.Path(__file__).with_name("computed_ladders.json.gz")  # benchmarks/converge/run at 191305bd192e: [[cells, [[exact, [values, ...]], ...]], ...]
+COMPUTED = pathlib.Path(__file__).with_name("computed_ladders.json.xz")  # benchmarks/converge/run at 191305bd192e: [[cells, [[exact, [values, ...]], ...]], ...]
 LADDERS = [(4.0, 3.0, 2.0), (12.0, 8.0, 6.0), (4.0, 2.0, 1.0)]  # of which the last three of 2:3:4, 3:4:6 and halving are
 
 
 def computed_ladders():
     """(cells, exact value, values) of what the program computed of problems with exact solutions."""
-    for cells, problems in json.loads(gzip.decompress(COMPUTED.read_bytes())):
+    for cells, problems in json.loads(lzma.decompress(COMPUTED.read_bytes())):
         for exact, ladders in problems:
             for values in ladders:
                 yield cells, exact, values
