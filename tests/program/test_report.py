@@ -76,14 +76,16 @@ class Report(moraine.ProgramTest):
     def test_one_page_holds_everything(self):
         runs = self.runs()
         self.assertEqual(call("replay", runs[1], "--ranks", "4,16").code, 0)
+        def as_if(**changes):  # whatever else the machine does
+            for run in runs:
+                found = summary(run)
+                (run / "summary.json").write_text(json.dumps({**found, "imbalance_time_mean": found["imbalance_mean"], **changes}))
+        as_if(stepping_s=0.5)
         self.report(*runs, "--output", "page.html", "--times", f"0,{END}")
         text = (self.folder / "page.html").read_text()
         self.assertNotIn("Strong scaling", Page(text).headings)  # runs of less than a second tell nothing of speed
         self.assertIn("(less than 1 s)", text)
-        for run in runs:  # as if they had taken longer, alone on their machine
-            found = summary(run)
-            found.update(stepping_s=10.0, imbalance_time_mean=found["imbalance_mean"])
-            (run / "summary.json").write_text(json.dumps(found))
+        as_if(stepping_s=10.0)
         self.report(*runs, "--output", "page.html", "--times", f"0,{END}")
         text = (self.folder / "page.html").read_text()
         page = Page(text)
