@@ -1,15 +1,15 @@
 #pragma once
 // Words about a run in each of its maps: who finds one in a folder years later knows what it is of.
 
-#include "io/gis_file.hpp"
-#include "records/version.hpp"
-#include "scene/scene_identity.hpp"
-#include "simulation/diagnostics.hpp"
-
 #include <fmt/format.h>
 
 #include <string>
 #include <vector>
+
+#include "io/gis_file.hpp"
+#include "records/version.hpp"
+#include "scene/scene_identity.hpp"
+#include "simulation/diagnostics.hpp"
 
 namespace moraine {
 
