@@ -4,7 +4,7 @@
 
 * Measured: thickness normal to the bed over time since the gate began to open (Iverson and Obryk 2019, doi 10.5066/P9NAFXW7), 2.5, 31.7, 65.4 and 80 m down
   the bed. Arrival: first time above 0.02 m; at 65.4 and 80 m the flow behind the first grains came 0.6 and 0.25 s later. SECOND is that of 24 May, with 8 m3.
-* Computed: mass within a quarter of a metre up and down the bed over density and length, at outputs 0.1 s apart, between which arrivals are linear.
+* Computed: mass within a quarter of a metre up and down the bed over density and length, at outputs 0.1 s apart, between which the time of arrival is linear.
 * Variants: friction and xi of Voellmy's law from the literature: 0.1 and 500 m/s2 (Hungr and Evans 1996, rock avalanches), and 0.2 and 200 m/s2, in the
   middle of what the manual of RAMMS gives for debris flows. Nothing is fitted.
 """
