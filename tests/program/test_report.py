@@ -244,6 +244,14 @@ class Report(moraine.ProgramTest):
         self.assert_one_problem(call("report", one, "--errors", self.folder, folder=self.folder))
         self.assert_one_problem(call("report", one, "--with", self.folder / "none.csv", folder=self.folder))
 
+    @unittest.skipUnless(has_matplotlib(), "no matplotlib")
+    def test_names_that_would_lie_over_each_other_on_a_phone_go_below_their_place(self):
+        words = ("import numpy, hazards\nfrom moraine.grids import Grid\nsheet = hazards.Sheet(Grid(numpy.zeros((60, 130)), (1.0, 1.0), 2.0), None)\n"
+                 "print(sheet.labels([('head', (30, 66)), ('channel', (50, 68)), ('neck', (56, 85))]))")
+        python = next(p for p in ("python3", "/usr/bin/python3") if subprocess.run([p, "-c", ASK], capture_output=True).returncode == 0)
+        done = subprocess.run([python, "-c", words], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": f"{INPUTS.parent}/scripts/report:{INPUTS.parent}/python"})
+        self.assertEqual(re.findall(r"([+-]) 1.1rem\)\">(\w+)", done.stdout), [("-", "head"), ("+", "channel"), ("-", "neck")], done.stderr)
+
     @unittest.skipUnless(has_matplotlib() and chromium.PROGRAM, "no matplotlib or chromium")
     def test_the_page_is_printed_as_pdf(self):
         self.report(self.structure_run(), "--pdf")
