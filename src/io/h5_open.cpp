@@ -67,8 +67,7 @@ void check_hdf5_links(const std::string& path) {
     } catch (const H5Failure& failure) {
         refuse(path, "the file cannot be read", failure.what(), "Is the copy complete?");
     }
-    if (away)
-        refuse(path, "the file leads into others", elsewhere(*away), "Make one file of it, by nccopy?");
+    if (away) refuse(path, "the file leads into others", elsewhere(*away), "Make one file of it, by nccopy?");
 }
 
 }  // namespace moraine

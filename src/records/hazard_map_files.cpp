@@ -87,27 +87,17 @@ std::string HazardMaps::image_of(int map, const std::vector<TileValues>& tiles, 
 
 /// Of the part of the map that was reached.
 std::string HazardMaps::outline(const std::vector<TileValues>& deepest, const MapTags& tags) const {
-    std::array<std::int64_t, 2> first = size_, last{-1, -1};
-    const auto each = [&](const auto& f) {
-        for (const TileValues& tile : deepest)
-            for (std::size_t k = 0; k < in_tile; ++k)
-                if (tile.value[k] >= scene_.hazard.threshold && is_in_map(place_of(tile.tile, k)))
-                    f(place_of(tile.tile, k));
-    };
-    each([&](const std::array<std::int64_t, 2>& at) {
-        for (std::size_t a = 0; a < 2; ++a) first[a] = std::min(first[a], at[a]), last[a] = std::max(last[a], at[a]);
-    });
-    PlanGrid part{{0, 0}, first, corner_, scene_.hazard.cell, size_, {scene_.min[0], scene_.min[1]}, {}};
+    std::vector<PlanCell> reached;
+    for (const TileValues& tile : deepest)
+        for (std::size_t k = 0; k < in_tile; ++k)
+            if (const PlanCell at = place_of(tile.tile, k); tile.value[k] >= scene_.hazard.threshold && is_in_map(at))
+                reached.push_back(at);
+    PlanGrid map{size_, corner_, scene_.hazard.cell, {scene_.min[0], scene_.min[1]}, {}};
     for (std::size_t a = 0; a < 2; ++a) {
-        part.size[a] = std::max<std::int64_t>(0, last[a] + 1 - first[a]);
-        part.end[a] = last_[a] == 1 ? corner_[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
-        if (first_[a] == 1) part.begin[a] = corner_[a];
+        map.end[a] = last_[a] == 1 ? corner_[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
+        if (first_[a] == 1) map.begin[a] = corner_[a];
     }
-    std::vector<bool> reached(static_cast<std::size_t>(part.size[0] * part.size[1]));
-    each([&](const std::array<std::int64_t, 2>& at) {
-        reached[static_cast<std::size_t>(at[0] - first[0] + part.size[0] * (at[1] - first[1]))] = true;
-    });
-    const auto polygons = outline_of(reached, part);
+    const auto polygons = outline_of(std::move(reached), map);
     return by_gdal_ ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, tags)
                     : outline_json(polygons, scene_.hazard.threshold);
 }
