@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "core/error.hpp"
 #include "core/ground.hpp"
@@ -62,18 +63,21 @@ void HazardMaps::fill_row(const std::vector<TileValues>& tiles, std::int64_t j, 
     }
 }
 
-std::string HazardMaps::text_of(int map, const std::vector<TileValues>& tiles) const {
-    const double a = scene_.hazard.cell;
-    std::string text = fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\n",
-                                   size_[0], size_[1], corner_[0], corner_[1], a);
-    text += fmt::format("NODATA_value {}\n", unknown);
-    std::vector<double> row(static_cast<std::size_t>(size_[0]));
-    for (std::int64_t j = size_[1] - 1; j >= 0; --j) {
-        fill_row(tiles, j, map == arrival, row.data());
-        for (std::size_t i = 0; i < row.size(); ++i)
-            text += fmt::format("{:.6g}{}", row[i], i + 1 < row.size() ? ' ' : '\n');
-    }
-    return text;
+/// As ESRI ASCII grid, row by row: as a whole it is larger than the map.
+void HazardMaps::write_text(const std::string& path, int map, const std::vector<TileValues>& tiles) const {
+    replace_file_by(path, [&](const auto& write) {
+        write(
+            fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\nNODATA_value {}\n",
+                        size_[0], size_[1], corner_[0], corner_[1], scene_.hazard.cell, unknown));
+        std::vector<double> row(static_cast<std::size_t>(size_[0]));
+        for (std::int64_t j = size_[1] - 1; j >= 0; --j) {
+            fill_row(tiles, j, map == arrival, row.data());
+            std::string text;
+            for (const double value : row) fmt::format_to(std::back_inserter(text), "{:.6g} ", value);
+            text.back() = '\n';
+            write(text);
+        }
+    });
 }
 
 /// As GeoTIFF.
@@ -139,8 +143,8 @@ void HazardMaps::write(const std::string& directory, const MapTags& tags) const 
         if (!comm_.is_root() || !trouble.empty()) continue;
         trouble = message_of([&] {
             if (wanted) {
-                replace_file((folder / (name + (by_gdal_ ? ".tif" : ".asc"))).string(),
-                             by_gdal_ ? image_of(map, tiles, tags) : text_of(map, tiles));
+                by_gdal_ ? replace_file((folder / (name + ".tif")).string(), image_of(map, tiles, tags))
+                         : write_text((folder / (name + ".asc")).string(), map, tiles);
                 replace_file((folder / (name + ".qml")).string(), map_style(name, most_of(tiles)));
             }
             if (map == max_depth)
