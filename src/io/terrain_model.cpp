@@ -86,7 +86,7 @@ void require_heights(const Ground& part, const std::string& path) {
                                    part.first[0] + static_cast<double>(i) * part.spacing,
                                    part.first[1] + static_cast<double>(j) * part.spacing),
                        "the model has no data there, under the domain",
-                       "Fill its gaps, or name an area inside of what is known by terrain.crop?");
+                       "Fill its gaps, or lay the domain inside of what is known, by its corners or by terrain.crop?");
 }
 
 /// Beyond the domain heights may be unknown: the model ends before the first row or column of its margin that has such
