@@ -1,7 +1,6 @@
-#include "app/agreed_scene.hpp"
-
 #include <doctest/doctest.h>
 
+#include "app/agreed_scene.hpp"
 #include "core/error.hpp"
 #include "io/test_folder.hpp"
 
