@@ -65,16 +65,20 @@ void agree_on(const Comm& comm, const std::string& scene, const std::vector<Comm
     }
 }
 
-/// Agrees on what is wrong with the input, if anything is; that memory ran out is no matter of the input. Collective.
+/// Agrees on what is wrong with the input, if anything is, or with a machine that lacks a library; that memory ran out
+/// is for main. Collective.
 template <class Action>
 void agree_input(const Comm& comm, Action&& action) {
-    std::string wrong;
+    std::string wrong, failed;
     try {
         action();
     } catch (const InputError& error) {
         wrong = error.what();
+    } catch (const MachineError& error) {
+        failed = error.what();
     }
     comm.agree_no_error<InputError>(wrong);
+    comm.agree_no_error<MachineError>(failed);
 }
 
 std::vector<std::string> all_sets(const Options& options) {

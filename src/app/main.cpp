@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -20,7 +21,7 @@
 #include "app/report_page.hpp"
 #include "app/step_timing.hpp"
 #include "comm/comm.hpp"
-#include "core/error.hpp"
+#include "core/rank_failure.hpp"
 #include "io/input_error.hpp"
 #include "predict/capacity.hpp"
 #include "predict/prediction.hpp"
@@ -39,6 +40,14 @@ constexpr std::size_t longest_message = 2000;
 /// What one error must do: an exit code, and its message, once.
 int tell(const Comm& comm, int code, const std::string& message) {
     if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", printable(message, longest_message));
+    return code;
+}
+
+/// An error of this rank alone: the others cannot know of it, and would wait.
+int end_job(const Comm& comm, int code, const std::string& message) {
+    fmt::print(stderr, "moraine: {}\n", printable(message, longest_message));
+    std::fflush(stderr);
+    if (comm.size() > 1) MPI_Abort(MPI_COMM_WORLD, code);
     return code;
 }
 
@@ -145,26 +154,23 @@ int run_program(int argc, char** argv) {
         return tell(comm, physics_wrong, e.what());
     } catch (const Stopped& e) {
         return tell(comm, stopped, e.what());
+    } catch (const RankFailure& e) {
+        return end_job(comm, machine_failed,
+                       comm.size() > 1 ? fmt::format("rank {}: {}", comm.rank(), e.what()) : e.what());
     } catch (const MachineError& e) {
         return tell(comm, machine_failed, e.what());
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr,
-                   "moraine: memory ran out (rank {} wants more than this machine has). More ranks, or a larger "
-                   "domain.cell?\n",
-                   comm.rank());
-        MPI_Abort(MPI_COMM_WORLD, machine_failed);
-        return machine_failed;
+        return end_job(comm, machine_failed,
+                       fmt::format("memory ran out (rank {} wants more than this machine has). More ranks, or a larger "
+                                   "domain.cell?",
+                                   comm.rank()));
     } catch (const std::system_error& e) {  // no thread, no file: not the same on all ranks
-        fmt::print(stderr,
-                   "moraine: rank {}: {} (of the system). Raise the limits on memory and processes (ulimit -v, -u)?\n",
-                   comm.rank(), printable(e.what(), longest_message));
-        MPI_Abort(MPI_COMM_WORLD, machine_failed);
-        return machine_failed;
+        return end_job(
+            comm, machine_failed,
+            fmt::format("rank {}: {} (of the system). Raise the limits on memory and processes (ulimit -v, -u)?",
+                        comm.rank(), e.what()));
     } catch (const std::exception& e) {
-        // Not the same on all ranks: nobody may wait for this one.
-        fmt::print(stderr, "moraine: rank {}: {}\n", comm.rank(), printable(e.what(), longest_message));
-        MPI_Abort(MPI_COMM_WORLD, internal_error);
-        return internal_error;
+        return end_job(comm, internal_error, fmt::format("rank {}: {}", comm.rank(), e.what()));
     }
 }
 

@@ -6,6 +6,7 @@
 // has taken, because what is queued behind the end of a lead still runs, switched off; so entries are a ring.
 
 #include "comm/engine.hpp"
+#include "core/rank_failure.hpp"
 #include "gpu/lead_graph.hpp"
 #include "gpu/memory/stopwatch.hpp"
 
@@ -101,7 +102,7 @@ class Lead {
             const cudaError_t state = cudaStreamQuery(stream);
             if (state == cudaErrorNotReady) continue;
             check(state, "A step on the device");
-            if (!is_there()) throw MachineError("A step on the device wrote no report. Is the device in order?");
+            if (!is_there()) throw RankFailure("A step on the device wrote no report. Is the device in order?");
         }
         return entry;
     }

@@ -7,7 +7,7 @@
 #include "io/checkpoint.hpp"
 #include "io/checkpoint_format.hpp"
 #include "io/disk_file.hpp"
-#include "io/h5.hpp"
+#include "io/h5_open.hpp"
 
 namespace moraine {
 
@@ -17,13 +17,12 @@ H5Id open_file(const std::string& path) {
     return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "it is truncated or damaged"};
 }
 
-H5Id open_group(hid_t file, const char* name) {
-    return {H5Gopen2(file, name, H5P_DEFAULT), H5Gclose, fmt::format("group {} is missing or damaged", name)};
+H5Id group_of(hid_t file, const char* name) {
+    return open_group(file, name, fmt::format("group {} is missing or damaged", name));
 }
 
-H5Id open_dataset(hid_t group, const std::string& name) {
-    return {H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose,
-            fmt::format("dataset {} is missing or damaged", name)};
+H5Id dataset_of(hid_t group, const std::string& name) {
+    return open_dataset(group, name, fmt::format("dataset {} is missing or damaged", name));
 }
 
 H5Id type_of(hid_t set) {
@@ -68,7 +67,7 @@ std::string read_text(hid_t set, hid_t type) {
 }
 
 HeaderValue read_value(hid_t group, const std::string& key) {
-    const H5Id set = open_dataset(group, key);
+    const H5Id set = dataset_of(group, key);
     const H5Id type = type_of(set);
     const bool list = !extent_of(set).empty();
     switch (H5Tget_class(type)) {
@@ -112,7 +111,7 @@ T read_attribute(hid_t object, const char* name, hid_t type) {
 }
 
 Column read_shape(hid_t group, const std::string& name, std::int64_t rows) {
-    const H5Id set = open_dataset(group, name);
+    const H5Id set = dataset_of(group, name);
     const auto extent = extent_of(set);
     if (extent.size() != 2 || static_cast<std::int64_t>(extent[0]) != rows)
         throw H5Failure(fmt::format("column {} has not the rows of the blocks", name));
@@ -158,11 +157,11 @@ void CheckpointReader::read_tables() {
     if (version != checkpoint::format_version)
         throw H5Failure(
             fmt::format("its format is version {}, this program's is {}", version, checkpoint::format_version));
-    const H5Id group = open_group(file, "header");
+    const H5Id group = group_of(file, "header");
     for (const std::string& key : names_in(group)) header_[key] = read_value(group, key);
-    const H5Id table = open_group(file, "blocks");
-    const auto keys = read_list<Key>(open_dataset(table, "key"), H5T_NATIVE_UINT64);
-    const auto counts = read_list<std::int64_t>(open_dataset(table, "count"), H5T_NATIVE_INT64);
+    const H5Id table = group_of(file, "blocks");
+    const auto keys = read_list<Key>(dataset_of(table, "key"), H5T_NATIVE_UINT64);
+    const auto counts = read_list<std::int64_t>(dataset_of(table, "count"), H5T_NATIVE_INT64);
     if (keys.size() != counts.size()) throw H5Failure("its table of blocks is damaged");
     for (std::size_t k = 0; k < keys.size(); ++k) {
         if (counts[k] < 0 || counts[k] > most_of_block || (k > 0 && keys[k] <= keys[k - 1]))
@@ -171,7 +170,7 @@ void CheckpointReader::read_tables() {
     }
     starts_.assign(1, 0);
     for (const BlockRow& block : blocks_) starts_.push_back(starts_.back() + block.count);
-    const H5Id particles = open_group(file, "particles");
+    const H5Id particles = group_of(file, "particles");
     for (const std::string& name : names_in(particles)) columns_.push_back(read_shape(particles, name, starts_.back()));
 }
 
@@ -195,7 +194,7 @@ void CheckpointReader::read_rows(const Column& shape, std::span<const RowRange> 
     const std::string message = message_of([&] {
         if (slice.count == 0) return;
         const H5Id file = open_file(path_);
-        const H5Id set = open_dataset(open_group(file, "particles"), shape.name);
+        const H5Id set = dataset_of(group_of(file, "particles"), shape.name);
         const H5Id space = space_of(set);
         const hsize_t start[] = {static_cast<hsize_t>(slice.start), 0};
         const hsize_t count[] = {static_cast<hsize_t>(slice.count), static_cast<hsize_t>(shape.components)};

@@ -70,10 +70,19 @@ void move_file(const std::string& from, const std::string& to) {
 }
 
 void replace_file(const std::string& path, std::string_view text) {
+    replace_file_by(path, [&](const auto& write) { write(text); });
+}
+
+void replace_file_by(const std::string& path,
+                     const std::function<void(const std::function<void(std::string_view)>&)>& make) {
     const std::string partial = path + ".partial";
     {
         DiskFile file(partial, DiskFile::Mode::create);
-        file.write(std::as_bytes(std::span(text)), 0);
+        std::int64_t at = 0;
+        make([&](std::string_view piece) {
+            file.write(std::as_bytes(std::span(piece)), at);
+            at += static_cast<std::int64_t>(piece.size());
+        });
         file.sync();
     }
     move_file(partial, path);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,6 +40,10 @@ void move_file(const std::string& from, const std::string& to);
 
 /// `text` becomes the content of `path` in one moment. Throws MachineError.
 void replace_file(const std::string& path, std::string_view text);
+
+/// The same of a text that is made piece by piece: make(write) calls write(piece) for each.
+void replace_file_by(const std::string& path,
+                     const std::function<void(const std::function<void(std::string_view)>&)>& make);
 
 /// What `action` throws, as a message; empty if it does not. For Comm::agree_no_error.
 template <class Action>

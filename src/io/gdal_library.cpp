@@ -43,8 +43,9 @@ GdalLibrary load() {
     for (int k = g.GDALGetDriverCount() - 1; k >= 0; --k) {
         GDALDriverH driver = g.GDALGetDriver(k);
         const std::string name = g.GDALGetDriverShortName(driver);
-        if (std::find(std::begin(drivers), std::end(drivers), name) == std::end(drivers))
-            g.GDALDeregisterDriver(driver);
+        if (std::find(std::begin(drivers), std::end(drivers), name) != std::end(drivers)) continue;
+        g.GDALDeregisterDriver(driver);
+        g.GDALDestroyDriver(driver);
     }
     return g;
 }

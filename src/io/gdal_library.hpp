@@ -32,7 +32,7 @@
     X(OGR_G_CreateGeometry) X(OGR_G_GetGeometryCount) X(OGR_G_GetGeometryRef) X(OGR_G_GetGeometryType)             \
     X(OGR_G_GetPointCount) X(OGR_G_GetX) X(OGR_G_GetY) X(OGR_L_CreateFeature) X(OGR_L_CreateField)                 \
     X(OGR_L_GetLayerDefn) X(OGR_L_GetNextFeature) X(OGR_L_GetSpatialRef) X(OGR_L_ResetReading)                     \
-    X(GDALDeregisterDriver) X(GDALGetDriver) X(GDALGetDriverCount) X(GDALGetDriverShortName) X(GDALGetMaskBand)    \
+    X(GDALDeregisterDriver) X(GDALDestroyDriver) X(GDALGetDriver) X(GDALGetDriverCount) X(GDALGetDriverShortName) X(GDALGetMaskBand)    \
     X(GDALGetMaskFlags) X(GDALGetMetadataItem) X(OGR_F_GetFieldDefnRef) X(OGR_Fld_GetType) X(OSRCloneGeogCS)       \
     X(OSRGetInvFlattening) X(OSRGetSemiMajor) X(OSRSetFromUserInput) X(OSRSetPROJEnableNetwork)
 // clang-format on

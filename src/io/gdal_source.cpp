@@ -9,6 +9,7 @@
 
 #include "io/file_numbers.hpp"
 #include "io/gdal_library.hpp"
+#include "io/h5_open.hpp"
 #include "io/input_error.hpp"
 #include "io/netcdf_size.hpp"
 
@@ -40,6 +41,12 @@ void check_neighbours(const fs::path& path) {
 
 void check_vrt(const std::string& path, int depth);
 
+/// Of either kind.
+void check_netcdf(const std::string& path) {
+    check_netcdf_size(path);
+    check_hdf5_links(path);
+}
+
 /// Of a VRT: a plain file of its folder.
 void check_vrt_source(const std::string& path, const std::string& name, int depth) {
     const bool plain = !name.empty() && name.find_first_of("&<>:?") == std::string::npos && !name.starts_with("/vsi");
@@ -53,7 +60,7 @@ void check_vrt_source(const std::string& path, const std::string& name, int dept
     if (!fs::is_regular_file(source, none))
         refuse_vrt(path, fmt::format("its source {} is not there", quote(name.substr(0, 80))));
     check_neighbours(source);
-    check_netcdf_size(source.string());
+    check_netcdf(source.string());
     check_vrt(source.string(), depth + 1);
 }
 
@@ -95,7 +102,7 @@ void check_json(const std::string& path) {
 
 void check_source(const std::string& path) {
     check_neighbours(path);
-    check_netcdf_size(path);
+    check_netcdf(path);
     check_vrt(path, 0);
     check_json(path);
 }

@@ -85,8 +85,34 @@ void require_heights(const Ground& part, const std::string& path) {
                        fmt::format("no height at ({:.10g}, {:.10g})",
                                    part.first[0] + static_cast<double>(i) * part.spacing,
                                    part.first[1] + static_cast<double>(j) * part.spacing),
-                       fmt::format("the model has no data there, under the domain or within {} cells of it", margin),
-                       "Fill its gaps, or name an area inside of what is known by terrain.crop?");
+                       "the model has no data there, under the domain",
+                       "Fill its gaps, or lay the domain inside of what is known, by its corners or by terrain.crop?");
+}
+
+/// Beyond the domain heights may be unknown: the model ends before the first row or column of its margin that has such
+/// a one.
+Ground without_unknown_margin(const Ground& part, const PlanBox& box) {
+    std::array<std::int64_t, 2> low{}, high{};  // nodes kept, ends included: at first those whose cells have the box
+    for (std::size_t a = 0; a < 2; ++a) {
+        const double from = (box[0][a] - part.first[a]) / part.spacing, to = (box[1][a] - part.first[a]) / part.spacing;
+        low[a] = std::max<std::int64_t>(0, std::llround(std::floor(from + 0.5 + 1e-9)));
+        high[a] = std::min<std::int64_t>(part.count[a] - 1, std::llround(std::ceil(to - 0.5 - 1e-9)));
+    }
+    const auto is_known = [&](std::size_t a, std::int64_t at) {
+        if (at < 0 || at >= part.count[a]) return false;
+        for (std::int64_t k = low[1 - a]; k <= high[1 - a]; ++k)
+            if (const std::int64_t i = a == 0 ? at : k, j = a == 0 ? k : at;
+                std::isnan(part.height[static_cast<std::size_t>(j * part.count[0] + i)]))
+                return false;
+        return true;
+    };
+    NodeWindow kept;
+    for (std::size_t a = 0; a < 2; ++a) {
+        while (is_known(a, low[a] - 1)) --low[a];
+        while (is_known(a, high[a] + 1)) ++high[a];
+        kept.first[a] = low[a], kept.count[a] = high[a] - low[a] + 1;
+    }
+    return kept.count == part.count || std::min(kept.count[0], kept.count[1]) < 3 ? part : part_of(part, kept);
 }
 
 /// Numbers for "unknown" that nobody declared (-9999, -32767, 0 in the mountains) stand kilometres from what is beside
@@ -147,11 +173,12 @@ Ground read_model(const std::string& path, const PlanPoint& min, const PlanPoint
 
 Ground read_model(const std::string& path, const std::function<PlanBox(const Ground&)>& under,
                   std::vector<std::string>& notices) {
+    PlanBox box;
     const auto window = [&](const Ground& all) {
-        const PlanBox box = under(all);
+        box = under(all);
         return nodes_under(all, path, box[0], box[1]);
     };
-    Ground part = read_part(path, {}, window, notices);
+    Ground part = without_unknown_margin(read_part(path, {}, window, notices), box);
     require_heights(part, path);
     part.fit();
     return part;

@@ -2,7 +2,7 @@
 #include <array>
 #include <fstream>
 
-#include "io/h5.hpp"
+#include "io/h5_open.hpp"
 #include "io/vtkhdf_state.hpp"
 
 namespace moraine::vtkhdf {
@@ -12,7 +12,7 @@ namespace {
 constexpr const char* damaged = "it is not a time series of this program, or is damaged";
 
 H5Id open(hid_t file, const std::string& path) {
-    return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, damaged};
+    return open_dataset(file, path, damaged);
 }
 
 std::vector<hsize_t> extent_of(hid_t set) {
@@ -99,7 +99,7 @@ SeriesArray read_array(hid_t file, const std::string& path, SeriesState& state) 
 }
 
 std::vector<std::string> names_in(hid_t file, const char* path) {
-    const H5Id members(H5Gopen2(file, path, H5P_DEFAULT), H5Gclose, damaged);
+    const H5Id members = open_group(file, path, damaged);
     std::vector<std::string> names;
     const auto add = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
         static_cast<std::vector<std::string>*>(list)->emplace_back(name);

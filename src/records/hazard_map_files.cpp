@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "core/error.hpp"
 #include "core/ground.hpp"
@@ -62,18 +63,21 @@ void HazardMaps::fill_row(const std::vector<TileValues>& tiles, std::int64_t j, 
     }
 }
 
-std::string HazardMaps::text_of(int map, const std::vector<TileValues>& tiles) const {
-    const double a = scene_.hazard.cell;
-    std::string text = fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\n",
-                                   size_[0], size_[1], corner_[0], corner_[1], a);
-    text += fmt::format("NODATA_value {}\n", unknown);
-    std::vector<double> row(static_cast<std::size_t>(size_[0]));
-    for (std::int64_t j = size_[1] - 1; j >= 0; --j) {
-        fill_row(tiles, j, map == arrival, row.data());
-        for (std::size_t i = 0; i < row.size(); ++i)
-            text += fmt::format("{:.6g}{}", row[i], i + 1 < row.size() ? ' ' : '\n');
-    }
-    return text;
+/// As ESRI ASCII grid, row by row: as a whole it is larger than the map.
+void HazardMaps::write_text(const std::string& path, int map, const std::vector<TileValues>& tiles) const {
+    replace_file_by(path, [&](const auto& write) {
+        write(
+            fmt::format("ncols {}\nnrows {}\nxllcorner {:.10g}\nyllcorner {:.10g}\ncellsize {:.10g}\nNODATA_value {}\n",
+                        size_[0], size_[1], corner_[0], corner_[1], scene_.hazard.cell, unknown));
+        std::vector<double> row(static_cast<std::size_t>(size_[0]));
+        for (std::int64_t j = size_[1] - 1; j >= 0; --j) {
+            fill_row(tiles, j, map == arrival, row.data());
+            std::string text;
+            for (const double value : row) fmt::format_to(std::back_inserter(text), "{:.6g} ", value);
+            text.back() = '\n';
+            write(text);
+        }
+    });
 }
 
 /// As GeoTIFF.
@@ -87,27 +91,17 @@ std::string HazardMaps::image_of(int map, const std::vector<TileValues>& tiles, 
 
 /// Of the part of the map that was reached.
 std::string HazardMaps::outline(const std::vector<TileValues>& deepest, const MapTags& tags) const {
-    std::array<std::int64_t, 2> first = size_, last{-1, -1};
-    const auto each = [&](const auto& f) {
-        for (const TileValues& tile : deepest)
-            for (std::size_t k = 0; k < in_tile; ++k)
-                if (tile.value[k] >= scene_.hazard.threshold && is_in_map(place_of(tile.tile, k)))
-                    f(place_of(tile.tile, k));
-    };
-    each([&](const std::array<std::int64_t, 2>& at) {
-        for (std::size_t a = 0; a < 2; ++a) first[a] = std::min(first[a], at[a]), last[a] = std::max(last[a], at[a]);
-    });
-    PlanGrid part{{0, 0}, first, corner_, scene_.hazard.cell, size_, {scene_.min[0], scene_.min[1]}, {}};
+    std::vector<PlanCell> reached;
+    for (const TileValues& tile : deepest)
+        for (std::size_t k = 0; k < in_tile; ++k)
+            if (const PlanCell at = place_of(tile.tile, k); tile.value[k] >= scene_.hazard.threshold && is_in_map(at))
+                reached.push_back(at);
+    PlanGrid map{size_, corner_, scene_.hazard.cell, {scene_.min[0], scene_.min[1]}, {}};
     for (std::size_t a = 0; a < 2; ++a) {
-        part.size[a] = std::max<std::int64_t>(0, last[a] + 1 - first[a]);
-        part.end[a] = last_[a] == 1 ? corner_[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
-        if (first_[a] == 1) part.begin[a] = corner_[a];
+        map.end[a] = last_[a] == 1 ? corner_[a] + scene_.hazard.cell * static_cast<double>(size_[a]) : scene_.max[a];
+        if (first_[a] == 1) map.begin[a] = corner_[a];
     }
-    std::vector<bool> reached(static_cast<std::size_t>(part.size[0] * part.size[1]));
-    each([&](const std::array<std::int64_t, 2>& at) {
-        reached[static_cast<std::size_t>(at[0] - first[0] + part.size[0] * (at[1] - first[1]))] = true;
-    });
-    const auto polygons = outline_of(reached, part);
+    const auto polygons = outline_of(std::move(reached), map);
     return by_gdal_ ? outline_bytes(polygons, scene_.structures[0].ground->crs, scene_.hazard.threshold, tags)
                     : outline_json(polygons, scene_.hazard.threshold);
 }
@@ -149,8 +143,8 @@ void HazardMaps::write(const std::string& directory, const MapTags& tags) const 
         if (!comm_.is_root() || !trouble.empty()) continue;
         trouble = message_of([&] {
             if (wanted) {
-                replace_file((folder / (name + (by_gdal_ ? ".tif" : ".asc"))).string(),
-                             by_gdal_ ? image_of(map, tiles, tags) : text_of(map, tiles));
+                by_gdal_ ? replace_file((folder / (name + ".tif")).string(), image_of(map, tiles, tags))
+                         : write_text((folder / (name + ".asc")).string(), map, tiles);
                 replace_file((folder / (name + ".qml")).string(), map_style(name, most_of(tiles)));
             }
             if (map == max_depth)

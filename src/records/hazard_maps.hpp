@@ -132,7 +132,7 @@ class HazardMaps {
     std::vector<TileValues> gathered(int map) const;
     template <class T>
     void fill_row(const std::vector<TileValues>& tiles, std::int64_t j, bool times, T* row) const;
-    std::string text_of(int map, const std::vector<TileValues>& tiles) const;
+    void write_text(const std::string& path, int map, const std::vector<TileValues>& tiles) const;
     std::string image_of(int map, const std::vector<TileValues>& tiles, const MapTags& tags) const;
     std::string outline(const std::vector<TileValues>& deepest, const MapTags& tags) const;
     static double most_of(const std::vector<TileValues>& tiles);

@@ -2,69 +2,79 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <tuple>
+#include <utility>
 
 namespace moraine {
 namespace {
 
-using Corner = std::array<std::int64_t, 2>;
+using Corner = PlanCell;
 
 /// Directions of border edges, the reached cell on their left: east, north, west, south.
 constexpr std::int64_t step[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
+/// From the south on, and there from the west.
+bool is_before(const PlanCell& a, const PlanCell& b) {
+    return std::tie(a[1], a[0]) < std::tie(b[1], b[0]);
+}
+
+/// Where it stands in a sorted list; none: its size.
+std::size_t index_in(const std::vector<PlanCell>& list, const PlanCell& at) {
+    const auto found = std::lower_bound(list.begin(), list.end(), at, is_before);
+    return found != list.end() && *found == at ? static_cast<std::size_t>(found - list.begin()) : list.size();
+}
+
 class Border {
   public:
-    Border(const std::vector<bool>& reached, const Corner& size)
-        : reached_(reached),
-          size_(size),
-          edges_(static_cast<std::size_t>((size[0] + 1) * (size[1] + 1)), 0),
-          part_(reached.size(), -1) {
-        for (std::int64_t j = 0; j < size[1]; ++j)
-            for (std::int64_t i = 0; i < size[0]; ++i) {
-                if (!is_in(i, j)) continue;
-                if (!is_in(i, j - 1)) edge(i, j, 0);
-                if (!is_in(i + 1, j)) edge(i + 1, j, 1);
-                if (!is_in(i, j + 1)) edge(i + 1, j + 1, 2);
-                if (!is_in(i - 1, j)) edge(i, j + 1, 3);
-                if (part_[cell(i, j)] < 0) label(i, j);
-            }
+    explicit Border(std::vector<PlanCell> reached) : reached_(std::move(reached)) {
+        std::sort(reached_.begin(), reached_.end(), is_before);
+        find_edges();
+        part_.assign(reached_.size(), -1);
+        for (std::size_t k = 0; k < reached_.size(); ++k)
+            if (part_[k] < 0) label(k);
     }
 
     /// Calls f(part, ring) for all rings; of a part the first one is the outer one.
     template <class F>
     void each_ring(const F& f) const {
         std::vector<std::uint8_t> left = edges_;
-        for (std::int64_t j = 0; j <= size_[1]; ++j)
-            for (std::int64_t i = 0; i <= size_[0]; ++i)
-                for (int d = 0; d < 4; ++d)
-                    if (left[corner(i, j)] >> d & 1) split(walk({i, j}, d, left), part_of({i, j}, d), f);
+        for (std::size_t k = 0; k < corners_.size(); ++k)
+            for (int d = 0; d < 4; ++d)
+                if (left[k] >> d & 1) split(walk(k, d, left), part_of(corners_[k], d), f);
     }
 
     int parts() const { return parts_; }
 
   private:
-    bool is_in(std::int64_t i, std::int64_t j) const {
-        return i >= 0 && j >= 0 && i < size_[0] && j < size_[1] && reached_[cell(i, j)];
-    }
-    std::size_t cell(std::int64_t i, std::int64_t j) const { return static_cast<std::size_t>(i + size_[0] * j); }
-    std::size_t corner(std::int64_t i, std::int64_t j) const {
-        return static_cast<std::size_t>(i + (size_[0] + 1) * j);
-    }
-    void edge(std::int64_t i, std::int64_t j, int d) {
-        edges_[corner(i, j)] = static_cast<std::uint8_t>(edges_[corner(i, j)] | 1 << d);
+    void find_edges() {
+        std::vector<std::pair<Corner, int>> all;  // where an edge begins, and its direction
+        for (const auto& [i, j] : reached_) {
+            const auto is_in = [&](const PlanCell& at) { return index_in(reached_, at) < reached_.size(); };
+            if (!is_in({i, j - 1})) all.push_back({{i, j}, 0});
+            if (!is_in({i + 1, j})) all.push_back({{i + 1, j}, 1});
+            if (!is_in({i, j + 1})) all.push_back({{i + 1, j + 1}, 2});
+            if (!is_in({i - 1, j})) all.push_back({{i, j + 1}, 3});
+        }
+        std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return is_before(a.first, b.first); });
+        for (const auto& [corner, d] : all) {
+            if (corners_.empty() || corners_.back() != corner) corners_.push_back(corner), edges_.push_back(0);
+            edges_.back() = static_cast<std::uint8_t>(edges_.back() | 1 << d);
+        }
     }
 
-    void label(std::int64_t i, std::int64_t j) {
-        std::vector<Corner> open{{i, j}};
-        part_[cell(i, j)] = parts_;
+    void label(std::size_t first) {
+        std::vector<std::size_t> open{first};
+        part_[first] = parts_;
         while (!open.empty()) {
-            const Corner at = open.back();
+            const PlanCell at = reached_[open.back()];
             open.pop_back();
             for (const auto& s : step) {
-                const std::int64_t x = at[0] + s[0], y = at[1] + s[1];
-                if (!is_in(x, y) || part_[cell(x, y)] >= 0) continue;
-                part_[cell(x, y)] = parts_;
-                open.push_back({x, y});
+                const std::size_t beside = index_in(reached_, {at[0] + s[0], at[1] + s[1]});
+                if (beside == reached_.size() || part_[beside] >= 0) continue;
+                part_[beside] = parts_;
+                open.push_back(beside);
             }
         }
         ++parts_;
@@ -73,19 +83,19 @@ class Border {
     /// Of the cell on the left of an edge.
     int part_of(const Corner& c, int d) const {
         const std::int64_t i = d == 0 || d == 3 ? c[0] : c[0] - 1, j = d == 0 || d == 1 ? c[1] : c[1] - 1;
-        return part_[cell(i, j)];
+        return part_[index_in(reached_, {i, j})];
     }
 
     /// Corners of a closed walk along the border, to the left wherever there is a choice.
-    std::vector<Corner> walk(const Corner& start, int direction, std::vector<std::uint8_t>& left) const {
+    std::vector<Corner> walk(std::size_t start, int direction, std::vector<std::uint8_t>& left) const {
         std::vector<Corner> all;
-        Corner at = start;
-        for (int d = direction; left[corner(at[0], at[1])] >> d & 1;) {
-            left[corner(at[0], at[1])] = static_cast<std::uint8_t>(left[corner(at[0], at[1])] & ~(1 << d));
-            all.push_back(at);
-            at = {at[0] + step[d][0], at[1] + step[d][1]};
+        std::size_t k = start;
+        for (int d = direction; left[k] >> d & 1;) {
+            left[k] = static_cast<std::uint8_t>(left[k] & ~(1 << d));
+            all.push_back(corners_[k]);
+            k = index_in(corners_, {corners_[k][0] + step[d][0], corners_[k][1] + step[d][1]});
             for (int turn : {1, 0, 3})
-                if (edges_[corner(at[0], at[1])] >> ((d + turn) % 4) & 1) {
+                if (edges_[k] >> ((d + turn) % 4) & 1) {
                     d = (d + turn) % 4;
                     break;
                 }
@@ -112,10 +122,10 @@ class Border {
         f(part, path);
     }
 
-    const std::vector<bool>& reached_;
-    Corner size_;
-    std::vector<std::uint8_t> edges_;  ///< that begin at each corner, as bits of their directions
-    std::vector<int> part_;            ///< of each cell
+    std::vector<PlanCell> reached_;
+    std::vector<int> part_;            ///< of each
+    std::vector<Corner> corners_;      ///< at which edges begin
+    std::vector<std::uint8_t> edges_;  ///< there, as bits of their directions
     int parts_ = 0;
 };
 
@@ -128,14 +138,12 @@ std::int64_t twice_area(const std::vector<Corner>& ring) {
 
 }  // namespace
 
-std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid) {
+std::vector<Rings> outline_of(std::vector<PlanCell> reached, const PlanGrid& grid) {
     const auto place = [&](std::size_t axis, std::int64_t index) {
-        const std::int64_t of_map = grid.first[axis] + index;
-        if (of_map == 0) return grid.begin[axis];
-        return of_map == grid.whole[axis] ? grid.end[axis]
-                                          : grid.corner[axis] + grid.cell * static_cast<double>(of_map);
+        if (index == 0) return grid.begin[axis];
+        return index == grid.size[axis] ? grid.end[axis] : grid.corner[axis] + grid.cell * static_cast<double>(index);
     };
-    const Border border(reached, grid.size);
+    const Border border(std::move(reached));
     std::vector<Rings> polygons(static_cast<std::size_t>(border.parts()));
     border.each_ring([&](int part, const std::vector<Corner>& ring) {
         std::vector<std::array<double, 2>> points;

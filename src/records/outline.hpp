@@ -13,17 +13,19 @@
 
 namespace moraine {
 
-/// A part of the cells of a map.
+/// Column and row of a cell of a map, or of its lower left corner.
+using PlanCell = std::array<std::int64_t, 2>;
+
+/// Where the cells of a map are.
 struct PlanGrid {
-    std::array<std::int64_t, 2> size, first;  ///< so many cells, from this one of the map on
-    std::array<double, 2> corner;             ///< of the map [m]
-    double cell;                              ///< [m]
-    std::array<std::int64_t, 2> whole;        ///< cells of the map
-    std::array<double, 2> begin, end;         ///< of the first and of the last of them [m]
+    PlanCell size;                     ///< cells
+    std::array<double, 2> corner;      ///< of the map [m]
+    double cell;                       ///< [m]
+    std::array<double, 2> begin, end;  ///< of the first and of the last cell [m]
 };
 
-/// `reached`: x fastest, y rising.
-std::vector<Rings> outline_of(const std::vector<bool>& reached, const PlanGrid& grid);
+/// `reached`: each cell once, in any order.
+std::vector<Rings> outline_of(std::vector<PlanCell> reached, const PlanGrid& grid);
 
 /// As GeoJSON, in the coordinates of the model.
 std::string outline_json(const std::vector<Rings>& polygons, double threshold);

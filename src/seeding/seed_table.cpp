@@ -11,7 +11,7 @@
 
 #include "io/byte_order_mark.hpp"
 #include "io/file_numbers.hpp"
-#include "io/h5.hpp"
+#include "io/h5_open.hpp"
 #include "io/input_error.hpp"
 
 namespace moraine {
@@ -104,7 +104,7 @@ void check_storage(hid_t file, hid_t set, hsize_t rows) {
 }
 
 std::vector<double> read_dataset(hid_t file, const std::string& name) {
-    const H5Id set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, "it cannot be opened");
+    const H5Id set = open_dataset(file, name, "it cannot be opened");
     const H5Id space(H5Dget_space(set), H5Sclose, "it has no extent");
     if (H5Sget_simple_extent_ndims(space) != 1) throw H5Failure("it must have one dimension");
     const auto rows = static_cast<hsize_t>(H5Sget_simple_extent_npoints(space));

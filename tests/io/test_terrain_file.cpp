@@ -97,6 +97,28 @@ TEST_CASE("a domain gets the part of a model that it needs") {
     CHECK(has(said_by([&] { cropped(all, "g.asc", {1, 1}, {5, 5}); }), "no height at (0, 0)"));
 }
 
+TEST_CASE("a model may be unknown beyond the domain, and ends there") {
+    const TestFolder folder;
+    const std::string path = folder.file("m.asc");
+    const auto read = [&](auto is_known) {
+        std::string text = "ncols 12\nnrows 9\nxllcenter 0\nyllcenter 0\ncellsize 2\nNODATA_value -3.4028235e+38\n";
+        for (int j = 8; j >= 0; --j)
+            for (int i = 0; i < 12; ++i)
+                text += is_known(i, j) ? std::to_string(100 - i) + " " : "-3.4028234663852886e+38 ";
+        written(folder, "m.asc", text);
+        std::vector<std::string> notices;
+        const Ground g = read_model(path, {7, 6}, {14, 10}, notices);  // nodes 3.5 to 7 and 3 to 5
+        return std::array<std::int64_t, 4>{std::llround(g.first[0]), std::llround(g.first[1]), g.count[0], g.count[1]};
+    };
+    using Part = std::array<std::int64_t, 4>;
+    CHECK(read([](int, int) { return true; }) == Part{0, 0, 11, 9});
+    CHECK(read([](int i, int j) { return i > 1 && j > 0; }) == Part{4, 2, 9, 8});
+    CHECK(read([](int i, int) { return i > 3; }) == Part{8, 0, 7, 9});  // half a cell beyond the last height
+    CHECK(read([](int i, int j) { return i != 9 || j != 8; }) == Part{0, 0, 11, 8});
+    CHECK(has(said_by([&] { read([](int i, int) { return i > 4; }); }), "no height at (8, 6)"));
+    CHECK(has(said_by([&] { read([](int i, int j) { return i != 5 || j != 4; }); }), "no height at (10, 8)"));
+}
+
 TEST_CASE("a wrong grid is refused with its line and what is wrong") {
     CHECK(said_of("g.asc", grid).empty());
     CHECK(has(said_of("g.asc", with("ncols 4", "ncols 5")), "15 heights are promised"));

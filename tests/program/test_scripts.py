@@ -2,6 +2,7 @@
 import os
 import pathlib
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -61,8 +62,14 @@ class Scripts(moraine.ProgramTest):
             self.assertIn("configuring failed", err)
 
 
+def take_memory(pid):
+    """No more memory for it: an error of one rank in its step, as that of its device is, of which the others know nothing."""
+    size = 4096 * int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[0])
+    resource.prlimit(pid, resource.RLIMIT_AS, (size, size))
+
+
 class GoesOn(moraine.ProgramTest):
-    """scripts/run --restarts, of which ranks are killed. MORAINE_KILLS: how many."""
+    """scripts/run --restarts, of which ranks are killed or get no more memory. MORAINE_KILLS: how many."""
 
     KEYS = sets(time__end=1.0, output__interval=0.1, output__checkpoint_wall_interval=0.1)
 
@@ -100,7 +107,8 @@ class GoesOn(moraine.ProgramTest):
             time.sleep(moments.uniform(0.1, 0.8))
             pids = self.ranks_of(output)
             if pids:
-                os.kill(moments.choice(pids), signal.SIGKILL)
+                pid = moments.choice(pids)
+                take_memory(pid) if done % 3 == 1 else os.kill(pid, signal.SIGKILL)
                 done += 1
                 while set(pids) & set(self.ranks_of(output)):
                     time.sleep(0.01)

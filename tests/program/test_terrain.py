@@ -1,6 +1,7 @@
 """Terrain as a user meets it: one answer on any number of ranks and after a restart, and words for models and areas
 that are wrong."""
 import math
+import re
 import unittest
 
 import moraine
@@ -182,6 +183,25 @@ class Terrain(ValleyTest):
                       self.assert_one_problem(call("check", self.scene, "--device", "cpu")))
         self.assertIn("valley.asc: no height at (2, 12)",
                       self.refused(grid(at=lambda x, y: math.nan if (x, y) == (2, 12) else 1), "valley.asc"))
+
+    def test_what_a_model_does_not_know_beyond_the_domain_is_not_asked_for(self):
+        slope = lambda x, y: 20 - 0.5 * x
+        known = sets(domain__min="[2.0, 0.0, -1.0]", domain__max="[22.0, 12.0, 30.0]", time__end=0.2)
+        mass = re.search("mass .*", self.checked_with(grid(at=slope), *known))[0]
+        margin = grid(at=lambda x, y: -3.4028235e+38 if x in (0, 24) else slope(x, y))
+        self.assertIn(mass, self.checked_with(margin, *known))
+        one = self.run_scene(self.scene, "one", *known)
+        two = self.run_scene(self.scene, "two", *known, ranks=3)
+        self.assertEqual(summary(one)["state_hash"], summary(two)["state_hash"])
+        self.write(SCENE)
+        self.assertIn("valley.asc: no height at (0, 0) (the model has no data there, under the domain)",
+                      self.assert_one_problem(call("check", self.scene, "--device", "cpu")))
+
+    def checked_with(self, model, *words):
+        self.write(model, "valley.asc")
+        ended = call("check", self.scene, "--device", "cpu", *words)
+        self.assertEqual(ended.code, 0, ended)
+        return ended.out
 
     def test_a_wrong_release_is_refused_with_place_and_remedy(self):
         self.assertIn("less than a cell", self.changed("thickness = 1.0", "thickness = 0.3"))

@@ -9,14 +9,12 @@ using namespace moraine;
 
 namespace {
 
-constexpr std::array<std::int64_t, 2> size{6, 5};
-
 /// Rows from north to south, as one reads them.
 std::vector<Rings> outline(const std::string& picture) {
-    std::vector<bool> reached(30);
-    for (std::size_t k = 0; k < 30; ++k) reached[6 * (4 - k / 6) + k % 6] = picture[k] == '#';
-    return outline_of(
-        reached, {size, {0, 0}, {10, 20}, 2, size, {10, 20}, {10 + 2.0 * double(size[0]), 20 + 2.0 * double(size[1])}});
+    std::vector<PlanCell> reached;
+    for (std::int64_t k = 0; k < 30; ++k)
+        if (picture[static_cast<std::size_t>(k)] == '#') reached.push_back({k % 6, 4 - k / 6});
+    return outline_of(reached, {{6, 5}, {10, 20}, 2, {10, 20}, {22, 30}});
 }
 
 double area_of(const std::vector<std::array<double, 2>>& ring) {
@@ -87,6 +85,15 @@ TEST_CASE("of any cells the polygons have their area, and no ring comes to a cor
         }
         REQUIRE(total == doctest::Approx(4.0 * double(std::count(picture.begin(), picture.end(), '#'))));
     }
+}
+
+TEST_CASE("flows that are a thousand million cells apart take no memory for what is between them") {
+    const std::int64_t far = 1000000000;
+    const auto found =
+        outline_of({{far, far}, {0, 0}, {far, far - 1}}, {{far + 9, far + 9}, {0, 0}, 1, {0, 0}, {1e9 + 9, 1e9 + 9}});
+    REQUIRE(found.size() == 2);
+    CHECK(found[0] == Rings{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}});
+    CHECK(found[1][0].size() == 4);
 }
 
 TEST_CASE("as GeoJSON every ring is closed") {

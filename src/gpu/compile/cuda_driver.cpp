@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "core/error.hpp"
+#include "core/rank_failure.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {
@@ -49,8 +49,8 @@ void check(CUresult result, const char* what) {
     if (result == CUDA_SUCCESS) return;
     const char* words = nullptr;
     Driver::instance().error_string(result, &words);
-    throw MachineError(std::string(what) + " failed (" + (words ? words : "unknown error") +
-                       "). Is the device in order?");
+    throw RankFailure(std::string(what) + " failed (" + (words ? words : "unknown error") +
+                      "). Is the device in order?");
 }
 
 }  // namespace moraine::gpu

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/rank_failure.hpp"
 
 namespace moraine::gpu {
 
-/// Throws MachineError `what failed (CUDA's message). ...`.
+/// Throws RankFailure `what failed (CUDA's message). ...`.
 inline void check(cudaError_t e, const char* what) {
     if (e != cudaSuccess)
-        throw MachineError(std::string(what) + " failed (" + cudaGetErrorString(e) + "). Is the device in order?");
+        throw RankFailure(std::string(what) + " failed (" + cudaGetErrorString(e) + "). Is the device in order?");
 }
 
 /// Gives back what is held idle elsewhere (gpu/memory/pool_array.hpp); null: nothing is.

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "core/rank_failure.hpp"
 #include "gpu/memory/pinned_bytes.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/mailboxes.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 void check(ncclResult_t e, const char* what) {
     if (e != ncclSuccess)
-        throw MachineError(std::string(what) + " failed (NCCL: " + ncclGetErrorString(e) + "). Use --transport host?");
+        throw RankFailure(std::string(what) + " failed (NCCL: " + ncclGetErrorString(e) + "). Use --transport host?");
 }
 using gpu::check;
 

@@ -1,5 +1,6 @@
 #include <cuda.h>
 
+#include "core/rank_failure.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/transport/stream_flags.hpp"
 
@@ -41,7 +42,7 @@ void raise_flags(std::uint32_t* const* flags, int n, std::uint32_t value, cudaSt
 void wait_for_flag(const std::uint32_t* flag, std::uint32_t value, cudaStream_t stream) {
     static const WaitValue wait = wait_value();
     if (wait(stream, reinterpret_cast<CUdeviceptr>(flag), value, CU_STREAM_WAIT_VALUE_GEQ) != CUDA_SUCCESS)
-        throw MachineError("Waiting for a peer's message failed (cuStreamWaitValue32). Use --transport host?");
+        throw RankFailure("Waiting for a peer's message failed (cuStreamWaitValue32). Use --transport host?");
 }
 
 }  // namespace moraine::gpu
