@@ -55,7 +55,7 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
     round.step = static_cast<Real>(step.dt);
     if (surfaces_) surfaces_->cells.press(substep);
     solve(round, step);
-    if (surfaces_) surfaces_->forces.act(substep.dt, substep.damping());
+    if (surfaces_) surfaces_->forces.act({substep.dt, step.dt}, substep.damping());
     const std::span<const std::int32_t> blocks = patch_.blocks();
     Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
                        UpdateCells<Real, Dim>{cell_context(),

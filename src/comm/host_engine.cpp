@@ -125,9 +125,10 @@ void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
         ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
                        {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
     if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
+    halo_->reserve(pairs_);
+    if (surfaces_) return;  // contact is not the nodes'
     gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
     gap_share_ = {&pairs_, gaps_.data()};
-    halo_->reserve(pairs_);
 }
 
 template <class Real, int Dim>
@@ -143,12 +144,13 @@ void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std:
     if (weighs) note_put_out(held, potentials_of(pairs));
     method_.kernels.p2g(call, method_.cell);
     if (sleepers_) sleepers_->keep_masses();
-    if (finding_) method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
+    if (finding_ && !surfaces_)
+        method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::receive_halo() {
-    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ ? &gap_share_ : nullptr,
+    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ && !surfaces_ ? &gap_share_ : nullptr,
                   sleepers_ ? sleepers_->asleep() : nullptr);
     finding_ = false;
 }
@@ -186,21 +188,19 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
     if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
     solve(node_round(round.nodes, step.dt, step), step);
     if (!surfaces_) return;
-    surfaces_->begin_step(
-        {step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), surfaces_->pressed.data(),
-         held_.data(), nullptr, gaps_.data(), report_.felt.data(), impulse_.data()},
-        *halo_, pairs_);
-    if (round.nodes != NodeTask::hold) surfaces_->forces.act(step.dt, 0);
+    surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), held_.data(),
+                           nullptr, report_.felt.data(), impulse_.data()},
+                          *halo_, pairs_);
+    if (round.nodes != NodeTask::hold) surfaces_->forces.act({step.dt, step.dt}, 0);
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step) {
-    if (!step.structures) return solve<false>(round, step, {});
+    if (step.structures) report_.felt.resize(step.structures->size());
+    if (!step.structures || surfaces_) return solve<false>(round, step, {});
     ContactField<Dim> contact = step.structures->field();
-    report_.felt.resize(step.structures->size());
     contact.sums = report_.felt.data();
     contact.ground = ground_.empty() ? nullptr : ground_.data();
-    if (surfaces_) contact.structure = surfaces_->smoothed(contact);
     solve<true>(round, step, contact);
 }
 
@@ -233,7 +233,6 @@ template <bool Contact, bool Energy>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
     impulse_.resize(nodes.size() * Dim);
-    if (surfaces_) surfaces_->pressed.resize(patch_.stored_nodes());
     if (Energy) energy_.resize(nodes.size());
     const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
                                                         patch_.table(),
@@ -247,8 +246,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                                         contact,
                                                         {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
                                                         {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
-                                                        energy_.data(),
-                                                        surfaces_ ? surfaces_->pressed.data() : nullptr};
+                                                        energy_.data()};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 

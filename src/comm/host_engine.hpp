@@ -52,7 +52,8 @@ class HostEngine final : public Engine<Real, Dim> {
                                     : sum(patch_.interior(), pairs_.interior());
     }
     void send_halo() override {
-        halo_->start(patch_.grid(), finding_ ? &gap_share_ : nullptr, sleepers_ ? sleepers_->asleep() : nullptr);
+        halo_->start(patch_.grid(), finding_ && !surfaces_ ? &gap_share_ : nullptr,
+                     sleepers_ ? sleepers_->asleep() : nullptr);
     }
     void receive_halo() override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;

@@ -1,7 +1,7 @@
 #pragma once
 // What acts on surfaces where they are, on the host (Bed::surface): the pressure of cells that they cut, by what is
-// open of their faces (surface_cells.hpp), and what acts along them, by elements (surface_forces.hpp). Both begin with
-// the blocks near surfaces (surface_blocks.hpp), whose sums travel by themselves.
+// open of their faces (surface_cells.hpp), and contact, by elements (surface_forces.hpp). Both begin with the blocks
+// near surfaces (surface_blocks.hpp), whose sums travel by themselves.
 
 #include "comm/surface_forces.hpp"
 
@@ -12,20 +12,12 @@ struct HostSurfaces {
     SurfaceBlocks<Real, Dim> blocks;
     SurfaceCells<Real, Dim> cells{blocks};
     SurfaceForces<Real, Dim> forces{blocks, cells};
-    std::vector<Structure<Dim>> smooth{};     ///< what nodes see of the structures
-    Host::Array<Vec<double, Dim>> pressed{};  ///< SolveNodes::pressed
 
     HostSurfaces(const Method<Host, Real, Dim>& method, Patch<Host, Real, Dim>& patch, double cell)
         : blocks{method, patch, cell} {}
     HostSurfaces(const HostSurfaces&) = delete;
 
-    /// What acts along structures does so on their surfaces, not at nodes. Valid until the next call.
-    const Structure<Dim>* smoothed(const ContactField<Dim>& field) {
-        smooth.assign(field.structure, field.structure + field.count);
-        for (Structure<Dim>& s : smooth) s.law = InterfaceLaw::smooth;
-        return smooth.data();
-    }
-    /// The step's masses are at the nodes, and the gaps to them are known. Collective over peers.
+    /// The step's masses are at the nodes. Collective over peers.
     void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs) {
         blocks.scene = scene, blocks.halo = &halo, blocks.pairs = &pairs;
         forces.begin_step();

@@ -256,12 +256,12 @@ Real* SurfaceBlocks<Real, Dim>::values(std::int32_t near) const {
 }
 
 template <class Real, int Dim>
-void SurfaceBlocks<Real, Dim>::tell(int structure, const Vec<double, Dim>& impulse,
-                                    const Vec<double, Dim>& place) const {
+void SurfaceBlocks<Real, Dim>::tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
+                                    const Vec<double, Dim>& follows) const {
     const Structure<Dim>& s = scene.field.structure[structure];
     const Vec<double, Dim> arm = image_near(scene.field, s, place) - s.at;
     double all[StructureSums<Dim>::count] = {};
-    for (int a = 0; a < Dim; ++a) all[a] = impulse[a];
+    for (int a = 0; a < Dim; ++a) all[a] = impulse[a], all[StructureSums<Dim>::first_mass + a] = follows[a];
     if constexpr (Dim == 2)
         all[2] = arm[0] * impulse[1] - arm[1] * impulse[0];
     else

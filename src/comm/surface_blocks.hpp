@@ -19,10 +19,8 @@ struct SurfaceScene {
     ContactField<Dim> field;  ///< as it moves in this step
     Quantum quantum;
     Real mass_cutoff;           ///< [kg]
-    Vec<double, Dim>* pressed;  ///< SolveNodes::pressed
     HeldNode<Real, Dim>* held;  ///< null: pressures are the particles'
     CellPressure<Real>* cells;  ///< of occupied blocks, as CellContext's
-    const NodeGap* gaps;        ///< of nodes
     StructureSums<Dim>* felt;   ///< by structure
     ExactSum* impulse;          ///< of walls, by node block and axis
 };
@@ -82,8 +80,9 @@ struct SurfaceBlocks {
     /// Values of a node; null: it holds no soil.
     Real* values(std::int32_t near) const;
     std::ptrdiff_t stored(std::int32_t near) const;
-    /// What a structure gets [kg m/s], and where [m].
-    void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place) const;
+    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg].
+    void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
+              const Vec<double, Dim>& follows = zero_vec<double, Dim>()) const;
 
   private:
     void make(const EpochTables<Dim>& tables);

@@ -1,4 +1,4 @@
-// What acts along surfaces on the host (core/surface_elements.hpp).
+// Contact on surfaces on the host (core/surface_elements.hpp).
 
 #include "comm/surface_forces.hpp"
 
@@ -32,8 +32,7 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
             e.gap = gap.is_none() ? 1e9 : gap.cells();
             e.covered = gap.faces() * unit / e.area;
             const InterfaceLaw law = on_.scene.field.structure[e.structure].law;
-            e.touches =
-                law != InterfaceLaw::smooth && (e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0));
+            e.touches = e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0);
         }
     });
 }
@@ -110,10 +109,10 @@ SurfaceShares<Dim> SurfaceForces<Real, Dim>::shares_at(std::int32_t near) const 
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::act(double dt, double damping) {
+void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
     on_.pass([&](int k, Real* tile) {
         for (const SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)])
-            if (e.touches) slow_element(k, e, dt, damping, tile);
+            if (e.touches) act_on(k, e, time, damping, tile);
     });
     apply();
     on_.pass([&](int k, Real* tile) {
@@ -122,74 +121,80 @@ void SurfaceForces<Real, Dim>::act(double dt, double damping) {
     apply();
 }
 
-/// What presses an element.
 template <class Real, int Dim>
-Pressing SurfaceForces<Real, Dim>::pressing(int k, const SurfaceElement<Dim>& e, double dt, double damping) const {
-    Pressing by{0, 0};
+void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping,
+                                      Real* tile) {
+    const Slip slip = slip_of(k, e);
+    Vec<double, Dim> follows = zero_vec<double, Dim>();
+    const double pushed = push(k, e, slip, time.closing, follows);
+    const double pressure = pressures_.pressure_on_surface(k, e.cell, damping);
+    const Vec<double, Dim> taken = slow(k, e, slip, {pushed, pressure > 0 ? pressure * time.dt : 0.0}, time.dt);
+    const Vec<double, Dim> impulse = e.area * (taken - pushed * e.normal);  // to the structure, if all nodes hold soil
+    double heavy = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
-        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at);
-        const std::ptrdiff_t node = on_.stored(near);
-        const double own = e.own[i++];
-        if (node < 0 || !(own > 0)) return;
-        const double pressed = -dot(on_.scene.pressed[node], e.normal);
-        if (!(pressed > 0)) return;
-        const SurfaceShares<Dim> shares = shares_at(near);
-        const double all = shares.all(), across = all > 0 ? shares.along_normal(e.normal) / all : 1.0;
-        if (shares.own * across > 0) by.contact += own * pressed / (shares.own * across);
+        const double w = e.weight[i++];
+        const int n = tile_offset<Dim, 3>(e.cell) + at;
+        if (!on_.values(on_.node_at(k, n))) return;
+        heavy += w;
+        for (int a = 0; a < Dim; ++a) tile[n * node_reals + a] -= static_cast<Real>(w * impulse[a]);
     });
-    const double pressure = pressures_.pressure_on_surface(k, e.cell, damping);
-    if (pressure > 0) by.pressure = pressure * dt;
-    return by;
+    on_.tell(e.structure, heavy * impulse, e.place, follows);
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::slow_element(int k, const SurfaceElement<Dim>& e, double dt, double damping,
-                                            Real* tile) {
+typename SurfaceForces<Real, Dim>::Slip SurfaceForces<Real, Dim>::slip_of(int k, const SurfaceElement<Dim>& e) const {
     const Structure<Dim>& s = on_.scene.field.structure[e.structure];
     Vec<double, Dim> slip = zero_vec<double, Dim>();
-    const int corner = tile_offset<Dim, 3>(e.cell);
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
-        const Real* v = on_.values(on_.node_at(k, corner + at));
+        const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at));
         for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - s.velocity[a]);
     });
-    const double approach = dot(slip, e.normal);
-    slip = slip - approach * e.normal;
-    const double speed = magnitude(slip);
-    if (!(speed > 0)) return;
-    const double row = row_of(e, k, (1 / speed) * slip);
-    if (!(row > 0)) return;
-    const double most = most_along(s.law, e, pressing(k, e, dt, damping), approach, speed, row, dt);
-    const double taken = std::min(most, speed / row);
-    if (!(taken > 0)) return;
-    const Vec<double, Dim> impulse = (e.area * taken / speed) * slip;  // to the structure, if all nodes hold soil
-    double heavy = 0;
-    i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const double w = e.weight[i++];
-        const std::int32_t near = on_.node_at(k, corner + at);
-        if (!on_.values(near)) return;
-        heavy += w;
-        Real* to = tile + (corner + at) * node_reals;
-        for (int a = 0; a < Dim; ++a) to[a] -= static_cast<Real>(w * impulse[a]);
-    });
-    on_.tell(e.structure, heavy * impulse, e.place);
+    const double leaves = dot(slip, e.normal);
+    return {leaves, slip - leaves * e.normal};
 }
 
-/// R_e along a direction.
+/// What holds the soil out of the structure, per area. follows: the mass that it moves with the structure [kg].
 template <class Real, int Dim>
-double SurfaceForces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, const Vec<double, Dim>& along) const {
+double SurfaceForces<Real, Dim>::push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing,
+                                      Vec<double, Dim>& follows) const {
+    const double too_fast = -(e.gap > 0 ? e.gap * on_.h : 0.0) / closing - slip.leaves;
+    if (!(too_fast > 0)) return 0;
+    const double row = row_of(e, k, [&](const SurfaceShares<Dim>& shares) { return shares.along_normal(e.normal); });
+    if (!(row > 0)) return 0;
+    const bool rough = on_.scene.field.structure[e.structure].law == InterfaceLaw::rough;
+    for (int a = 0; a < Dim; ++a) follows[a] = e.area / row * (rough ? 1 : e.normal[a] * e.normal[a]);
+    return too_fast / row;
+}
+
+/// What the law takes of the slip, per area.
+template <class Real, int Dim>
+Vec<double, Dim> SurfaceForces<Real, Dim>::slow(int k, const SurfaceElement<Dim>& e, const Slip& slip,
+                                                const Pressing& by, double dt) const {
+    const InterfaceLaw law = on_.scene.field.structure[e.structure].law;
+    const double speed = magnitude(slip.along);
+    if (law == InterfaceLaw::smooth || !(speed > 0)) return zero_vec<double, Dim>();
+    const Vec<double, Dim> along = (1 / speed) * slip.along;
+    const double row =
+        row_of(e, k, [&](const SurfaceShares<Dim>& shares) { return shares.all() - shares.along_normal(along); });
+    if (!(row > 0)) return zero_vec<double, Dim>();
+    const double taken = std::min(most_along(law, e, by, slip.leaves, speed, row, dt), speed / row);
+    return (taken > 0 ? taken : 0.0) * along;
+}
+
+/// R_e, of what share(W_i) takes of a node's W.
+template <class Real, int Dim>
+template <class Share>
+double SurfaceForces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const {
     double row = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
         const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at);
         const Real* v = on_.values(near);
-        if (!v || w == 0) return;
-        const SurfaceShares<Dim> shares = shares_at(near);
-        row += w * (shares.all() - shares.along_normal(along)) / double(v[quad - 1]);
+        if (v && w != 0) row += w * share(shares_at(near)) / double(v[quad - 1]);
     });
     return row;
 }
@@ -198,7 +203,6 @@ double SurfaceForces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, con
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::close_slave(int k, int c, Real* tile) {
     const int corner = tile_offset<Dim, 3>(c), middle = corner + to_middle;
-    const GapTiles tiles{on_.pairs->structures(), on_.pairs->tile_of().data(), on_.scene.gaps};
     each_node<Dim, 3>([&](int at, int i, int j, int l) {
         const std::int32_t near = on_.node_at(k, corner + at);
         const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
@@ -209,19 +213,15 @@ void SurfaceForces<Real, Dim>::close_slave(int k, int c, Real* tile) {
             if (n.to[a] != -offset[a]) return;
             beyond += stride * n.to[a];
         }
-        if (on_.scene.field.structure[n.structure].law == InterfaceLaw::smooth) return;
         const Real *slave = on_.values(near), *one = on_.values(on_.node_at(k, middle)),
                    *two = on_.values(on_.node_at(k, beyond));
-        if (!slave || !one || !two) return;
+        if (!slave || !one || !two || !(shares_at(near).own > 0)) return;
         const double m = slave[quad - 1], m1 = one[quad - 1], m2 = two[quad - 1];
         if (m > 0.5 * m1) return;
-        const NodeGap gap =
-            gap_at_node(tiles, on_.patch.table(), on_.patch.tile_of(), width,
-                        on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, n.structure);
-        if (gap.is_none() || !(gap.cells() < touches_below)) return;
         Vec<double, Dim> off;
         for (int a = 0; a < Dim; ++a) off[a] = 2 * double(one[a]) - double(two[a]) - double(slave[a]);
-        off = (n.slaved / (1 / m + 4 / m1 + 1 / m2)) * (off - dot(off, n.normal) * n.normal);
+        if (on_.scene.field.structure[n.structure].law == InterfaceLaw::smooth) off = dot(off, n.normal) * n.normal;
+        off = (n.slaved / (1 / m + 4 / m1 + 1 / m2)) * off;
         for (int a = 0; a < Dim; ++a) {
             tile[(corner + at) * node_reals + a] += static_cast<Real>(off[a]);
             tile[middle * node_reals + a] -= static_cast<Real>(2 * off[a]);

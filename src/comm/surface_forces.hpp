@@ -1,5 +1,5 @@
 #pragma once
-// What acts along surfaces on the host (core/surface_elements.hpp).
+// Contact on surfaces on the host (core/surface_elements.hpp).
 
 #include "comm/surface_cells.hpp"
 
@@ -13,8 +13,8 @@ class SurfaceForces {
 
     /// Which elements the soil touches in this step, and their W_i. Collective over peers.
     void begin_step();
-    /// Acts on the velocities of the nodes. dt: in which it does [s]. Collective over peers.
-    void act(double dt, double damping);
+    /// Acts on the velocities of the nodes. Collective over peers.
+    void act(const ContactTime& time, double damping);
 
   private:
     using Blocks = SurfaceBlocks<Real, Dim>;
@@ -22,14 +22,22 @@ class SurfaceForces {
     static constexpr int cells = Blocks::cells, nodes = Blocks::nodes, side = Blocks::side, width = Blocks::width;
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
+    /// Of soil over an element [m/s]: away from the structure, and along it.
+    struct Slip {
+        double leaves;
+        Vec<double, Dim> along;
+    };
 
     void find_gaps(const ContactPairs<Dim>& pairs);
     void tell_elements(const ContactPair& pair);
     void weigh();
-    Pressing pressing(int k, const SurfaceElement<Dim>& e, double dt, double damping) const;
-    void slow_element(int k, const SurfaceElement<Dim>& e, double dt, double damping, Real* tile);
+    Slip slip_of(int k, const SurfaceElement<Dim>& e) const;
+    double push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing, Vec<double, Dim>& follows) const;
+    Vec<double, Dim> slow(int k, const SurfaceElement<Dim>& e, const Slip& slip, const Pressing& by, double dt) const;
+    void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
     void close_slave(int k, int c, Real* tile);
-    double row_of(const SurfaceElement<Dim>& e, int k, const Vec<double, Dim>& along) const;
+    template <class Share>
+    double row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const;
     void apply();
     void count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
     SurfaceShares<Dim> shares_at(std::int32_t near) const;

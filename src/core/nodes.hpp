@@ -207,8 +207,7 @@ struct SolveNodes {
     ContactField<Dim> contact = {};
     GapTiles gaps = {};
     HeldNodes<Real, Dim> held = {};
-    NodeEnergy* energy = nullptr;         ///< node blocks, with an energy budget: of this step
-    Vec<double, Dim>* pressed = nullptr;  ///< [node block][node]: what structures got [kg m/s]; null: nobody asks
+    NodeEnergy* energy = nullptr;  ///< node blocks, with an energy budget: of this step
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -305,7 +304,6 @@ struct SolveNodes {
                     if constexpr (Energy) contacted = {v, touched};
                     return touched;
                 });
-            if (pressed) pressed[stored(c, n)] = given;
         } else {
             motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);
         }

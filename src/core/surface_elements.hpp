@@ -1,18 +1,23 @@
 #pragma once
-// What acts along a surface, as impulses on the surface in each cell that it cuts (cut_cell.hpp): an element.
+// Contact of soil with rigid structures, as impulses on the surface in each cell that it cuts (cut_cell.hpp): an
+// element.
 //
 //   w_ie = S_ie . n_e / A_e                         share of node i in element e; their sum is 1
-//   u_e = sum_i w_ie (v_i - V), along the surface   l_e = u_e / R_e at most, by the law       [kg m/s per area]
-//   R_e = sum_i w_ie W_i / m_i                      W_i = sum_e A_e w_ie (elements that the soil touches)
-//   v_i -= sum_e A_e w_ie l_e / m_i,  the structure gets sum_e A_e l_e
+//   u_e = sum_i w_ie (v_i - V)                      W_i = sum_e A_e w_ie (elements that the soil touches)
+//   R_e = sum_i w_ie W_i / m_i
+//   l_n = max(0, -g_e / dt - u_e . n_e) / R_e       away from the structure                   [kg m/s per area]
+//   l_t = |u_e along the surface| / R_e at most, by the law
+//   v_i += sum_e A_e w_ie (l_n n_e - l_t t_e) / m_i,  the structure gets the opposite
 //
-// R_e is the row sum of the elements' answer to each other: a slip that is the same along the surface ends in one
-// sweep, and as all weights are positive no slip is overshot, so that there is no number to choose, no limit of the
-// step, and no energy to gain. Where surfaces meet, W_i is the tensor sum_e A_e w_ie (1 - n n), of which an element
-// takes its own direction: what is across does not brake. A slave's share falls to the two nodes that it follows
+// l_n is Signorini's condition (core/contact.hpp) at the surface: the gap g_e of the soil does not close beyond zero in
+// a step, and nothing is drawn back. Held at nodes, a film could not get thinner than up to the last node that is held.
+// R_e is the row sum of the elements' answer to each other: a velocity that is the same along the surface ends in one
+// sweep, and as all weights are positive none is overshot, so that there is no number to choose, no limit of the step,
+// and no energy to gain. Where surfaces meet, W_i is a tensor, sum_e A_e w_ie n n, of which an element takes what acts
+// in its own direction: what is across does not brake. A slave's share falls to the two nodes that it follows
 // (surface_geometry.hpp), or to the first where the second is not the cell's.
 //
-// The law sees the pressure of the cell, N_e, and what contact at the nodes gives, p_e = sum_i w_ie p_i / W_i.
+// The law sees l_n and the pressure of the cell, N_e.
 
 #include "core/contact.hpp"
 #include "core/surface_geometry.hpp"
@@ -81,23 +86,24 @@ void give_away(const SurfaceNode<Dim>& slave, int o, SurfaceElement<Dim>& e) {
     if (has_second) e.weight[second] -= given;
 }
 
-/// What presses an element: impulse per area of the nodes' contact and of the cell's pressure [kg m/s per area].
+/// What presses an element: l_n, and the impulse of the cell's pressure [kg m/s per area].
 struct Pressing {
     double contact, pressure;
 };
 
-/// The most that the law lets an element take per area, of the slip's own size `speed` / row; dt: in which it acts.
+/// The most that the law lets an element take per area, of the slip's own size `speed` / row; leaves: u_e . n_e; dt: in
+/// which it acts.
 template <int Dim>
-double most_along(InterfaceLaw law, const SurfaceElement<Dim>& e, const Pressing& by, double approach, double speed,
+double most_along(InterfaceLaw law, const SurfaceElement<Dim>& e, const Pressing& by, double leaves, double speed,
                   double row, double dt) {
     const double press = by.contact + by.pressure;
     switch (law) {
         case InterfaceLaw::rough:
-            return (by.pressure > 0 && e.gap < touches_below) || (e.gap < touching && (by.contact > 0 || approach < 0))
+            return (by.pressure > 0 && e.gap < touches_below) || (e.gap < touching && (by.contact > 0 || leaves < 0))
                        ? speed / row
                        : 0.0;
         case InterfaceLaw::coulomb:
-            return e.gap < touches_below || by.contact > 0 ? e.friction * press : 0.0;
+            return e.friction * press;
         case InterfaceLaw::undrained:
             return e.cap * e.covered * dt;
         case InterfaceLaw::voellmy:

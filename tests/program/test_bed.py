@@ -78,6 +78,43 @@ class Beds(moraine.ProgramTest):
         rows = table(self.run_scene(self.write(self.lake(0.1)), "lake"), "history.csv")
         self.assertAlmostEqual((rows[0]["centre_y_m"] - rows[-1]["centre_y_m"]) / CELL, 0, delta=0.01)
 
+    def dam(self, offset):
+        """A dam of water, 10 cells high and 20 wide, on a smooth plane that stands `offset` cells over nodes."""
+        low = (2 + offset) * CELL
+        rows = "".join(f"{3 + (i + 0.5) * CELL / 2!r},{low + (j + 0.5) * CELL / 2!r},2.5\n" for j in range(20) for i in range(40))
+        (self.folder / "dam.csv").write_text("x,y,mass\n" + rows)
+        body = f'[[body]]\nname = "dam"\nmaterial = "soil"\nshape = "table"\nfile = "{self.folder}/dam.csv"\n'
+        text = scene((0.0, -GRAVITY), (8.0, 2.0), FLUID.replace('volumetric = "grid"\n', ""), body,
+                     f"point = [0.0, {low!r}]\nnormal = [0.0, 1.0]", 'law = "smooth"', 0.6, OPEN)
+        return text, low
+
+    def test_a_front_goes_as_far_wherever_the_bed_lies_between_nodes(self):
+        """A film at a front gets as thin as it may: nothing holds nodes that stand over the surface or in it."""
+        heights = []
+        for offset in (0, 0.3, 0.5, 0.8):
+            text, low = self.dam(offset)
+            heights.append(table(self.run_scene(self.write(text), f"dam{offset}"), "history.csv")[-1]["centre_y_m"] - low)
+        for height in heights:
+            self.assertAlmostEqual(height / heights[0], 1, delta=0.01, msg=heights)
+
+    def test_one_particle_slides_as_due(self):
+        material = '[[material]]\nname = "soil"\nlaw = "linear-elastic"\ndensity = 1000.0\nyoung = 1e6\npoisson = 0.3\n'
+        (self.folder / "one.csv").write_text("x,y,mass\n2.013,1.337,2.5\n")
+        body = f'[[body]]\nname = "one"\nmaterial = "soil"\nshape = "table"\nfile = "{self.folder}/one.csv"\n'
+        for angle, friction in ((0, 0.1), (7, 0.1), (20, 0.1), (20, 0.3)):
+            with self.subTest(angle=angle, friction=friction):
+                t, slope = math.radians(angle), math.radians(20)
+                along, normal = (math.cos(t), math.sin(t)), (-math.sin(t), math.cos(t))
+                pull, press = GRAVITY * math.sin(slope), GRAVITY * math.cos(slope)
+                gravity = [pull * a - press * n for a, n in zip(along, normal)]
+                foot = [x - 0.025 * n for x, n in zip((2.013, 1.337), normal)]  # a gap of nothing under half its side
+                text = scene(gravity, (6.0, 4.0), material, body, f"point = {foot}\nnormal = {list(normal)}",
+                             f'law = "coulomb", friction = {friction}', 0.5, OPEN)
+                last = table(self.run_scene(self.write(text), f"one{angle}-{friction}"), "history.csv")[-1]
+                speed = [last[f"momentum_{a}_kg_m_s"] / last["mass_kg"] for a in "xy"]
+                due = (pull - friction * press) * last["time_s"]
+                self.assertAlmostEqual(sum(v * a for v, a in zip(speed, along)), due, delta=0.03 * due)
+
     def slab(self, angle, law, slope=20):
         """An elastic block of 5 cells by 30 on a bed turned by `angle`, gravity inclined to it."""
         t, tilt = math.radians(angle), math.radians(slope)
