@@ -36,7 +36,7 @@ std::string word(bool value) {
 }
 
 std::string law_at(const KernelKey& key, std::size_t material) {
-    return "LawAt<" + real_of(key) + ", " + std::to_string(key.laws[material].position) + ">";
+    return "LawAt<" + real_of(key) + ", " + std::to_string(key.laws[material].info->position) + ">";
 }
 
 /// The law of a material as a type: with an undrained strength that is constant, one that asks for nothing else.
