@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <sstream>
 
 #include "app/agreed_scene.hpp"
 #include "app/check_report.hpp"
@@ -20,6 +21,7 @@
 #include "app/report_page.hpp"
 #include "app/step_timing.hpp"
 #include "comm/comm.hpp"
+#include "compile/system_compiler.hpp"
 #include "core/error.hpp"
 #include "io/input_error.hpp"
 #include "predict/capacity.hpp"
@@ -39,6 +41,18 @@ constexpr std::size_t longest_message = 2000;
 /// What one error must do: an exit code, and its message, once.
 int tell(const Comm& comm, int code, const std::string& message) {
     if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", printable(message, longest_message));
+    return code;
+}
+
+/// The same of a compiler's, which has lines.
+int tell_lines(const Comm& comm, int code, const std::string& message) {
+    std::istringstream lines(message);
+    std::string line, text;
+    while (text.size() < longest_message && std::getline(lines, line)) {
+        text += text.empty() ? "" : "\n";
+        text += printable(line, longest_message);
+    }
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", text);
     return code;
 }
 
@@ -139,6 +153,8 @@ int run_program(int argc, char** argv) {
             execute(options, comm);
         }
         return done;
+    } catch (const CompilerError& e) {
+        return tell_lines(comm, input_wrong, e.what());
     } catch (const InputError& e) {
         return tell(comm, input_wrong, e.what());
     } catch (const PhysicsError& e) {
