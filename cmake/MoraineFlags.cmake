@@ -45,11 +45,12 @@ function(moraine_host_options)
         target_compile_options(moraine_flags INTERFACE $<$<COMPILE_LANGUAGE:C,CXX>:${option}>)
     endforeach()
 endfunction()
-moraine_host_options(-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas -ffp-contract=off
-    -fno-math-errno)
+set(MORAINE_ANSWER_OPTIONS -ffp-contract=off -fno-math-errno)  # laws in files take them, too (src/compile)
 if(MORAINE_MARCH)
-    moraine_host_options(-march=${MORAINE_MARCH})
+    list(APPEND MORAINE_ANSWER_OPTIONS -march=${MORAINE_MARCH})
 endif()
+moraine_host_options(-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-unknown-pragmas
+    ${MORAINE_ANSWER_OPTIONS})
 # Device code: no -march (a register of the host is no type of the device); what its files do on the host keeps the rules.
 target_compile_options(moraine_flags INTERFACE
     $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -lineinfo -Xcompiler=-Wall,-ffp-contract=off,-fopenmp>)

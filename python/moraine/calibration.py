@@ -17,7 +17,7 @@ from .errors import Error
 from .fleet import Orders, jobs_of
 from .parameters import sets_of
 from .posterior import Surfaces
-from .program import check, run
+from .program import check, run, words_of_check
 from .sampling import unit_points
 from .scenario_file import fields_of, open_folder, read_file
 from .scene import Path, read_scene, with_sets
@@ -66,7 +66,7 @@ def _refuse(found: Calibration, orders: Orders) -> None:
     unit_points(count, "sobol", 2, 1)
     Surfaces(numpy.array(unit_points(count, "sobol", count + 4, 1)), numpy.arange(float(count + 4))[:, None])
     for share in (0.0, 1.0):
-        check(found.file.scene, {**orders.sets, **sets_of(found.file.parameters, [share] * count)}, orders.program, orders.ranks or 1)
+        check(found.file.scene, {**orders.sets, **sets_of(found.file.parameters, [share] * count)}, orders.program, orders.ranks or 1, words_of_check(orders.options))
     with tempfile.TemporaryDirectory(prefix="moraine-") as folder:
         sets = {**orders.sets, **sets_of(found.file.parameters, [0.5] * count), "time.end": 0.0}
         tried = run(found.file.scene, pathlib.Path(folder) / "start", sets, options=orders.options, progress=False, program=orders.program)

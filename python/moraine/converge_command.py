@@ -35,6 +35,7 @@ def parser(prog: str = "moraine converge") -> argparse.ArgumentParser:
     words.add_argument("--threads", type=int, default=1, metavar="N", help="of each rank (default: 1)")
     for name in ("device", "transport", "partitioner"):
         words.add_argument(f"--{name}", metavar="NAME", help="as in moraine run")
+    words.add_argument("--allow-code", action="store_true", help="as in moraine run")
     words.add_argument("--quiet", action="store_true", help="no progress")
     return words
 
@@ -66,6 +67,7 @@ def _run(given: argparse.Namespace) -> int:
         if getattr(given, name) is not None and getattr(given, name) < 1:
             raise Error(f"--{name} {getattr(given, name)} (must be at least 1). Did you mean 1?")
     options = [word for name in ("device", "transport", "partitioner") if getattr(given, name) for word in (f"--{name}", getattr(given, name))]
+    options += ["--allow-code"] if given.allow_code else []
     study = converge(given.scene, given.quantity, given.output, given.error, given.levels, given.ratio, given.coarsest, given.budget,
                      dict(map(parse_set, given.sets)), _sides(given.set_each), given.ranks, given.threads, options, given.overwrite,
                      lambda text: print(text, flush=True),

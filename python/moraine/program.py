@@ -88,6 +88,15 @@ def check(scene: Scene, sets: Mapping[str, Any] = {}, program: Optional[Path] = 
     return Check(done.stdout, values)
 
 
+def words_of_check(options: Sequence[str]) -> List[str]:
+    """Of the words for a run those that its check wants, too.
+
+    >>> words_of_check(["--device", "cpu", "--allow-code"])
+    ['--allow-code']
+    """
+    return [word for word in options if word == "--allow-code"]
+
+
 def command_of(file: Path, output: Path, sets: Mapping[str, Any], ranks: Optional[int], threads: int, overwrite: bool, options: Sequence[str],
                program: Optional[Path]) -> List[str]:
     """The words that start a run of a scene's file."""

@@ -8,7 +8,7 @@ from .errors import Error
 from .level_run import Plan, compute, forecast, name_of, take
 from .levels import Level, cell_sizes, coarsest_of, fit
 from .number_text import duration
-from .program import check, run
+from .program import check, run, words_of_check
 from .results import Run
 from .study import Study, Variant
 
@@ -41,7 +41,7 @@ def _predict_next(study: Study, variant: Variant, plan: Plan, wanted: float) -> 
         level = fit(study.keys, wanted)
         if variant.levels and variant.levels[-1].cell < CLOSER * level.cell:
             raise Error(f"the next cell would be {level.cell:.6g} m (only that fits the domain). Another --ratio?")
-        said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1)
+        said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1, words_of_check(plan.options))
     except Error as wrong:
         if not variant.levels:
             raise
@@ -83,7 +83,7 @@ def _refuse_budget(study: Study, plan: Plan, wanted: float) -> None:
     level, seconds = fit(study.keys, wanted), 0.0
     for variant in study.variants:
         if name_of(variant, level.cell) not in study.known["runs"]:
-            said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1, device)
+            said = check(study.scene, {**study.sets, **variant.sets, **level.sets}, plan.program, plan.ranks or 1, [*device, *words_of_check(plan.options)])
             seconds += (said.seconds or 0.0) / threads
     left = max(plan.budget_s - study.spent_s, 0.0)
     if seconds > FAR * left:

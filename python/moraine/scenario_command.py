@@ -22,6 +22,7 @@ def common_options(words: Parser) -> None:
     words.add_argument("--threads", type=int, default=1, metavar="N", help="of each rank (default: 1)")
     for name in ("device", "transport", "partitioner"):
         words.add_argument(f"--{name}", metavar="NAME", help="as in moraine run")
+    words.add_argument("--allow-code", action="store_true", help="as in moraine run")
     words.add_argument("--quiet", action="store_true", help="no progress")
 
 
@@ -32,7 +33,8 @@ def check_options(given: argparse.Namespace, command: str) -> List[str]:
     for name in ("ranks", "threads", "jobs"):
         if getattr(given, name) is not None and getattr(given, name) < 1:
             raise Error(f"--{name} {getattr(given, name)} (must be at least 1). Did you mean 1?")
-    return [word for name in ("device", "transport", "partitioner") if getattr(given, name) for word in (f"--{name}", getattr(given, name))]
+    options = [word for name in ("device", "transport", "partitioner") if getattr(given, name) for word in (f"--{name}", getattr(given, name))]
+    return [*options, *(["--allow-code"] if given.allow_code else [])]
 
 
 def parser(prog: str = "moraine study") -> argparse.ArgumentParser:

@@ -10,7 +10,7 @@ from .convergence import converge, parse_budget
 from .errors import Error
 from .fleet import Fleet, Member, Orders, jobs_of
 from .parameters import sets_of
-from .program import check, run
+from .program import check, run, words_of_check
 from .results import Run
 from .sampling import METHODS, design, shares_of
 from .scenario_data import Scenarios, write_tables
@@ -47,7 +47,7 @@ def _refuse(file: ScenarioFile, members: Sequence[Member], orders: Orders) -> No
     """The scene, all values and all quantities are looked at before anything is computed."""
     ends = [members[0], members[-1]] + [min(members, key=lambda m: str(m.sets.get(p.key))) for p in file.parameters]
     for member in {m.name: m for m in ends}.values():
-        check(file.scene, {**orders.sets, **member.sets}, orders.program, orders.ranks or 1)
+        check(file.scene, {**orders.sets, **member.sets}, orders.program, orders.ranks or 1, words_of_check(orders.options))
     scene = with_sets(read_scene(file.scene), file.sets)
     with tempfile.TemporaryDirectory(prefix="moraine-") as folder:
         tried = run(file.scene, pathlib.Path(folder) / "start", {**orders.sets, **members[0].sets, "time.end": 0.0}, options=orders.options, progress=False,

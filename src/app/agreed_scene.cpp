@@ -7,6 +7,7 @@
 #include <fstream>
 #include <span>
 
+#include "compile/system_compiler.hpp"
 #include "core/error.hpp"
 #include "core/ground.hpp"
 #include "core/hash.hpp"
@@ -69,14 +70,17 @@ void agree_on(const Comm& comm, const std::string& scene, const std::vector<Comm
 /// is for main. Collective.
 template <class Action>
 void agree_input(const Comm& comm, Action&& action) {
-    std::string wrong, failed;
+    std::string wrong, refused, failed;
     try {
         action();
+    } catch (const CompilerError& error) {
+        refused = error.what();
     } catch (const InputError& error) {
         wrong = error.what();
     } catch (const MachineError& error) {
         failed = error.what();
     }
+    comm.agree_no_error<CompilerError>(refused);
     comm.agree_no_error<InputError>(wrong);
     comm.agree_no_error<MachineError>(failed);
 }
@@ -120,10 +124,13 @@ Scene read_agreed(const Comm& comm, const Options& options, const std::function<
         if (comm.is_root()) text = read_scene_file(options.scene);
     });
     text = comm.broadcast(text);
+    CodeRights rights{options.allow_code, CompileCache(kernel_cache_folder(options.kernel_cache))};
+    if (comm.is_root() && !options.quiet)
+        rights.tell = [](const std::string& words) { fmt::print(stderr, "{}\n", words); };
     Scene scene;
     std::vector<Common> values;
     agree_input(comm, [&] {
-        scene = parse_scene(options.scene, text, sets, admit);
+        scene = parse_scene(options.scene, text, sets, admit, rights);
         values = values_of(scene);
     });
     agree_on(comm, options.scene, values);

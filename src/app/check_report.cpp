@@ -7,9 +7,11 @@
 #include "core/courant.hpp"
 #include "core/ground_curvature.hpp"
 #include "core/kernel_key.hpp"
+#include "core/material/laws.hpp"
 #include "core/plan_samples.hpp"
 #include "core/rest_interval.hpp"
 #include "core/scene_sleep.hpp"
+#include "io/input_error.hpp"
 #include "predict/prediction.hpp"
 #include "predict/scene_warnings.hpp"
 #include "predict/step_speed.hpp"
@@ -91,6 +93,20 @@ std::string output_line(const Scene& scene, const Prediction& p) {
                        o.steps, bytes_text(bytes * o.outputs + 8 * o.rows));
 }
 
+/// "law        clay: my_law.hpp:1f6b0a8be2c4d793, "soft-clay", of young, poisson, su; remembers damage"
+std::string law_lines(const Scene& scene) {
+    std::string text;
+    for (const MaterialSpec& m : scene.materials) {
+        const LawInfo& law = *find_law(m.law);
+        if (!law.of_file()) continue;
+        std::vector<std::string> keys, scalars(law.history_names.begin(), law.history_names.end());
+        for (const Parameter& parameter : law.parameters) keys.emplace_back(parameter.key);
+        text += fmt::format("law        {}: {}, {}, of {}{}\n", m.name, law.name, quote(law.file.title), listed(keys),
+                            scalars.empty() ? "" : "; remembers " + listed(scalars));
+    }
+    return text;
+}
+
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"
 std::string steps_line(const Scene& scene, const Prediction& p) {
     if (scene.substeps == 1) return fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
@@ -110,6 +126,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);
     for (const std::string& warning : scene_warnings(scene)) text += fmt::format("warning    {}\n", warning);
+    text += law_lines(scene);
     text += structure_lines(scene);
     text += release_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");

@@ -75,8 +75,8 @@ std::vector<std::filesystem::path> packaged_kernels() {
     return {program.parent_path().parent_path() / "share/moraine/kernels"};
 }
 
-gpu::KernelCache kernel_cache(const std::string& folder) {
-    return gpu::KernelCache(gpu::kernel_cache_folder(folder), packaged_kernels());
+CompileCache kernel_cache(const std::string& folder) {
+    return CompileCache(kernel_cache_folder(folder), packaged_kernels());
 }
 
 void say(const std::string& words) {
@@ -90,7 +90,7 @@ void keep_kernels(const std::string& folder, bool tells) {
 }
 
 std::string compile_kernels(const Scene& scene, const std::string& folder, const std::vector<int>& architectures) {
-    const gpu::KernelCache cache = kernel_cache(folder);
+    const CompileCache cache = kernel_cache(folder);
     if (cache.folder().empty())
         throw InputError("No folder for kernels (--kernel-cache none keeps nothing). Name one?");
     const KernelKey key = kernel_key(scene);

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <sstream>
 
 #include "app/agreed_scene.hpp"
 #include "app/check_report.hpp"
@@ -21,6 +22,8 @@
 #include "app/report_page.hpp"
 #include "app/step_timing.hpp"
 #include "comm/comm.hpp"
+#include "compile/system_compiler.hpp"
+#include "core/error.hpp"
 #include "core/rank_failure.hpp"
 #include "io/input_error.hpp"
 #include "predict/capacity.hpp"
@@ -48,6 +51,18 @@ int end_job(const Comm& comm, int code, const std::string& message) {
     fmt::print(stderr, "moraine: {}\n", printable(message, longest_message));
     std::fflush(stderr);
     if (comm.size() > 1) MPI_Abort(MPI_COMM_WORLD, code);
+    return code;
+}
+
+/// A compiler's error, which has lines.
+int tell_lines(const Comm& comm, int code, const std::string& message) {
+    std::istringstream lines(message);
+    std::string line, text;
+    while (text.size() < longest_message && std::getline(lines, line)) {
+        text += text.empty() ? "" : "\n";
+        text += printable(line, longest_message);
+    }
+    if (comm.is_root()) fmt::print(stderr, "moraine: {}\n", text);
     return code;
 }
 
@@ -148,6 +163,8 @@ int run_program(int argc, char** argv) {
             execute(options, comm);
         }
         return done;
+    } catch (const CompilerError& e) {
+        return tell_lines(comm, input_wrong, e.what());
     } catch (const InputError& e) {
         return tell(comm, input_wrong, e.what());
     } catch (const PhysicsError& e) {

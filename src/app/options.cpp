@@ -64,8 +64,10 @@ std::vector<std::string> partitioners() {
 }
 
 constexpr const char* cache_meaning =
-    "where compiled device kernels are kept; none: nowhere (default: MORAINE_KERNEL_CACHE, else "
+    "where compiled device kernels and laws are kept; none: nowhere (default: MORAINE_KERNEL_CACHE, else "
     "~/.cache/moraine/kernels)";
+constexpr const char* code_meaning =
+    "compile and run the laws that the scene has in files: code, which may do what you may";
 
 po::options_description run_options(Options& o) {
     po::options_description options("run");
@@ -74,7 +76,8 @@ po::options_description run_options(Options& o) {
                                                                            "replace a run that is there")(
         "set", po::value(&o.sets)->value_name("KEY=VALUE"),
         "change a key of the scene; material.NAME.key and body.NAME.key address tables; again for more")(
-        "device", po::value(&o.device)->value_name("NAME"), "auto, cpu, cuda (default: auto)")(
+        "allow-code", po::bool_switch(&o.allow_code), code_meaning)("device", po::value(&o.device)->value_name("NAME"),
+                                                                    "auto, cpu, cuda (default: auto)")(
         "transport", po::value(&o.transport)->value_name("NAME"), (listed(transports()) + " (default: auto)").c_str())(
         "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), cache_meaning)(
         "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
@@ -87,6 +90,7 @@ po::options_description run_options(Options& o) {
 po::options_description check_options(Options& o) {
     po::options_description options("check");
     options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
+        "allow-code", po::bool_switch(&o.allow_code), "as in run")(
         "device", po::value(&o.device)->value_name("NAME"),
         "as in run: with a device, the host's memory is that beside it")(
         "no-particles", po::bool_switch(&o.no_particles), "as in run: the memory is that without particles.vtkhdf")(
@@ -94,13 +98,14 @@ po::options_description check_options(Options& o) {
         "time", po::bool_switch(&o.time),
         "make a second of steps and an output in the present folder, and say the time of the run from them; in "
         "parallel as run")("transport", po::value(&o.transport)->value_name("NAME"), "as in run, with --time")(
-        "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), "as in run, with --time");
+        "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), "as in run");
     return options;
 }
 
 po::options_description kernel_options(Options& o) {
     po::options_description options("kernels");
     options.add_options()("set", po::value(&o.sets)->value_name("KEY=VALUE"), "as in run")(
+        "allow-code", po::bool_switch(&o.allow_code), "as in run")(
         "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), cache_meaning)(
         "architecture", po::value(&o.architectures)->value_name("CC"),
         "compute capability times 10, as 80 or 90; again for more (default: that of the build)");

@@ -15,9 +15,10 @@ struct Options {
     std::string output;   ///< directory; empty: runs/<scene name>
     bool overwrite = false;
     std::vector<std::string> sets;   ///< KEY=VALUE
+    bool allow_code = false;         ///< laws in files are compiled and run
     std::string device = "auto";     ///< cpu, cuda, auto
     std::string transport = "auto";  ///< auto, or one of comm/transport_names.hpp
-    std::string kernel_cache;        ///< folder of compiled device kernels; empty: the user's, none: nothing is kept
+    std::string kernel_cache;        ///< folder of compiled kernels and laws; empty: the user's, none: nothing is kept
     std::vector<int> architectures;  ///< kernels: compute capabilities times 10; empty: that of the build
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start

@@ -23,13 +23,15 @@ concept Undrained = requires(const Law& law) {
 };
 
 LawKey law_key(const MaterialSpec& material) {
-    const bool plain = with_law<double>(material.law, material.parameters.data(), [](const auto& law) {
-        if constexpr (Undrained<std::decay_t<decltype(law)>>)
-            return !law.strength.depends_on_rate && !law.strength.softens;
-        else
-            return false;
-    });
-    return {material.law, find_law(material.law)->position, plain, material.volumetric == Volumetric::cell};
+    const LawInfo& info = *find_law(material.law);
+    const bool plain =
+        !info.of_file() && with_law<double>(material.law, material.parameters.data(), [](const auto& law) {
+            if constexpr (Undrained<std::decay_t<decltype(law)>>)
+                return !law.strength.depends_on_rate && !law.strength.softens;
+            else
+                return false;
+        });
+    return {material.law, &info, plain, material.volumetric == Volumetric::cell};
 }
 
 const char* name_of(Shape shape) {

@@ -22,10 +22,10 @@ enum class GatherWay { fused, by_material, split };
 
 /// A material's law as kernels know it.
 struct LawKey {
-    std::string name;  ///< of the scene's key
-    int position;      ///< in Laws (core/material/law_list.hpp)
-    bool plain;        ///< an undrained strength that depends on no rate and does not soften
-    bool cell_means;   ///< takes its volumetric part from the cell (core/volumetric.hpp)
+    std::string name;     ///< of the scene's key
+    const LawInfo* info;  ///< its position in Laws, or its file
+    bool plain;           ///< an undrained strength that depends on no rate and does not soften
+    bool cell_means;      ///< takes its volumetric part from the cell (core/volumetric.hpp)
 };
 
 struct KernelKey {

@@ -5,10 +5,8 @@
 // particles. So a law is compiled once per dimension and precision, whatever the shapes and transfers.
 
 #include <memory>
-#include <vector>
 
-#include "core/material/laws.hpp"
-#include "core/scene_spec.hpp"
+#include "core/material/point.hpp"
 #include "core/stress.hpp"
 
 namespace moraine {
@@ -28,7 +26,9 @@ class LawBatch {
     virtual double signal(const ParticleView<Real, Dim>& p, std::uint32_t slot) const = 0;
 };
 
-/// For this processor (processor.hpp), and for which it was compiled. Not collective.
+struct MaterialSpec;
+
+/// For this processor (processor.hpp), and for which it was compiled; a law in a file is for this one. Not collective.
 template <class Real, int Dim>
 std::unique_ptr<LawBatch<Real, Dim>> make_law_batch(const MaterialSpec& spec);
 template <class Real, int Dim>

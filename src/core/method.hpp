@@ -9,6 +9,7 @@
 #include "core/courant.hpp"
 #include "core/host.hpp"
 #include "core/kernel_list.hpp"
+#include "core/material/laws.hpp"
 #include "core/nodes.hpp"
 #include "core/particle_shifting.hpp"
 #include "core/scene_spec.hpp"

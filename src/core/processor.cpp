@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "core/kernel_list.hpp"
+#include "core/material/laws.hpp"
+#include "core/scene_spec.hpp"
 
 namespace moraine {
 
@@ -52,6 +54,9 @@ TransferKernels<Real, Dim> choose_kernels(Shape shape, bool affine) {
 
 template <class Real, int Dim>
 std::unique_ptr<LawBatch<Real, Dim>> make_law_batch(const MaterialSpec& spec) {
+    if (const LawInfo& law = *find_law(spec.law); law.of_file())
+        return std::unique_ptr<LawBatch<Real, Dim>>(static_cast<LawBatch<Real, Dim>*>(
+            law.file.make_batch(sizeof(Real), Dim, spec.parameters.data(), spec.density)));
 #if defined(MORAINE_HAS_AVX512)
     if (uses_avx512()) return make_law_batch_avx512<Real, Dim>(spec);
 #endif

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "core/material/laws.hpp"
 #include "core/position.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"

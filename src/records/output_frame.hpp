@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/hash.hpp"
+#include "core/material/laws.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
 #include "simulation/diagnostics.hpp"

@@ -13,6 +13,7 @@
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_file.hpp"
+#include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
 #include "scene/scene_terrain.hpp"
@@ -33,9 +34,11 @@ toml::table parse_text(const std::string& text, const std::string& path) {
 
 class Reader {
   public:
-    Reader(const std::string& path, const std::string& text, const std::vector<std::string>& sets)
+    Reader(const std::string& path, const std::string& text, const std::vector<std::string>& sets,
+           const CodeRights& rights)
         : file_(path), root_(parse_text(text, path)), places_(path) {
         for (const std::string& assignment : sets) apply_set(root_, assignment);
+        load_laws(root_, path, rights);
     }
 
     Scene read(const std::function<void(const Scene&)>& admit) {
@@ -269,13 +272,13 @@ class Reader {
 }  // namespace
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& sets,
-                 const std::function<void(const Scene&)>& admit) {
-    return parse_scene(path, read_scene_file(path), sets, admit);
+                 const std::function<void(const Scene&)>& admit, const CodeRights& rights) {
+    return parse_scene(path, read_scene_file(path), sets, admit, rights);
 }
 
 Scene parse_scene(const std::string& path, const std::string& text, const std::vector<std::string>& sets,
-                  const std::function<void(const Scene&)>& admit) {
-    return Reader(path, text, sets).read(admit);
+                  const std::function<void(const Scene&)>& admit, const CodeRights& rights) {
+    return Reader(path, text, sets, rights).read(admit);
 }
 
 }  // namespace moraine

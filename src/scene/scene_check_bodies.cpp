@@ -161,6 +161,9 @@ void check_start(const Scene& scene, const BodySpec& body, const Places& places)
     for (const Vec<double, 3>& stress : {Vec<double, 3>{}, deepest_stress(scene, body)})
         if (const char* problem = law.problem_at_start(material.parameters.data(), body.start, stress))
             throw InputError(fmt::format("{}: {}: {}", places.of(path), path, problem));
+    if (const double wave = law.wave_modulus(material.parameters.data(), body.start); law.of_file() && !(wave > 0))
+        refuse(places.of(path), fmt::format("{} begins with a wave modulus of {} Pa", path, wave),
+               "the time step follows from it, so it must be above 0", "Does wave_modulus() return K + 4G/3?");
 }
 
 }  // namespace

@@ -14,14 +14,28 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr KeyRange above_zero{0, infinite, true, false};
 constexpr KeyRange from_zero{0, infinite, false, false};
 
+std::vector<std::string> law_choices() {
+    std::vector<std::string> names = law_names();
+    names.emplace_back("file");
+    return names;
+}
+
 const std::vector<KeyRow<MaterialSpec>> materials{
     {{.table = "material", .name = "name", .type = name, .meaning = "By which bodies and --set refer to it."},
      [](M& m, const V& v) { m.name = v.text; }},
     {{.table = "material",
       .name = "law",
       .type = choice,
-      .choices = law_names(),
+      .choices = law_choices(),
       .meaning = "Constitutive law; it says which of the keys below are used."},
+     [](M& m, const V& v) { m.law = v.text; }},
+    // The name of a law, by which scene_laws.cpp has loaded it.
+    {{.table = "material",
+      .name = "source",
+      .type = text,
+      .only = {"file"},
+      .meaning = "C++ header with a law of your own, which says its keys; compiled where --allow-code is given "
+                 "(docs/guide/tutorials/own-law.md)."},
      [](M& m, const V& v) { m.law = v.text; }},
     {{.table = "material",
       .name = "density",

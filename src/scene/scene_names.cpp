@@ -6,6 +6,7 @@
 
 #include "io/input_error.hpp"
 #include "scene/scene_keys.hpp"
+#include "scene/scene_laws.hpp"
 #include "scene/scene_set.hpp"
 #include "scene/scene_values.hpp"
 
@@ -26,7 +27,7 @@ std::string full_name(const SceneKey& key) {
 bool is_used(const SceneKey& key, const toml::table& table) {
     if (key.table != "material" || key.only.empty()) return true;
     const auto law = table["law"].value<std::string>();
-    return !law || !find_law(*law) || key.only.front() == *law;
+    return !law || (*law != "file" && !find_law(*law)) || key.only.front() == *law;
 }
 
 std::vector<std::string> valid_names(const toml::table& table, const std::string& section) {
@@ -41,6 +42,8 @@ std::vector<std::string> valid_names(const toml::table& table, const std::string
         if (key.table != section && key.table.starts_with(prefix))
             add(key.table.substr(prefix.size(), key.table.find('.', prefix.size()) - prefix.size()));
     }
+    if (const LawInfo* law = section == "material" ? law_of(table) : nullptr)
+        for (const Parameter& parameter : law->parameters) add(parameter.key);
     return names;
 }
 
@@ -72,6 +75,8 @@ class NameCheck {
     explicit NameCheck(const std::string& file) : file_(file) {}
 
     void table(const toml::table& table, const std::string& section, const std::string& path) const {
+        if (section == "material" && table["law"].value_or(std::string()) == "file" && !law_of(table))
+            return;  // no source
         const std::vector<std::string> valid = valid_names(table, section);
         for (const auto& [key, node] : table) {
             const std::string name(key.str());

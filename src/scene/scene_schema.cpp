@@ -129,7 +129,7 @@ class Table {
     bool has_required() const { return !required_.empty(); }
 
     Named schema() const {
-        Named out{{"type", "object"}, {"additionalProperties", false}, {"properties", properties_}};
+        Named out{{"type", "object"}, {"additionalProperties", section_ == "material"}, {"properties", properties_}};
         if (!required_.empty()) out.emplace_back("required", required_);
         if (!conditions_.empty()) out.emplace_back("allOf", conditions_);
         return out;
@@ -149,7 +149,7 @@ class Table {
         properties_.emplace_back(key.name, schema);
     }
 
-    /// With this value: the keys that it uses, and no key that it does not.
+    /// With this value: the keys that it uses, and no key that it does not. A law in a file has any.
     Json condition(const std::string& selector, const std::string& value) const {
         Named used, refused;
         List required;
@@ -159,12 +159,21 @@ class Table {
             if (key.required()) required.emplace_back(key.name);
         }
         for (const SceneKey& key : some_)
-            if (!has(used, key.name) && !has(refused, key.name)) refused.emplace_back(key.name, false);
+            if (value != "file" && !has(used, key.name) && !has(refused, key.name))
+                refused.emplace_back(key.name, false);
         used.insert(used.end(), refused.begin(), refused.end());
         const Json chosen = Named{{"const", value}};
+        Named then{{"properties", used}};
+        if (!required.empty()) then.emplace_back("required", required);
+        if (section_ == "material" && value != "file") then.emplace_back("propertyNames", Named{{"enum", names()}});
         return Named{{"if", Named{{"properties", Named{{selector, chosen}}}, {"required", List{selector}}}},
-                     {"then", required.empty() ? Named{{"properties", used}}
-                                               : Named{{"properties", used}, {"required", required}}}};
+                     {"then", then}};
+    }
+
+    List names() const {
+        List all;
+        for (const auto& [name, schema] : properties_) all.emplace_back(name);
+        return all;
     }
 
     std::string section_;

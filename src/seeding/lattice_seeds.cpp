@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/material/laws.hpp"
 #include "core/morton.hpp"
 #include "seeding/seed_state.hpp"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/hash.hpp"
+#include "core/material/laws.hpp"
 
 namespace moraine {
 

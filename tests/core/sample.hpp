@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "comm/patch.hpp"
+#include "core/material/laws.hpp"
 #include "core/method.hpp"
 
 namespace moraine::test {

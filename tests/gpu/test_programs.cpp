@@ -33,7 +33,7 @@ int largest(const std::string& log, const std::string& words) {
 
 TEST_CASE("the headers of kernels travel in the program") {
     std::set<std::string> names;
-    for (const gpu::KernelSource& source : gpu::kernel_sources()) names.insert(source.name);
+    for (const SourceFile& source : gpu::kernel_sources().files) names.insert(source.name);
     for (const char* wanted : {"gpu/kernels/p2g/p2g_plan.cuh", "core/material/law_list.hpp", "cmath", "cuda/std/tuple"})
         CHECK(names.count(wanted) == 1);
 }

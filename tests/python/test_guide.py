@@ -61,6 +61,16 @@ class Guide(PackageTest):
         self.assertIn(f"particles  {found.particles}\n", said[0])
         self.assertIn(f"steps      {found.steps} to", said[0])
 
+    def test_the_law_of_the_tutorial_is_good(self):
+        page = ROOT / "docs/guide/tutorials/own-law.md"
+        blocks = {kind: text for kind, text in blocks_of(page) if kind}
+        before, _, after = (ROOT / "inputs/first_scene.toml").read_text().partition("[[material]]")
+        scene = folder("healing.toml")
+        (scene.parent / "my_clay.hpp").write_text(blocks["cpp"])
+        scene.write_text(before.replace('"pressure"', '"remoulding"') + blocks["toml"] + after[after.index("[[body]]"):])
+        found = moraine.check(scene, options=["--allow-code", "--kernel-cache", "none"])
+        self.assertRegex(found.values["law"][0], 'clay: my_clay.hpp:[0-9a-f]{16}, "thixotropic-clay"')
+
     def test_commands_of_the_guide_name_scenes_and_keys_that_are_there(self):
         """Each `moraine run` and `moraine check` of a shipped scene is checked with its --set."""
         tried = 0

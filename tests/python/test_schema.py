@@ -50,6 +50,14 @@ class Schema(PackageTest):
                 self.assertEqual([wrong.message for wrong in check.iter_errors(moraine.read_scene(scene))], [])
 
     @unittest.skipIf(jsonschema is None, "no jsonschema")
+    def test_a_law_in_a_file_has_keys_of_its_own(self):
+        check, good = jsonschema.Draft7Validator(schema()), moraine.read_scene(INPUTS / "first_scene.toml")
+        good["material"][0].update(law="file", source="my_law.hpp", healing=10.0)
+        self.assertEqual([wrong.message for wrong in check.iter_errors(good)], [])
+        good["material"][0].pop("source")
+        self.assertNotEqual(list(check.iter_errors(good)), [])
+
+    @unittest.skipIf(jsonschema is None, "no jsonschema")
     def test_what_the_reader_refuses_is_not_valid(self):
         check, good = jsonschema.Draft7Validator(schema()), moraine.read_scene(INPUTS / "reference.toml")
         faults = {
@@ -60,6 +68,7 @@ class Schema(PackageTest):
             "a word that is no choice": lambda s: s["numerics"].update(shape="cubik"),
             "a number in quotes": lambda s: s["time"].update(end="2"),
             "a name with blanks": lambda s: s["material"][0].update(name="my clay"),
+            "a misspelled key of a material": lambda s: s["material"][0].update(yuong=1.0),
             "a key of another law": lambda s: s["material"][0].update(friction_angle=30.0),
             "a law without its parameter": lambda s: s["material"][0].pop("young"),
             "a key of another shape": lambda s: s["structure"][0].update(points=[[0, 0], [1, 0], [0, 1]]),

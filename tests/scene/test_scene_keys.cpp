@@ -70,9 +70,9 @@ class Reference {
     std::map<std::string, std::string> comments_;
 };
 
-/// What stands for another key that the scene has.
+/// What stands for another key that the scene has, or would run code.
 bool shown_as_comment(const SceneKey& key) {
-    return key.name == "dt" || key.name == "profile" || key.name == "crop";
+    return key.name == "source" || key.name == "dt" || key.name == "profile" || key.name == "crop";
 }
 
 }  // namespace

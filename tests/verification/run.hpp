@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/material/laws.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine::verification {

@@ -1,5 +1,6 @@
 #include "core/material/laws.hpp"
 
+#include <deque>
 #include <string_view>
 
 namespace moraine {
@@ -11,20 +12,6 @@ constexpr Parameter bingham_parameters[] = {young_parameter, poisson_parameter, 
 constexpr double bingham_tail[] = {1};  // exponent
 constexpr Parameter newtonian_parameters[] = {young_parameter, poisson_parameter, viscosity};
 constexpr double newtonian_tail[] = {0, 1};  // yield stress, exponent
-
-template <template <class> class Law>
-LawInfo describe(int position) {
-    using L = Law<double>;
-    static_assert(L::history <= max_history && std::size(L::parameters) <= max_parameters);
-    LawInfo info{
-        L::name,       L::parameters, L::history, {}, L::uses_left_stretch, position, {}, HasInitialState<L, double>,
-        is_fluid<L>(), flows<L>()};
-    if constexpr (L::history > 0) {
-        static_assert(std::size(L::history_names) == L::history);
-        info.history_names = L::history_names;
-    }
-    return info;
-}
 
 LawInfo renamed(LawInfo info, const char* name, std::span<const Parameter> parameters, std::span<const double> tail) {
     info.name = name;
@@ -50,19 +37,33 @@ const std::vector<LawInfo>& table() {
     return laws;
 }
 
-PointState<double, 3> undeformed(const Vec<double, 3>& stress) {
-    PointState<double, 3> state{};
-    state.left_stretch = undeformed_stretch<double, 3>();
-    for (int k = 0; k < 3; ++k) state.stress[k] = stress[k];
-    return state;
+/// Laws in files.
+std::deque<LawInfo>& added() {
+    static std::deque<LawInfo> laws;
+    return laws;
 }
+
+/// The values of the struct's constructor.
+struct AllValues {
+    double all[max_parameters];
+
+    AllValues(const LawInfo& law, const double* values) {
+        std::copy(law.tail.begin(), law.tail.end(), std::copy_n(values, law.parameters.size(), all));
+    }
+};
 
 }  // namespace
 
 const LawInfo* find_law(const std::string& name) {
     for (const LawInfo& info : table())
         if (name == info.name) return &info;
+    for (const LawInfo& info : added())
+        if (name == info.name) return &info;
     return nullptr;
+}
+
+void add_law(const LawInfo& law) {
+    added().push_back(law);
 }
 
 std::vector<std::string> law_names() {
@@ -72,11 +73,7 @@ std::vector<std::string> law_names() {
 }
 
 double LawInfo::wave_modulus(const double* values, const BodyStart& start, const Vec<double, 3>& stress) const {
-    return with_law<double>(*this, values, [&](const auto& law) {
-        PointState<double, 3> state = undeformed(stress);
-        begin_point(law, start, state);
-        return law.wave_modulus(state);
-    });
+    return calls.wave_modulus(AllValues(*this, values).all, start, stress);
 }
 
 bool LawInfo::is_nearly_incompressible(const double* values) const {
@@ -87,17 +84,11 @@ bool LawInfo::is_nearly_incompressible(const double* values) const {
 
 const char* LawInfo::problem_at_start(const double* values, const BodyStart& start,
                                       const Vec<double, 3>& stress) const {
-    return with_law<double>(*this, values, [&](const auto& law) {
-        PointState<double, 3> state = undeformed(stress);
-        return begin_point(law, start, state);
-    });
+    return calls.problem_at_start(AllValues(*this, values).all, start, stress);
 }
 
 const char* LawInfo::problem(const double* values) const {
-    // Static in the law, which is only built to reach it: derived constants of bad values are not used.
-    double all[max_parameters];
-    std::copy(tail.begin(), tail.end(), std::copy_n(values, parameters.size(), all));
-    return with_law<double>(*this, values, [&all](const auto& law) { return law.problem(all); });
+    return calls.problem(AllValues(*this, values).all);
 }
 
 }  // namespace moraine

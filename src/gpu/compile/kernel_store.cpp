@@ -5,6 +5,7 @@
 #include <set>
 
 #include "gpu/compile/cuda_driver.hpp"
+#include "gpu/compile/kernel_sources.hpp"
 #include "gpu/compile/runtime_compiler.hpp"
 #include "gpu/memory/array.hpp"
 
@@ -13,22 +14,25 @@ namespace moraine::gpu {
 namespace {
 
 std::string key_of(const Program& program, int architecture, const std::string& version) {
-    return KernelCache::key(program.text(), RuntimeCompiler::options(architecture), version);
+    return CompileCache::key(program.text(), RuntimeCompiler::options(architecture), version, kernel_sources().hash);
 }
 
 /// From disk, by the compiler of the build or by the one that is here; else compiled now, and kept.
-CompiledProgram find_or_compile(const KernelCache& cache, const Program& program, int architecture,
+CompiledProgram find_or_compile(const CompileCache& cache, const Program& program, int architecture,
                                 const std::function<void(const std::string&)>& tell) {
-    if (auto found = cache.find(key_of(program, architecture, version_of_build()))) return std::move(*found);
+    if (const auto found = cache.find(key_of(program, architecture, version_of_build())))
+        if (auto compiled = unpacked(*found)) return std::move(*compiled);
     const RuntimeCompiler& compiler = RuntimeCompiler::instance();
-    return cache.find_or_make(key_of(program, architecture, compiler.version()), [&] {
+    const std::string content = cache.find_or_make(key_of(program, architecture, compiler.version()), [&] {
         if (tell)
             tell(
                 "Compiling " + std::to_string(program.kernels.size()) + " device kernels for sm_" +
                 std::to_string(architecture) + " by " + compiler.version() +
                 (cache.folder().empty() ? " (not kept)" : " (once: they are kept in " + cache.folder().string() + ")"));
-        return compiler.compile(program, architecture);
+        return packed(compiler.compile(program, architecture));
     });
+    if (auto compiled = unpacked(content)) return std::move(*compiled);
+    return compiler.compile(program, architecture);
 }
 
 std::vector<Kernel> load(const Program& program, const CompiledProgram& compiled) {
@@ -77,7 +81,7 @@ std::string compiler_of_device() {
     return words;
 }
 
-void compile_to_disk(const KernelCache& cache, const Program& program, int architecture,
+void compile_to_disk(const CompileCache& cache, const Program& program, int architecture,
                      const std::function<void(const std::string&)>& tell) {
     find_or_compile(cache, program, architecture, tell);
 }
@@ -87,7 +91,7 @@ KernelStore& KernelStore::instance() {
     return store;
 }
 
-void KernelStore::keep_in(KernelCache cache, std::function<void(const std::string&)> tell) {
+void KernelStore::keep_in(CompileCache cache, std::function<void(const std::string&)> tell) {
     cache_ = std::move(cache);
     tell_ = std::move(tell);
 }

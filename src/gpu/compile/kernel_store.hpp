@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "compile/compile_cache.hpp"
 #include "gpu/compile/kernel.hpp"
-#include "gpu/compile/kernel_cache.hpp"
 #include "gpu/compile/program.hpp"
 
 namespace moraine::gpu {
@@ -21,7 +21,7 @@ class KernelStore {
     static KernelStore& instance();
 
     /// Where compiled programs are kept from now on, and who hears that some are being compiled; null: nobody.
-    void keep_in(KernelCache cache, std::function<void(const std::string&)> tell);
+    void keep_in(CompileCache cache, std::function<void(const std::string&)> tell);
 
     /// Loads what is not in memory, as one program: from disk, or compiled now.
     void prepare(const std::vector<Program>& programs);
@@ -30,7 +30,7 @@ class KernelStore {
     const std::vector<Kernel>& kernels(const Program& program);
 
   private:
-    KernelCache cache_{kernel_cache_folder("")};
+    CompileCache cache_{kernel_cache_folder("")};
     std::function<void(const std::string&)> tell_;
     /// By device and text: a kernel is one of the device that was current when it was loaded.
     std::map<std::pair<int, std::string>, std::vector<Kernel>> loaded_;
@@ -43,7 +43,7 @@ std::string compiler_of_device();
 int architecture_of_device();
 
 /// A program that is not on disk for an architecture is compiled and kept; needs no device.
-void compile_to_disk(const KernelCache& cache, const Program& program, int architecture,
+void compile_to_disk(const CompileCache& cache, const Program& program, int architecture,
                      const std::function<void(const std::string&)>& tell);
 
 }  // namespace moraine::gpu

@@ -5,8 +5,9 @@
 // A kernel is an expression of C++ that names an instance of a template; what its launch must know (threads and dynamic
 // shared memory of a thread block) is an expression, too, that the compiler evaluates for the device. So the text of a
 // program follows from a scene (gpu/kernels/programs.hpp), and the text, with the sources that it includes, is the key
-// of what is kept on disk (kernel_cache.hpp).
+// of what is kept on disk (compile/compile_cache.hpp).
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct Program {
     std::string name;                  ///< for messages
     std::vector<std::string> headers;  ///< as #include names them
     std::vector<ProgramKernel> kernels;
+    std::vector<std::string> texts = {};  ///< behind the headers: laws in files
 
-    /// What is compiled: headers and the table of facts.
+    /// What is compiled: headers, texts and the table of facts.
     std::string text() const;
 };
 
@@ -39,5 +41,9 @@ struct CompiledProgram {
     std::vector<std::string> names;  ///< of the kernels in it, in order
     std::string log;                 ///< the compiler's: registers and spills of each kernel
 };
+
+/// Names and image as one text, for disks, and back.
+std::string packed(const CompiledProgram& program);
+std::optional<CompiledProgram> unpacked(const std::string& text);
 
 }  // namespace moraine::gpu

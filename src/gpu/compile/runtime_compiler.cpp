@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 
+#include "compile/system_compiler.hpp"
 #include "core/error.hpp"
 #include "gpu/compile/kernel_sources.hpp"
 
@@ -85,7 +86,7 @@ std::vector<std::string> RuntimeCompiler::options(int architecture) {
 CompiledProgram RuntimeCompiler::compile(const Program& program, int architecture) const {
     const Functions& rtc = *functions_;
     std::vector<const char*> names, texts;
-    for (const KernelSource& source : kernel_sources()) names.push_back(source.name), texts.push_back(source.text);
+    for (const SourceFile& source : kernel_sources().files) names.push_back(source.name), texts.push_back(source.text);
     nvrtcProgram made = nullptr;
     const auto check = [&](nvrtcResult result, const char* what) {
         if (result == NVRTC_SUCCESS) return;
@@ -97,8 +98,10 @@ CompiledProgram RuntimeCompiler::compile(const Program& program, int architectur
             log.resize(size - 1);
         }
         if (made) rtc.destroy(&made);
-        throw MachineError(std::string(what) + " (" + program.name + ")" + " failed (" + rtc.error(result) + ")" +
-                           (log.empty() ? "." : ":\n" + log));
+        const std::string words = std::string(what) + " (" + program.name + ") failed (" + rtc.error(result) + ")" +
+                                  (log.empty() ? "." : ":\n" + log);
+        if (program.texts.empty()) throw MachineError(words);
+        throw CompilerError(words);  // of a law in a file
     };
     const std::string text = program.text(), name = "kernels.cu";
     check(rtc.create(&made, text.c_str(), name.c_str(), static_cast<int>(names.size()), texts.data(), names.data()),

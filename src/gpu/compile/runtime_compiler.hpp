@@ -16,8 +16,8 @@ class RuntimeCompiler {
     /// Loads the library once. Throws MachineError where there is none.
     static const RuntimeCompiler& instance();
 
-    /// For devices of compute capability `architecture` / 10. Throws MachineError with the compiler's words. Several
-    /// threads may compile at once.
+    /// For devices of compute capability `architecture` / 10. Throws MachineError with the compiler's words;
+    /// CompilerError where a law in a file may be wrong. Several threads may compile at once.
     CompiledProgram compile(const Program& program, int architecture) const;
 
     static std::vector<std::string> options(int architecture);

@@ -1,5 +1,8 @@
 #include "gpu/kernels/programs.hpp"
 
+#include "compile/law_file.hpp"
+#include "core/material/laws.hpp"
+
 namespace moraine::gpu {
 
 namespace {
@@ -36,7 +39,18 @@ std::string word(bool value) {
 }
 
 std::string law_at(const KernelKey& key, std::size_t material) {
-    return "LawAt<" + real_of(key) + ", " + std::to_string(key.laws[material].position) + ">";
+    const LawInfo& law = *key.laws[material].info;
+    if (law.of_file()) return law.file.type + ("<" + real_of(key) + ">");
+    return "LawAt<" + real_of(key) + ", " + std::to_string(law.position) + ">";
+}
+
+/// The text of a law in a file, which its program begins with. Two of a scene have structs of one name: each gets its
+/// own. What the file includes is there already where it is a header of laws, and its standard headers do not say Law.
+std::vector<std::string> law_texts(const KernelKey& key, std::size_t material) {
+    const LawFile& file = key.laws[material].info->file;
+    if (!file.text) return {};
+    return {std::string("#define Law ") + file.type + "\n#line 1 " + quoted_path(file.path) + "\n" + file.text +
+            "\n#line 1 \"kernels.cu\"\n#undef Law\n"};
 }
 
 /// The law of a material as a type: with an undrained strength that is constant, one that asks for nothing else.
@@ -104,7 +118,8 @@ Program split_program(const KernelKey& key) {
 Program fused_program(const KernelKey& key, std::size_t material) {
     Program program{"gather with " + key.laws[material].name,
                     {"core/material/law_list.hpp", "gpu/kernels/g2p/g2p_fused.cuh", "gpu/kernels/g2p/plain_law.cuh"},
-                    {fused_kernel(key, material, key.laws[material].cell_means, false)}};
+                    {fused_kernel(key, material, key.laws[material].cell_means, false)},
+                    law_texts(key, material)};
     if (key.light_nodes && key.way == GatherWay::fused)
         program.kernels.push_back(fused_kernel(key, material, key.fluid == FluidGrid::none, true));
     return program;
@@ -122,7 +137,8 @@ Program stress_program(const KernelKey& key, std::size_t material) {
     return {"stress of " + key.laws[material].name,
             {"core/material/law_list.hpp", "gpu/kernels/g2p/stress.cuh", "gpu/kernels/g2p/plain_law.cuh"},
             {{"update_stresses<" + real_dim(key) + ", " + law + ", stress_blocks<" + real_of(key) + ", " + law + ">>",
-              team_threads(key), team_bytes(key, "StressShared<" + real_dim(key) + ", " + law + ">")}}};
+              team_threads(key), team_bytes(key, "StressShared<" + real_dim(key) + ", " + law + ">")}},
+            law_texts(key, material)};
 }
 
 Program nodes_program(const KernelKey& key, bool marks, bool fluid) {
@@ -147,7 +163,8 @@ Program pressure_program(const KernelKey& key) {
 Program waves_program(const KernelKey& key, std::size_t material) {
     return {"waves of " + key.laws[material].name,
             {"core/material/law_list.hpp", "gpu/kernels/sleep/waves.cuh"},
-            {{"waves_kernel<" + real_dim(key) + ", " + law_at(key, material) + ">", "sleep_threads", "0"}}};
+            {{"waves_kernel<" + real_dim(key) + ", " + law_at(key, material) + ">", "sleep_threads", "0"}},
+            law_texts(key, material)};
 }
 
 std::vector<Program> programs_of(const KernelKey& key) {

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "core/material/laws.hpp"
 #include "gpu/compile/kernel_store.hpp"
 #include "gpu/kernels/programs.hpp"
 
@@ -11,6 +12,11 @@ template <class Real>
 LawValue LawValue::of(const MaterialSpec& material) {
     LawValue value;
     value.inverse_density_ = 1 / material.density;
+    if (const LawInfo& info = *find_law(material.law); info.of_file()) {
+        value.bytes_.resize(info.file.write(sizeof(Real), material.parameters.data(), nullptr));
+        info.file.write(sizeof(Real), material.parameters.data(), value.bytes_.data());
+        return value;
+    }
     with_law<Real>(material.law, material.parameters.data(), [&](const auto& law) {
         static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(law)>>);
         value.bytes_.resize(sizeof(law));

@@ -1,4 +1,4 @@
-// Made by the build, run by it: writes the headers that kernels can include into one file (kernel_sources.hpp).
+// Made by the build, run by it: writes the headers that are compiled at run time into one file (source_bundle.hpp).
 //
 //   bundle_sources OUTPUT DEPFILE ROOT... -- DIRECTORY...
 //

@@ -1,4 +1,4 @@
-#include "gpu/compile/kernel_cache.hpp"
+#include "compile/compile_cache.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,13 +8,11 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <system_error>
 
 #include "core/hash.hpp"
-#include "gpu/compile/kernel_sources.hpp"
 
-namespace moraine::gpu {
+namespace moraine {
 
 namespace fs = std::filesystem;
 
@@ -25,35 +23,6 @@ constexpr const char* magic = "moraine kernels 1";
 
 std::uint64_t hash_of(const std::string& text, std::uint64_t seed) {
     return mix_bytes(seed + text.size(), reinterpret_cast<const std::byte*>(text.data()), text.size());
-}
-
-std::string hexadecimal(std::uint64_t value) {
-    char digits[17];
-    std::snprintf(digits, sizeof(digits), "%016llx", static_cast<unsigned long long>(value));
-    return digits;
-}
-
-/// Names, sizes, image: everything that the hash in the file covers.
-std::string body_of(const CompiledProgram& program) {
-    std::ostringstream body;
-    body << program.names.size() << '\n';
-    for (const std::string& name : program.names) body << name << '\n';
-    body << program.image.size() << '\n' << program.image;
-    return body.str();
-}
-
-std::optional<CompiledProgram> program_of(const std::string& body) {
-    std::istringstream in(body);
-    std::size_t count = 0, size = 0;
-    CompiledProgram program;
-    if (!(in >> count) || count > 1000) return {};
-    program.names.resize(count);
-    for (std::string& name : program.names)
-        if (!(in >> name)) return {};
-    if (!(in >> size) || in.get() != '\n' || size > body.size()) return {};
-    program.image.resize(size);
-    if (!in.read(program.image.data(), static_cast<std::streamsize>(size))) return {};
-    return program;
 }
 
 /// Held while it lives; no lock where the file system gives none.
@@ -82,26 +51,32 @@ class RecordLock {
 
 }  // namespace
 
-KernelCache::KernelCache(fs::path folder, std::vector<fs::path> besides)
+std::string hexadecimal(std::uint64_t value) {
+    char digits[17];
+    std::snprintf(digits, sizeof(digits), "%016llx", static_cast<unsigned long long>(value));
+    return digits;
+}
+
+CompileCache::CompileCache(fs::path folder, std::vector<fs::path> besides)
     : folder_(std::move(folder)), besides_(std::move(besides)) {}
 
-std::string KernelCache::key(const std::string& text, const std::vector<std::string>& options,
-                             const std::string& compiler) {
-    std::string all = compiler + '\n' + hexadecimal(kernel_sources_hash()) + '\n';
+std::string CompileCache::key(const std::string& text, const std::vector<std::string>& options,
+                              const std::string& compiler, std::uint64_t sources) {
+    std::string all = compiler + '\n' + hexadecimal(sources) + '\n';
     for (const std::string& option : options) all += option + '\n';
     all += text;
     return hexadecimal(hash_of(all, 0x6d6f7261696e65)) + hexadecimal(hash_of(all, 0x6b65726e656c73));
 }
 
-std::optional<CompiledProgram> KernelCache::find(const std::string& key) const {
-    const auto look = [&](const fs::path& folder) -> std::optional<CompiledProgram> {
+std::optional<std::string> CompileCache::find(const std::string& key) const {
+    const auto look = [&](const fs::path& folder) -> std::optional<std::string> {
         const fs::path path = folder / (key + ending);
         std::ifstream in(path, std::ios::binary);
         std::string first, hash;
         if (!std::getline(in, first) || first != magic || !std::getline(in, hash)) return {};
-        const std::string body((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+        std::string body((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
         if (hash != hexadecimal(hash_of(body, 1))) return {};
-        return program_of(body);
+        return body;
     };
     if (!folder_.empty())
         if (auto found = look(folder_)) {
@@ -114,7 +89,7 @@ std::optional<CompiledProgram> KernelCache::find(const std::string& key) const {
     return {};
 }
 
-CompiledProgram KernelCache::find_or_make(const std::string& key, const std::function<CompiledProgram()>& make) const {
+std::string CompileCache::find_or_make(const std::string& key, const std::function<std::string()>& make) const {
     if (auto found = find(key)) return std::move(*found);
     if (folder_.empty()) return make();
     std::error_code cannot;
@@ -122,20 +97,19 @@ CompiledProgram KernelCache::find_or_make(const std::string& key, const std::fun
     if (cannot) return make();
     const RecordLock lock(folder_ / "lock", key);
     if (auto found = find(key)) return std::move(*found);
-    CompiledProgram made = make();
+    std::string made = make();
     keep(key, made);
     drop_oldest();
     return made;
 }
 
-void KernelCache::keep(const std::string& key, const CompiledProgram& program) const {
+void CompileCache::keep(const std::string& key, const std::string& content) const {
     const fs::path path = folder_ / (key + ending);
     const fs::path partial = folder_ / (key + "." + std::to_string(getpid()) + ".partial");
-    const std::string body = body_of(program);
     std::error_code ignored;
     {
         std::ofstream out(partial, std::ios::binary);
-        out << magic << '\n' << hexadecimal(hash_of(body, 1)) << '\n' << body;
+        out << magic << '\n' << hexadecimal(hash_of(content, 1)) << '\n' << content;
         out.close();
         if (!out) {
             fs::remove(partial, ignored);
@@ -146,7 +120,7 @@ void KernelCache::keep(const std::string& key, const CompiledProgram& program) c
     if (ignored) fs::remove(partial, ignored);
 }
 
-void KernelCache::drop_oldest() const {
+void CompileCache::drop_oldest() const {
     struct File {
         fs::path path;
         fs::file_time_type used;
@@ -182,4 +156,4 @@ fs::path kernel_cache_folder(const std::string& wanted) {
     return {};
 }
 
-}  // namespace moraine::gpu
+}  // namespace moraine

@@ -6,50 +6,47 @@
 #include <thread>
 #include <vector>
 
-#include "gpu/compile/kernel_cache.hpp"
+#include "compile/compile_cache.hpp"
 
-using namespace moraine::gpu;
+using namespace moraine;
 namespace fs = std::filesystem;
 
 namespace {
 
 /// A folder of its own, away again afterwards.
 struct Folder {
-    fs::path path = fs::current_path() / "kernel_cache_test";
+    fs::path path = fs::current_path() / "compile_cache_test";
     Folder() { fs::remove_all(path); }
     ~Folder() { fs::remove_all(path); }
 };
 
-const CompiledProgram some{std::string("\x7f"
-                                       "ELF\0image",
-                                       10),
-                           {"first_kernel", "second_kernel"},
-                           "log"};
+const std::string some(
+    "\x7f"
+    "ELF\0image\n",
+    11);
 
 }  // namespace
 
 TEST_CASE("a program is made once and found again, also by another") {
     const Folder folder;
-    const KernelCache cache(folder.path);
+    const CompileCache cache(folder.path);
     int made = 0;
     const auto make = [&] {
         ++made;
         return some;
     };
     for (int i = 0; i < 2; ++i) {
-        const CompiledProgram found = cache.find_or_make("key", make);
-        CHECK(found.image == some.image);
-        CHECK(found.names == some.names);
+        CHECK(cache.find_or_make("key", make) == some);
     }
     CHECK(made == 1);
-    CHECK(KernelCache(folder.path).find("key").has_value());
+    CHECK(CompileCache(folder.path).find("key").has_value());
     CHECK_FALSE(cache.find("another key").has_value());
-    CHECK(KernelCache({}, {folder.path}).find("key").has_value());
+    CHECK(CompileCache({}, {folder.path}).find("key").has_value());
 }
 
 TEST_CASE("a file that is damaged anywhere or cut off counts as absent") {
     const Folder folder;
-    const KernelCache cache(folder.path);
+    const CompileCache cache(folder.path);
     cache.find_or_make("key", [] { return some; });
     const fs::path file = folder.path / "key.kernels";
     std::ifstream in(file, std::ios::binary);
@@ -73,7 +70,7 @@ TEST_CASE("one of several that want the same program makes it, and the others wa
     std::vector<std::thread> threads;
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&] {
-            KernelCache(folder.path).find_or_make("key", [&] {
+            CompileCache(folder.path).find_or_make("key", [&] {
                 ++made;
                 std::this_thread::yield();
                 return some;
@@ -84,17 +81,18 @@ TEST_CASE("one of several that want the same program makes it, and the others wa
 }
 
 TEST_CASE("where nothing can be kept a program is made each time") {
-    CHECK(KernelCache().find_or_make("key", [] { return some; }).image == some.image);
+    CHECK(CompileCache().find_or_make("key", [] { return some; }) == some);
     const Folder folder;
     std::ofstream(folder.path) << "a file, not a folder";
-    CHECK(KernelCache(folder.path).find_or_make("key", [] { return some; }).names == some.names);
+    CHECK(CompileCache(folder.path).find_or_make("key", [] { return some; }) == some);
 }
 
-TEST_CASE("a key follows from text, options and compiler") {
-    const std::string key = KernelCache::key("text", {"-a"}, "NVRTC 13.0");
+TEST_CASE("a key follows from text, options, compiler and sources") {
+    const std::string key = CompileCache::key("text", {"-a"}, "NVRTC 13.0", 1);
     CHECK(key.size() == 32);
-    CHECK(key == KernelCache::key("text", {"-a"}, "NVRTC 13.0"));
-    CHECK(key != KernelCache::key("text ", {"-a"}, "NVRTC 13.0"));
-    CHECK(key != KernelCache::key("text", {"-b"}, "NVRTC 13.0"));
-    CHECK(key != KernelCache::key("text", {"-a"}, "NVRTC 13.1"));
+    CHECK(key == CompileCache::key("text", {"-a"}, "NVRTC 13.0", 1));
+    CHECK(key != CompileCache::key("text ", {"-a"}, "NVRTC 13.0", 1));
+    CHECK(key != CompileCache::key("text", {"-b"}, "NVRTC 13.0", 1));
+    CHECK(key != CompileCache::key("text", {"-a"}, "NVRTC 13.1", 1));
+    CHECK(key != CompileCache::key("text", {"-a"}, "NVRTC 13.0", 2));
 }
