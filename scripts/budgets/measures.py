@@ -7,6 +7,7 @@ import cpp
 
 SOURCES = (".hpp", ".cpp", ".cu", ".cuh", ".ipp", ".in")
 EVIDENCE = ("docs/adr/", "docs/evidence/", "docs/verification", "docs/stability", "docs/accuracy", "benchmarks/")
+PICTURES = (".png", ".svg", ".gif", ".jpg")
 NEITHER = ("CHANGELOG.md",)
 REFERENCES = ("inputs/reference.toml", "inputs/reference_terrain.toml")
 
@@ -26,7 +27,7 @@ class Tree:
 
 
 def tree_bytes(tree):
-    return {"tree": sum((tree.root / name).stat().st_size for name in tree.files if not name.startswith("docs/pictures/"))}
+    return {"tree": sum((tree.root / name).stat().st_size for name in tree.files if not name.endswith(PICTURES))}
 
 
 def of_classes(tree, what):
