@@ -73,18 +73,14 @@ template <class Real, int Dim>
 Real SurfaceCells<Real, Dim>::share_of(int k, int c) const {
     const bool cut = on_.place_of[static_cast<std::size_t>(k * cells + c)].cut != nullptr;
     const int corner = tile_offset<Dim, 3>(c);
-    const SurfaceNode<Dim>& own = on_.surface_nodes[static_cast<std::size_t>(on_.node_at(k, corner + to_middle))];
     double least = 1e9, soil = 0, space = 0;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
+    each_node<Dim, 3>([&](int at, int, int, int) {
         const std::int32_t near = on_.node_at(k, corner + at);
         const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
         const std::ptrdiff_t held = on_.stored(near);
         const double filling = held < 0 ? 0.0 : double(on_.scene.held[held].filling);
-        const int offset[3] = {i - 1, j - 1, l - 1};
-        double out = 0;
-        for (int a = 0; a < Dim; ++a) out += offset[a] * own.normal[a];
         if (!(n.capacity > 0)) return;
-        if (cut && out > 0.5) soil += filling, space += n.capacity;
+        if (cut) soil += filling, space += n.capacity;
         if (!cut && n.distance >= 1 && n.capacity > 0.1) least = std::min(least, filling / n.capacity);
     });
     if (cut) least = space > 0 ? soil / space : 0;

@@ -9,7 +9,7 @@
 // is not full, x < 1, keeps the sums of its particles, and the surface bears what they press. A node beside the surface
 // that lacks soil takes s_i = min(1, fill_i / 0.8) of its row, and the structure the rest: the pressure of a cell that
 // hangs on a light node alone would run away. x is by the least filling of the cell's nodes that stand a cell or more
-// over the surface; of a cell that is cut by the filling of its outer nodes together.
+// over the surface; of a cell that is cut by the filling of all its nodes together.
 //
 // A cell of which less than 0.3 is open, or that is cut and holds no particle, has its pressure, modulus and volume
 // together with a neighbour: that to which its normal points, or the one with the widest open face between them. Each
