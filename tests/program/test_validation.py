@@ -51,7 +51,7 @@ class Validation(moraine.ProgramTest):
     def test_an_unknown_case_is_named(self):
         done = subprocess.run([sys.executable, str(RUN), "landslide"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("no case landslide (there are cantilever, footing, ", done.stderr)
+        self.assertIn("no case landslide (there are cantilever, flume, footing, ", done.stderr)
 
 
 if __name__ == "__main__":
