@@ -28,7 +28,7 @@ if(NOT DEFINED MORAINE_MARCH)
     endif()
 endif()
 
-# The transfers and laws once more for AVX-512, which a run chooses (core/processor.hpp): where compiler and binutils can.
+# The transfers and laws once more for AVX-512, which a run chooses (core/data/processor.hpp): where compiler and binutils can.
 include(CheckCXXCompilerFlag)
 set(MORAINE_AVX512_OPTIONS -mavx512f -mavx512bw -mavx512dq -mavx512vl -mfma -mtune=sapphirerapids)
 string(REPLACE ";" " " options "${MORAINE_AVX512_OPTIONS}")

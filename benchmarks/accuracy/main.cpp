@@ -18,7 +18,7 @@
 
 #include "accuracy/cases.hpp"
 #include "benchmark_main.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "machine.hpp"
 
 namespace moraine {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "verification/run.hpp"
 
 namespace moraine {

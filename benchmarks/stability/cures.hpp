@@ -2,7 +2,7 @@
 // What a scene may do for its fluids (pressure_smoothing.hpp, particle_shifting.hpp, grid_pressure.hpp), each alone and
 // together, with the values that the pages on them measure; and the transfers that take it.
 
-#include "core/grid_pressure.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "verification/run.hpp"
 
 namespace moraine {

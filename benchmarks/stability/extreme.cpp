@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "records/time_series.hpp"
 #include "stability/cases.hpp"
 #include "verification/run.hpp"

@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "method_name.hpp"
 #include "records/time_series.hpp"
 #include "stability/cases.hpp"

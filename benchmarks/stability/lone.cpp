@@ -14,8 +14,8 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
-#include "core/shape.hpp"
+#include "core/data/error.hpp"
+#include "core/grid/shape.hpp"
 #include "method_name.hpp"
 #include "stability/bisect.hpp"
 #include "stability/cases.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "method_name.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_cloud.hpp"

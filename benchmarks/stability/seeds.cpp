@@ -11,8 +11,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/error.hpp"
-#include "core/shape.hpp"
+#include "core/data/error.hpp"
+#include "core/grid/shape.hpp"
 #include "stability/cases.hpp"
 #include "stability/seeding.hpp"
 #include "verification/problem_flow.hpp"

@@ -11,8 +11,8 @@
 #include <cmath>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
-#include "core/grid_pressure.hpp"
+#include "core/data/error.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "stability/bisect.hpp"
 #include "stability/cases.hpp"
 #include "verification/problem_cloud.hpp"

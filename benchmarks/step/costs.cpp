@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/vec.hpp"
+#include "core/data/vec.hpp"
 
 namespace moraine {
 

@@ -13,7 +13,7 @@ SLEEPERS_PER_AWAKE = 16  # balance/weight.hpp
 
 
 def mix(word):
-    """One step of core/hash.hpp."""
+    """One step of core/data/hash.hpp."""
     word = (word + 0x9e3779b97f4a7c15) % 2**64
     word = (word ^ word >> 30) * 0xbf58476d1ce4e5b9 % 2**64
     word = (word ^ word >> 27) * 0x94d049bb133111eb % 2**64
@@ -21,7 +21,7 @@ def mix(word):
 
 
 def hash_of(data):
-    """mix_bytes of core/hash.hpp, of whole words."""
+    """mix_bytes of core/data/hash.hpp, of whole words."""
     value = 0
     for word, in struct.iter_unpack("<Q", data):
         value = mix(value ^ mix(word))

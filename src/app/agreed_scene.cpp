@@ -8,9 +8,9 @@
 #include <span>
 
 #include "compile/system_compiler.hpp"
-#include "core/error.hpp"
-#include "core/ground.hpp"
-#include "core/hash.hpp"
+#include "core/data/error.hpp"
+#include "core/data/hash.hpp"
+#include "core/structures/ground.hpp"
 #include "records/version.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/scene_file.hpp"

@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "core/courant.hpp"
-#include "core/ground_curvature.hpp"
-#include "core/kernel_key.hpp"
+#include "core/data/plan_samples.hpp"
 #include "core/material/laws.hpp"
-#include "core/plan_samples.hpp"
 #include "core/rest_interval.hpp"
-#include "core/scene_sleep.hpp"
+#include "core/sleep/scene_sleep.hpp"
+#include "core/structures/ground_curvature.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "io/input_error.hpp"
 #include "predict/prediction.hpp"
 #include "predict/scene_warnings.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "comm/comm.hpp"
-#include "comm/engine.hpp"
+#include "engine/engine.hpp"
 
 namespace moraine {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "app/device.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "gpu/compile/kernel_store.hpp"
 #include "gpu/engine.hpp"
 #include "gpu/kernels/programs.hpp"

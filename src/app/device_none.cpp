@@ -1,7 +1,7 @@
 // The program without device code.
 
 #include "app/device.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "comm/transport_names.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_keys.hpp"
 

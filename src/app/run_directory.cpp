@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/disk_file.hpp"
 #include "scene/scene_keys.hpp"
 

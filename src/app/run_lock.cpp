@@ -13,7 +13,7 @@
 #include <fstream>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

@@ -9,7 +9,7 @@
 #include <csignal>
 #include <system_error>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

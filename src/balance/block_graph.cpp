@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/block.hpp"
+#include "core/data/block.hpp"
 
 namespace moraine {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
 
 namespace moraine {
 

@@ -2,7 +2,7 @@
 // gets here.
 #include "balance/metis.hpp"
 #include "balance/zoltan.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 

@@ -18,8 +18,8 @@
 #include <span>
 #include <vector>
 
-#include "comm/topology.hpp"
-#include "core/morton.hpp"
+#include "blocks/topology.hpp"
+#include "core/data/morton.hpp"
 
 namespace moraine {
 

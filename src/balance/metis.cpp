@@ -8,7 +8,7 @@
 #include <string>
 
 #include "balance/block_graph.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

@@ -10,7 +10,7 @@
 #include <mpi.h>
 
 #include "balance/partitioner.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 

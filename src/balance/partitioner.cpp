@@ -9,7 +9,7 @@
 #include "balance/slabs.hpp"
 #include "balance/slabs_initial.hpp"
 #include "balance/zoltan.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

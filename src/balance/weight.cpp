@@ -1,6 +1,6 @@
 #include "balance/weight.hpp"
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 

@@ -26,7 +26,8 @@ struct CostModel {
     std::int64_t d;  ///< per block [ps]
 };
 
-/// Sleeping particles (core/sleep.hpp) that cost as much as one that is awake: their blocks still have nodes and lists.
+/// Sleeping particles (core/sleep/sleep.hpp) that cost as much as one that is awake: their blocks still have nodes and
+/// lists.
 inline constexpr std::int64_t sleepers_per_awake = 16;
 
 /// Particles of a rank by what they cost.

@@ -1,9 +1,9 @@
 #pragma once
-// Activity of blocks (core/sleep.hpp) between ranks, at sleep checks: of the host's engine and of a device's.
+// Activity of blocks (core/sleep/sleep.hpp) between ranks, at sleep checks: of the host's engine and of a device's.
 
 #include <vector>
 
-#include "comm/epoch.hpp"
+#include "blocks/epoch.hpp"
 #include "comm/point_to_point.hpp"
 
 namespace moraine {

@@ -5,9 +5,9 @@
 
 #include <cstring>
 
-#include "comm/patch.hpp"
+#include "blocks/patch.hpp"
 #include "comm/point_to_point.hpp"
-#include "core/particle_bytes.hpp"
+#include "core/particles/particle_bytes.hpp"
 
 namespace moraine {
 

@@ -90,8 +90,8 @@ class Comm {
         exchange_rows(rows.data(), sent, into.data(), received, values * sizeof(T));
     }
 
-    /// Over ranks, element by element, of what is added without regard to order (core/exact_sum.hpp, maxima): as many
-    /// elements on every rank; one reduction, none of no elements. Collective.
+    /// Over ranks, element by element, of what is added without regard to order (core/data/exact_sum.hpp, maxima): as
+    /// many elements on every rank; one reduction, none of no elements. Collective.
     template <class Sum>
     std::vector<Sum> exact_sums(const std::vector<Sum>& mine) const {
         static_assert(std::is_trivially_copyable_v<Sum>);

@@ -7,11 +7,11 @@
 // epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by
 // one rule.
 
-#include "comm/contact_pairs.hpp"
-#include "comm/epoch.hpp"
+#include "blocks/contact_pairs.hpp"
+#include "blocks/epoch.hpp"
 #include "comm/point_to_point.hpp"
-#include "core/grid_views.hpp"
-#include "core/particle_bytes.hpp"
+#include "core/data/grid_views.hpp"
+#include "core/particles/particle_bytes.hpp"
 
 namespace moraine {
 

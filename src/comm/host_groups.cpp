@@ -7,7 +7,7 @@
 #include <numeric>
 #include <string>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 
 namespace moraine {
 

@@ -10,8 +10,8 @@
 
 #include "compile/source_bundle.hpp"
 #include "compile/system_compiler.hpp"
-#include "core/error.hpp"
-#include "core/hash.hpp"
+#include "core/data/error.hpp"
+#include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
 
 namespace moraine {
@@ -32,7 +32,7 @@ std::string read_file(const std::filesystem::path& file) {
 
 /// What is compiled for the host; the compiler's errors name the user's file and lines.
 std::string program_of(const std::string& text, const std::string& path) {
-    return "#include \"core/law_object.hpp\"\n#line 1 " + quoted_path(path) + "\n" + text +
+    return "#include \"core/particles/law_object.hpp\"\n#line 1 " + quoted_path(path) + "\n" + text +
            "\n#line 1 \"end of the law\"\n"
            "extern \"C\" __attribute__((visibility(\"default\"))) void moraine_law(moraine::LawInfo* info) {\n"
            "    *info = moraine::describe_object<moraine::Law>();\n}\n";

@@ -2,9 +2,10 @@
 // A constitutive law in a file of the user's: `law = "file"`, `source = "my_law.hpp"`.
 //
 // The file has `template <class Real> struct Law` in namespace moraine, as core/material/point.hpp says it. It is
-// compiled with the loop over particles that every law has (core/law_object.hpp) into a shared object, which is kept on
-// disk, and becomes a law like others: find_law() knows it by a name that says its content, so that ranks, restarts and
-// records tell two files apart. It is code, which may do whatever the user may: nobody loads it who was not asked to.
+// compiled with the loop over particles that every law has (core/particles/law_object.hpp) into a shared object, which
+// is kept on disk, and becomes a law like others: find_law() knows it by a name that says its content, so that ranks,
+// restarts and records tell two files apart. It is code, which may do whatever the user may: nobody loads it who was
+// not asked to.
 
 #include <filesystem>
 #include <functional>

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 
 MORAINE_EMBED(moraine_law_sources, MORAINE_LAW_BUNDLE);
 

@@ -12,8 +12,8 @@
 #include <iterator>
 #include <sstream>
 
-#include "core/error.hpp"
-#include "core/processor.hpp"
+#include "core/data/error.hpp"
+#include "core/data/processor.hpp"
 
 extern char** environ;
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compile/source_bundle.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 
@@ -24,7 +24,7 @@ class SystemCompiler {
     /// Where it is, its size and its date: another one has another.
     const std::string& identity() const { return identity_; }
 
-    /// For this processor (core/processor.hpp).
+    /// For this processor (core/data/processor.hpp).
     static std::vector<std::string> options();
 
     /// The bytes of the shared object. Throws CompilerError with the compiler's words; InputError.

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "core/data/scene_choices.hpp"
 #include "core/material/point.hpp"
-#include "core/scene_choices.hpp"
 
 namespace moraine {
 
 using Triple = std::array<double, 3>;
 
-struct Ground;  // core/ground.hpp
+struct Ground;  // core/structures/ground.hpp
 
 struct WallSpec {
     WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error
@@ -29,12 +29,12 @@ struct MaterialSpec {
     std::string law;                               ///< a name of core/material/laws.hpp
     double density = 0;                            ///< at ln J = 0 [kg/m3]
     std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
-    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure (core/volumetric.hpp, grid_pressure.hpp)
-    double pressure_smoothing = 0;                 ///< k of core/pressure_smoothing.hpp [-]
-    double particle_shifting = 0;                  ///< gamma of core/particle_shifting.hpp [-]
+    Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure (core/grid/volumetric.hpp)
+    double pressure_smoothing = 0;                 ///< k of core/fluid/pressure_smoothing.hpp [-]
+    double particle_shifting = 0;                  ///< gamma of core/fluid/particle_shifting.hpp [-]
 };
 
-/// Whether its particles take anything of core/pressure_smoothing.hpp and particle_shifting.hpp.
+/// Whether its particles take anything of core/fluid/pressure_smoothing.hpp and particle_shifting.hpp.
 inline bool has_fluid_terms(const MaterialSpec& material) {
     return material.pressure_smoothing > 0 || material.particle_shifting > 0;
 }
@@ -80,7 +80,7 @@ struct BodySpec {
     BodyStart start;  ///< of the law's scalars
 };
 
-/// How a structure moves (core/structure_motion.hpp).
+/// How a structure moves (core/structures/structure_motion.hpp).
 struct MotionSpec {
     StructureMotion kind = StructureMotion::fixed;
     Triple velocity{};            ///< velocity, table: its direction and unit; free: at the start [m/s]
@@ -131,7 +131,7 @@ struct OutputSpec {
     double checkpoint_wall_interval = 0;  ///< [s of wall time]; 0: none
     bool block_loads = false;             ///< record them at each balance interval, for replays
     bool sleep_forecast = false;          ///< with who would sleep, of a run in which all are awake
-    bool energy_budget = false;           ///< who took energy, in history.csv (core/node_energy.hpp)
+    bool energy_budget = false;           ///< who took energy, in history.csv (core/nodes/node_energy.hpp)
 };
 
 /// When a run is at rest (simulation/rest_watch.hpp).
@@ -143,12 +143,12 @@ struct RestSpec {
     int intervals = 3;           ///< in turn
 };
 
-/// Which blocks sleep (core/sleep.hpp).
+/// Which blocks sleep (core/sleep/sleep.hpp).
 struct SleepSpec {
     bool on = false;
     double displacement = 0.005;  ///< of what may sleep, between two sleep checks, below that [cells]
     double stress = 0.1;          ///< and the change of its stress, of the weight of a block on its face [-]
-    double interval = 0;          ///< between sleep checks [s]; 0: by core/sleep.hpp
+    double interval = 0;          ///< between sleep checks [s]; 0: by core/sleep/sleep.hpp
     double wake = 2;              ///< a sleeper wakes where its surroundings exceed these so many times
 };
 
@@ -203,12 +203,12 @@ struct Scene {
     Transfer transfer = Transfer::apic;
     double flip = 1;   ///< share of FLIP against PIC
     int order = 2;     ///< terms of FMPM's series
-    int substeps = 1;  ///< most of a step (core/grid_pressure.hpp)
+    int substeps = 1;  ///< most of a step (core/fluid/grid_pressure.hpp)
     Bed bed = Bed::nodes;
     StressUpdate stress_update = StressUpdate::usl;
     Precision precision = Precision::double_;
     double damping = 0;              ///< local non-viscous damping [-], 0 to 1; 0: dynamic
-    bool limits_light_nodes = true;  ///< core/light_nodes.hpp
+    bool limits_light_nodes = true;  ///< core/grid/light_nodes.hpp
     bool boundary_spline = true;     ///< fold ghost nodes at closed walls by linear extrapolation
     Triple gravity{};                ///< [m/s2]
     std::vector<MaterialSpec> materials;
@@ -224,7 +224,7 @@ struct Scene {
     double watchdog = 0;  ///< [s of wall time] without a finished step that end a run; 0: none
 };
 
-/// Whether the pressure of some material is the grid's (core/grid_pressure.hpp).
+/// Whether the pressure of some material is the grid's (core/fluid/grid_pressure.hpp).
 inline bool uses_grid_pressure(const Scene& scene) {
     bool uses = false;
     for (const MaterialSpec& m : scene.materials) uses = uses || m.volumetric == Volumetric::grid;

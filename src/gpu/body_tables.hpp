@@ -1,8 +1,8 @@
 #pragma once
 // What kernels read of the scene's bodies, on the device.
 
-#include "core/method.hpp"
 #include "core/scene_spec.hpp"
+#include "core/transfer/method.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {

@@ -4,7 +4,7 @@
 // Gaps are found once a step, with the sums of its first round, and kept for all its rounds. The depth of particles in
 // the ground is limited once a step, too, though sums may be made twice (engine_epoch.cpp, grow_tiles()).
 
-#include "comm/epoch.hpp"
+#include "blocks/epoch.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/device_structures.hpp"
 #include "gpu/kernels/nodes/near_blocks.hpp"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/scene_sleep.hpp"
+#include "core/sleep/scene_sleep.hpp"
 
 namespace moraine::gpu {
 

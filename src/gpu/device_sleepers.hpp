@@ -1,6 +1,6 @@
 #pragma once
 // The sleeping blocks of one device: their state for an epoch, and the lists that a step's kernels run over
-// (gpu/kernels/sleep/sleep.hpp). What comm/sleepers.hpp is to the host.
+// (gpu/kernels/sleep/sleep.hpp). What host/sleepers.hpp is to the host.
 //
 // No function waits for the device. Tiles of sleeping blocks are kept from step to step while their number is that of
 // the sums that wrote them.
@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/method.hpp"
-#include "core/totals.hpp"
+#include "core/transfer/method.hpp"
+#include "core/transfer/totals.hpp"
 #include "gpu/kernels/sleep/sleep.hpp"
 #include "gpu/kernels/sleep/waves.hpp"
 #include "gpu/memory/pool_array.hpp"

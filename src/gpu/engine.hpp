@@ -14,7 +14,7 @@
 
 #include <memory>
 
-#include "comm/engine.hpp"
+#include "engine/engine.hpp"
 #include "gpu/body_tables.hpp"
 #include "gpu/contact_state.hpp"
 #include "gpu/device_sleepers.hpp"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/kernel_key.hpp"
-#include "core/method.hpp"
+#include "core/transfer/kernel_key.hpp"
+#include "core/transfer/method.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/p2g/p2g.hpp"

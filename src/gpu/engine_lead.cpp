@@ -1,5 +1,6 @@
-// Steps that the device makes by itself (comm/lead_rule.hpp, gpu/lead.hpp): a kernel sets dt, a graph launches, and the
-// host takes the report of each step later. can_lead() says in which scenes; in all others the host launches each step.
+// Steps that the device makes by itself (engine/lead_rule.hpp, gpu/lead.hpp): a kernel sets dt, a graph launches, and
+// the host takes the report of each step later. can_lead() says in which scenes; in all others the host launches each
+// step.
 
 #include <algorithm>
 #include <bit>

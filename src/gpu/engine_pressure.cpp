@@ -1,4 +1,4 @@
-// The engine's parts of a step where the pressure is the grid's (core/grid_pressure.hpp).
+// The engine's parts of a step where the pressure is the grid's (core/fluid/grid_pressure.hpp).
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 /// Cells take the velocities of the substep before with the sums of this one.
 template <class Real>
-CellTask<Real> cell_task(const Substep& substep) {
+PressureTask<Real> pressure_task(const Substep& substep) {
     return {!substep.is_first(), static_cast<Real>(substep.dt),
             static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt), true, static_cast<Real>(substep.damping())};
 }
@@ -52,7 +52,8 @@ void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
     const auto find = [&](const Chosen& chosen, int blocks) {
-        kernels_.pressure.find_cells(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first, stream_);
+        kernels_.pressure.find_pressures(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first,
+                                         stream_);
     };
     if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
     find(epoch_.lists.interior(), interior_blocks());
@@ -61,8 +62,8 @@ void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_pressures(SharePart part, const Substep& substep) {
     const auto advance = [&](const Chosen& chosen, int blocks, cudaStream_t stream) {
-        kernels_.pressure.advance_cells(view(), fluid_.pressure.view(), chosen, blocks, cell_task<Real>(substep),
-                                        stream);
+        kernels_.pressure.advance_pressures(view(), fluid_.pressure.view(), chosen, blocks,
+                                            pressure_task<Real>(substep), stream);
     };
     if (part == SharePart::interior) {
         advance(epoch_.lists.interior(), interior_blocks(), stream_);
@@ -92,11 +93,11 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
         solve(nullptr);
     }
     if (!substep.is_last()) return;
-    CellTask<Real> task = cell_task<Real>({substep.number + 1, substep.count, substep.dt});
+    PressureTask<Real> task = pressure_task<Real>({substep.number + 1, substep.count, substep.dt});
     task.sums = false;
     if (exchange_)
-        kernels_.pressure.advance_cells(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
-    kernels_.pressure.advance_cells(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
+        kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
+    kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
     reports_.watch.end(1, stream_);
 }
 

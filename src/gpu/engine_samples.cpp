@@ -1,5 +1,5 @@
-// The engine's answers to hazard maps and sections (core/plan_samples.hpp): sums of columns and the particles near a
-// line go to the host, not the share.
+// The engine's answers to hazard maps and sections (core/data/plan_samples.hpp): sums of columns and the particles near
+// a line go to the host, not the share.
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-// The engine's parts of a step that concern sleeping blocks (core/sleep.hpp).
+// The engine's parts of a step that concern sleeping blocks (core/sleep/sleep.hpp).
 
 #include "comm/activity_exchange.hpp"
 #include "gpu/engine.hpp"

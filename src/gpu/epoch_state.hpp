@@ -6,11 +6,11 @@
 
 #include <optional>
 
-#include "comm/epoch.hpp"
-#include "core/quad.hpp"
+#include "blocks/epoch.hpp"
+#include "core/data/quad.hpp"
 #include "gpu/exchange/block_moves.hpp"
 #include "gpu/exchange/exchange.hpp"
-#include "gpu/kernels/cells/lists.hpp"
+#include "gpu/kernels/binning/lists.hpp"
 #include "gpu/memory/device_tables.hpp"
 #include "gpu/memory/pool_array.hpp"
 #include "gpu/memory/stream.hpp"

@@ -1,11 +1,12 @@
 #pragma once
-// What fluids take from the grid on the device: means of nodes (core/pressure_smoothing.hpp,
-// core/particle_shifting.hpp), the grid's pressure (core/grid_pressure.hpp), and the volumes of over-filling.
+// What fluids take from the grid on the device: means of nodes (core/fluid/pressure_smoothing.hpp,
+// core/fluid/particle_shifting.hpp), the grid's pressure (core/fluid/grid_pressure.hpp), and the volumes of
+// over-filling.
 
 #include <cmath>
 
-#include "core/exact_sum.hpp"
-#include "core/method.hpp"
+#include "core/data/exact_sum.hpp"
+#include "core/transfer/method.hpp"
 #include "gpu/engine_kernels.hpp"
 #include "gpu/memory/array.hpp"
 

@@ -1,12 +1,12 @@
 #pragma once
-// A lead: steps that a device makes by itself (comm/lead_rule.hpp), as graphs of kernels, and the reports of each.
+// A lead: steps that a device makes by itself (engine/lead_rule.hpp), as graphs of kernels, and the reports of each.
 //
 // Entry k of a lead holds the report of the step before its step k, and whether step k is made. The host reads an entry
 // once its serial is there, and does not wait for the stream. Steps are queued a few ahead of the entries that the host
 // has taken, because what is queued behind the end of a lead still runs, switched off; so entries are a ring.
 
-#include "comm/engine.hpp"
-#include "core/rank_failure.hpp"
+#include "core/data/rank_failure.hpp"
+#include "engine/engine.hpp"
 #include "gpu/lead_graph.hpp"
 #include "gpu/memory/stopwatch.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
-// What limits accelerations at light nodes on the device (core/light_nodes.hpp): which node blocks have some, and which
-// blocks of particles are limited by them. Empty where the method limits nothing.
+// What limits accelerations at light nodes on the device (core/grid/light_nodes.hpp): which node blocks have some, and
+// which blocks of particles are limited by them. Empty where the method limits nothing.
 
 #include <algorithm>
 
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/memory/array.hpp"

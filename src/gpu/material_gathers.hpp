@@ -1,5 +1,5 @@
 #pragma once
-// The gathers of a scene of several materials that go by material (core/kernel_key.hpp): most blocks
+// The gathers of a scene of several materials that go by material (core/transfer/kernel_key.hpp): most blocks
 // hold particles of one material, and go through that one's kernel, gather and stress at once. The rest, blocks of
 // several and blocks with light nodes, is left to the engine's gather without stress.
 //

@@ -2,7 +2,7 @@
 // The memory of a device's particles: their rows, which of their slots are in use, and when rows are next put into list
 // order (memory/refresh.hpp).
 
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 #include "gpu/exchange/particle_record.hpp"
 #include "gpu/memory/particles.hpp"
 #include "gpu/memory/refresh_clock.hpp"

@@ -4,8 +4,8 @@
 
 #include <bit>
 
-#include "comm/engine.hpp"
-#include "gpu/kernels/cells/lists.hpp"
+#include "engine/engine.hpp"
+#include "gpu/kernels/binning/lists.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/memory/stopwatch.hpp"

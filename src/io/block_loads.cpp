@@ -6,8 +6,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "core/error.hpp"
-#include "core/hash.hpp"
+#include "core/data/error.hpp"
+#include "core/data/hash.hpp"
 
 namespace moraine {
 namespace {

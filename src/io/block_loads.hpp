@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "comm/comm.hpp"
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
 #include "io/disk_file.hpp"
 
 namespace moraine {
@@ -39,7 +39,7 @@ struct LoadHeader {
     std::array<std::int32_t, 3> blocks{};    ///< of the domain
     std::array<std::int32_t, 3> periodic{};  ///< 0 or 1
     std::int32_t node_bytes = 40;            ///< of a node in a message of the halo
-    std::int32_t rounds = 1;                 ///< of the method (core/method.hpp)
+    std::int32_t rounds = 1;                 ///< of the method (core/transfer/method.hpp)
     std::int32_t interval = 50;              ///< [steps] between imbalance checks
     std::int32_t axis = 0;                   ///< of slabs
     std::int32_t trigger = 0;                ///< Trigger as a number

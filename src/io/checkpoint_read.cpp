@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/checkpoint.hpp"
 #include "io/checkpoint_format.hpp"
 #include "io/disk_file.hpp"

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/checkpoint.hpp"
 #include "io/checkpoint_format.hpp"
 #include "io/disk_file.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
 
 namespace moraine {
 

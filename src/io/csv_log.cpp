@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 

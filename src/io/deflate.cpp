@@ -1,6 +1,6 @@
 #include "io/deflate.hpp"
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 #if MORAINE_HAS_ZLIB
 #include <zlib.h>

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/gis_file.hpp"
 #include "io/input_error.hpp"
 

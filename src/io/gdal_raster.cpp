@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/file_numbers.hpp"
 #include "io/gdal_library.hpp"
 #include "io/gis_file.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/file_numbers.hpp"
 #include "io/gdal_library.hpp"
 #include "io/gis_file.hpp"

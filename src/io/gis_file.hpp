@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 
 namespace moraine {
 

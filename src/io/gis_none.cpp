@@ -1,5 +1,5 @@
 // In place of GDAL where the build has none.
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/gis_file.hpp"
 #include "io/input_error.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/disk_file.hpp"
 
 namespace moraine {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "io/gis_file.hpp"
 
 namespace moraine {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/disk_file.hpp"
 #include "io/h5.hpp"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "seeding/seed.hpp"
 
 namespace moraine {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
 #include "core/scene_spec.hpp"
 
 namespace moraine {

@@ -5,13 +5,13 @@
 #include <type_traits>
 #include <utility>
 
-#include "comm/lead_rule.hpp"
-#include "core/block.hpp"
-#include "core/kernel_key.hpp"
-#include "core/method.hpp"
-#include "core/plan_samples.hpp"
-#include "core/scene_sleep.hpp"
-#include "core/shape.hpp"
+#include "core/data/block.hpp"
+#include "core/data/plan_samples.hpp"
+#include "core/grid/shape.hpp"
+#include "core/sleep/scene_sleep.hpp"
+#include "core/transfer/kernel_key.hpp"
+#include "core/transfer/method.hpp"
+#include "engine/lead_rule.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 
@@ -19,7 +19,7 @@ namespace moraine {
 
 namespace {
 
-/// What of the table of a particle's state (core/particle_state.hpp) a scene keeps.
+/// What of the table of a particle's state (core/particles/particle_state.hpp) a scene keeps.
 struct ParticleSize {
     int reals = 0;    ///< of a particle on the host, besides its id and body
     int widest = 0;   ///< variable [reals]
@@ -60,15 +60,15 @@ double tile_bytes(const Scene& scene) {
     return std::pow(tile_side(stencil_of(scene.shape).width), scene.dimensions) * node_reals * real_bytes(scene);
 }
 
-/// Node values, and over terrain the ground at the nodes (GroundNode in core/structure.hpp).
+/// Node values, and over terrain the ground at the nodes (GroundNode in core/structures/structure.hpp).
 double node_block_bytes(const Scene& scene) {
     const bool ground = !scene.structures.empty() && scene.structures[0].shape == StructureShape::ground;
     return std::pow(4, scene.dimensions) *
            (node_reals * real_bytes(scene) + (ground ? 8.0 * (scene.dimensions + 3) : 0.0));
 }
 
-/// What the grid's pressure keeps of a block's cells and nodes (core/grid_pressure.hpp): geometry as factors of its
-/// nodes on the host, where only that of cells that are not whole is ever touched, as moments on a device.
+/// What the grid's pressure keeps of a block's cells and nodes (core/fluid/grid_pressure.hpp): geometry as factors of
+/// its nodes on the host, where only that of cells that are not whole is ever touched, as moments on a device.
 double pressure_bytes(const Scene& scene, bool on_device) {
     if (!uses_grid_pressure(scene)) return 0;
     const int d = scene.dimensions;

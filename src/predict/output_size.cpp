@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "core/particle_state.hpp"
+#include "core/particles/particle_state.hpp"
 #include "predict/prediction.hpp"
 
 namespace moraine {

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <limits>
 
-#include "comm/growth.hpp"
-#include "comm/topology.hpp"
-#include "core/block.hpp"
+#include "blocks/growth.hpp"
+#include "blocks/topology.hpp"
+#include "core/data/block.hpp"
+#include "core/data/morton.hpp"
+#include "core/grid/shape.hpp"
 #include "core/material/laws.hpp"
-#include "core/method.hpp"
-#include "core/morton.hpp"
-#include "core/place_step.hpp"
-#include "core/shape.hpp"
+#include "core/particles/place_step.hpp"
+#include "core/transfer/method.hpp"
 #include "predict/lattice_prediction.hpp"
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
 #include "core/scene_spec.hpp"
 
 namespace moraine {
@@ -27,7 +27,7 @@ struct Prediction {
     double cells = 0;               ///< full ones that the bodies fill
     double dt = 0;                  ///< [s]
     double steps = 0;
-    int substeps = 1;           ///< of a step, of the start (core/grid_pressure.hpp)
+    int substeps = 1;           ///< of a step, of the start (core/fluid/grid_pressure.hpp)
     double steps_without = 0;   ///< substeps
     double max_speed = 0;       ///< at the start [m/s]
     double max_wave_speed = 0;  ///< [m/s]
@@ -49,7 +49,7 @@ double bytes_per_rank(const Scene& scene, const Prediction& prediction, int rank
 double map_bytes_at_most(const Scene& scene);
 
 /// Of the GPU of one of `ranks` ranks, beside the driver's own share (0.5 GB on an H200) [B]. It goes through the
-/// arrays of gpu/memory/particles.hpp, gpu/kernels/cells/lists.hpp, gpu/memory/device_tables.hpp and gpu/engine.hpp,
+/// arrays of gpu/memory/particles.hpp, gpu/kernels/binning/lists.hpp, gpu/memory/device_tables.hpp and gpu/engine.hpp,
 /// and with several ranks through the boxes of the transports; a test holds it to what was measured.
 double bytes_on_device(const Scene& scene, const Prediction& p, int ranks = 1);
 

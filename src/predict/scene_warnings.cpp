@@ -9,7 +9,7 @@
 
 #include "core/courant.hpp"
 #include "core/material/laws.hpp"
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"

@@ -4,9 +4,9 @@
 //   mass, volume: sums;  velocity = sum m v / sum m;  density = sum m / sum V;  any other q: sum V q / sum V
 //   volume_fraction = sum V / (h^d s), s: the share of the cell inside the domain
 //
-// A cell is what particles are binned by (core/position.hpp): around a node for stencils of three nodes, between nodes
-// for others. So a cell lies in one block, on one rank, and nothing is exchanged; values of nodes would want the tiles
-// of all ranks around. Sums run over the list in doubles: the same bits on any ranks and threads.
+// A cell is what particles are binned by (core/data/position.hpp): around a node for stencils of three nodes, between
+// nodes for others. So a cell lies in one block, on one rank, and nothing is exchanged; values of nodes would want the
+// tiles of all ranks around. Sums run over the list in doubles: the same bits on any ranks and threads.
 
 #include <algorithm>
 #include <bit>
@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "core/data/position.hpp"
 #include "core/material/laws.hpp"
-#include "core/position.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/checkpoint.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_identity.hpp"

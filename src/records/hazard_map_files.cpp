@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <iterator>
 
-#include "core/error.hpp"
-#include "core/ground.hpp"
+#include "core/data/error.hpp"
+#include "core/structures/ground.hpp"
 #include "io/disk_file.hpp"
 #include "records/hazard_maps.hpp"
 #include "records/map_style.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/ground.hpp"
-#include "core/morton.hpp"
+#include "core/data/morton.hpp"
+#include "core/structures/ground.hpp"
 
 namespace moraine {
 namespace {

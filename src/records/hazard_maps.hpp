@@ -13,7 +13,7 @@
 //
 // A particle flies over two empty layers of h: from a cell or two above the highest ground of its map cell on, layers
 // of the column are gone through upwards, and what is above the first two in turn that hold nobody is no depth
-// (core/plan_samples.hpp). What lies on a structure that high flies too.
+// (core/data/plan_samples.hpp). What lies on a structure that high flies too.
 //
 // A column tells speed, pressure and flux while D >= threshold. Samples come so close that what moves now and falls
 // freely goes half a map cell between two, and at the end: tau with v tau + g tau^2 / 2 = a / 2. The sums are of whole

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/scene_sleep.hpp"
+#include "core/sleep/scene_sleep.hpp"
 #include "io/block_loads.hpp"
 #include "records/sleep_forecast.hpp"
 #include "simulation/simulation.hpp"

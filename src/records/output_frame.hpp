@@ -8,7 +8,7 @@
 #include <array>
 #include <cstring>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"

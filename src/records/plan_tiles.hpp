@@ -1,5 +1,5 @@
 #pragma once
-// The tiles of a map's columns (core/plan_samples.hpp) that soil lies over, and who owns each.
+// The tiles of a map's columns (core/data/plan_samples.hpp) that soil lies over, and who owns each.
 //
 // A rank knows the tiles over its own blocks. The owner of a tile follows from its number alone, so ranks share a map
 // however the flow lies and whoever has its blocks. What ranks have of a tile comes together at its owner: whole
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "comm/comm.hpp"
-#include "core/plan_samples.hpp"
+#include "core/data/plan_samples.hpp"
 
 namespace moraine {
 

@@ -7,7 +7,7 @@
 //           dissipated, in two rows in turn. In one row it may be the step's own phase: velocities are half a step
 //           apart from stresses. Not judged once particles have left through open walls: what they took is not known;
 //           nor with gravity along a periodic axis: the potential energy jumps where particles come round
-//   filling more than 5 % of the volume does not fit where its particles are (core/over_filling.hpp)
+//   filling more than 5 % of the volume does not fit where its particles are (core/fluid/over_filling.hpp)
 //
 // Each is said once. What is kept of it goes into checkpoints, so a restarted run neither forgets nor repeats it.
 

@@ -8,8 +8,8 @@
 
 #include <filesystem>
 
-#include "core/ground.hpp"
 #include "core/scene_spec.hpp"
+#include "core/structures/ground.hpp"
 #include "io/json_text.hpp"
 #include "records/version.hpp"
 #include "scene/scene_identity.hpp"

@@ -100,7 +100,7 @@ typename SleepForecast<Real, Dim>::Activities SleepForecast<Real, Dim>::activiti
     return all;
 }
 
-/// U of core/sleep.hpp.
+/// U of core/sleep/sleep.hpp.
 template <class Real, int Dim>
 double SleepForecast<Real, Dim>::activity_around(const Activities& all, Key key) const {
     double most = 0;

@@ -1,5 +1,6 @@
 #pragma once
-// Which blocks of a run in which all are awake would sleep by the rule of core/sleep.hpp, for `moraine replay --sleep`.
+// Which blocks of a run in which all are awake would sleep by the rule of core/sleep/sleep.hpp, for `moraine replay
+// --sleep`.
 //
 // The rule wants places and stresses of the last sleep check. Scenes that sleep carry them with the particles; here
 // they are kept by id beside the run, so that its state, hash and checkpoints are those without a record. Of particles
@@ -10,8 +11,8 @@
 
 #include <vector>
 
-#include "core/scene_sleep.hpp"
-#include "core/sleep_contact.hpp"
+#include "core/sleep/scene_sleep.hpp"
+#include "core/sleep/sleep_contact.hpp"
 #include "scene/scene_check.hpp"
 #include "simulation/simulation.hpp"
 
@@ -34,7 +35,7 @@ class SleepForecast {
     };
     struct Activity {
         Key key;
-        double u;      ///< of core/sleep.hpp
+        double u;      ///< of core/sleep/sleep.hpp
         double speed;  ///< the part of u that is of speeds alone
         bool stays;    ///< asleep, and neither its speeds nor a structure wake it: its u is 0
     };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 
 namespace moraine {
 namespace {

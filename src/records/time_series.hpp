@@ -11,8 +11,8 @@
 
 namespace moraine {
 
-/// Of the unaccounted energy, who took it [J] (core/node_energy.hpp). What is left of it is the error of the step in
-/// time. Negative: gave it.
+/// Of the unaccounted energy, who took it [J] (core/nodes/node_energy.hpp). What is left of it is the error of the step
+/// in time. Negative: gave it.
 struct EnergyBudget {
     double transfer = 0;  ///< on the way from particles to nodes and back
     double shift = 0;     ///< by places that changed without a velocity: particle shifting; it lifts mass
@@ -43,7 +43,7 @@ struct TimeSeriesRow {
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
     double over_filling =
-        std::numeric_limits<double>::quiet_NaN();  ///< core/over_filling.hpp; not a number: not observed
+        std::numeric_limits<double>::quiet_NaN();  ///< core/fluid/over_filling.hpp; not a number: not observed
     std::optional<EnergyBudget> energy;            ///< none: the scene does not want it
 
     static std::vector<std::string> columns(const Scene& scene) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "core/block.hpp"
+#include "core/data/block.hpp"
 
 namespace moraine {
 namespace {

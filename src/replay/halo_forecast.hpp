@@ -1,6 +1,6 @@
 #pragma once
 // What a partition sends in one exchange of halos: tiles, bytes and neighbours of every rank, counted as an epoch's
-// tables do (comm/epoch.hpp) but for all ranks at once, from the blocks alone.
+// tables do (blocks/epoch.hpp) but for all ranks at once, from the blocks alone.
 //
 // The tile of an occupied block goes to every other rank that owns a neighbour of it, empty neighbours (the
 // apron) included; what travels is the union of the overlaps. An empty neighbour belongs to whom a static
@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "comm/block_index.hpp"
+#include "blocks/block_index.hpp"
 #include "comm/host_groups.hpp"
 #include "replay/interval.hpp"
 

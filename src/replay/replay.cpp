@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/disk_file.hpp"
 #include "replay/optimum.hpp"
 #include "replay/replay_record.hpp"

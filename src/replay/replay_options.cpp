@@ -8,7 +8,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_keys.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "balance/cut.hpp"
 #include "comm/phases.hpp"
-#include "core/block.hpp"
-#include "core/error.hpp"
+#include "core/data/block.hpp"
+#include "core/data/error.hpp"
 #include "replay/flow_speed.hpp"
 
 namespace moraine {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "core/courant.hpp"
-#include "core/error.hpp"
-#include "core/grid_pressure.hpp"
+#include "core/data/error.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_file.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/material/laws.hpp"
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 #include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
 

@@ -24,7 +24,7 @@ struct Hindrance {
     const char *why, *help;
 };
 
-/// Whether a scene can have substeps (core/grid_pressure.hpp).
+/// Whether a scene can have substeps (core/fluid/grid_pressure.hpp).
 bool bears_substeps(const Scene& scene);
 
 /// Domain, walls, transfer, balance, output, bodies and time: all but the particles. Throws InputError. Not collective.

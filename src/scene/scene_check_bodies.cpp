@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "core/material/laws.hpp"
 #include "predict/lattice_prediction.hpp"
 #include "scene/scene_check.hpp"

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/sleep.hpp"
+#include "core/sleep/sleep.hpp"
 #include "scene/scene_check.hpp"
 
 namespace moraine {

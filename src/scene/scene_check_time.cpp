@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/method.hpp"
 #include "core/rest_interval.hpp"
+#include "core/transfer/method.hpp"
 #include "predict/prediction.hpp"
 #include "scene/scene_check.hpp"
 

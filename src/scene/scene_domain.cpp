@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ground.hpp"
-#include "core/ground_curvature.hpp"
+#include "core/structures/ground.hpp"
+#include "core/structures/ground_curvature.hpp"
 #include "io/terrain_model.hpp"
 #include "scene/scene_terrain.hpp"
 #include "seeding/seed_region.hpp"

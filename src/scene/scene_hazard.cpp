@@ -4,7 +4,7 @@
 #include <cctype>
 #include <set>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "io/terrain_model.hpp"
 #include "scene/scene_keys.hpp"
 #include "scene/scene_terrain.hpp"

@@ -7,9 +7,9 @@
 #include <span>
 #include <sstream>
 
-#include "core/ground.hpp"
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
+#include "core/structures/ground.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "io/terrain_file.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_terrain.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compile/system_compiler.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_keys.hpp"
 #include "scene/scene_names.hpp"

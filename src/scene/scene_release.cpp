@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "io/terrain_model.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_terrain.hpp"

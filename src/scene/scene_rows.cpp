@@ -1,5 +1,5 @@
 // Keys of the tables that are written once: the scene itself, its domain, numerics, balance, output, run.
-#include "core/grid_pressure.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
 

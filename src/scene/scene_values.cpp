@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 namespace moraine {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 
 namespace moraine {
 namespace {

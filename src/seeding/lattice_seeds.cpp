@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/data/morton.hpp"
 #include "core/material/laws.hpp"
-#include "core/morton.hpp"
 #include "seeding/seed_state.hpp"
 
 namespace moraine {

@@ -1,11 +1,11 @@
 #pragma once
-// Scenes of boxes that a lattice fills, without going through their particles: the tables of core/lattice.hpp, and the
-// blocks that are occupied. All in closed form, in a time that grows with blocks alone; seeding/seed.hpp is the
+// Scenes of boxes that a lattice fills, without going through their particles: the tables of core/data/lattice.hpp, and
+// the blocks that are occupied. All in closed form, in a time that grows with blocks alone; seeding/seed.hpp is the
 // reference, and has all other bodies.
 
-#include "comm/topology.hpp"
-#include "core/lattice.hpp"
-#include "core/method.hpp"
+#include "blocks/topology.hpp"
+#include "core/data/lattice.hpp"
+#include "core/transfer/method.hpp"
 
 namespace moraine {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 
 namespace moraine {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "seeding/seed_region.hpp"
 
 namespace moraine {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/ground.hpp"
-#include "core/structure.hpp"
+#include "core/structures/ground.hpp"
+#include "core/structures/structure.hpp"
 #include "seeding/seed_layer.hpp"
 
 namespace moraine {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 #include "seeding/seed.hpp"
 
 namespace moraine {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/structure_set.hpp"
+#include "core/structures/structure_set.hpp"
 
 namespace moraine {
 

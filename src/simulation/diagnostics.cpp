@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
 
 namespace moraine {

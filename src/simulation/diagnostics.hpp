@@ -4,7 +4,7 @@
 // All are over the pieces of the shares, block by block in list order, and their sums over blocks and ranks are exact:
 // the same on any number of ranks and threads.
 
-#include "core/totals.hpp"
+#include "core/transfer/totals.hpp"
 #include "simulation/simulation.hpp"
 
 namespace moraine {

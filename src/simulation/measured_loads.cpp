@@ -1,6 +1,6 @@
 #include "simulation/measured_loads.hpp"
 
-#include "comm/key_order.hpp"
+#include "blocks/key_order.hpp"
 #include "simulation/rebalance.hpp"
 
 namespace moraine {

@@ -11,8 +11,8 @@
 #include "balance/imbalance_check.hpp"
 #include "balance/measured_cost.hpp"
 #include "balance/weight.hpp"
-#include "comm/agreement.hpp"
-#include "comm/engine.hpp"
+#include "engine/agreement.hpp"
+#include "engine/engine.hpp"
 
 namespace moraine {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The state of a seed (seeding/seed.hpp) as a particle: in a slot of a share, and the block it is binned in.
 
-#include "comm/topology.hpp"
+#include "blocks/topology.hpp"
 #include "seeding/seed_state.hpp"
 
 namespace moraine {

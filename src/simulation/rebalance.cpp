@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "comm/key_order.hpp"
+#include "blocks/key_order.hpp"
 
 namespace moraine {
 

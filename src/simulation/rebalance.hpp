@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "balance/imbalance_check.hpp"
+#include "blocks/epoch_lifetime.hpp"
+#include "blocks/next_epoch.hpp"
 #include "comm/async_allgather.hpp"
-#include "comm/epoch_lifetime.hpp"
-#include "comm/next_epoch.hpp"
 
 namespace moraine {
 

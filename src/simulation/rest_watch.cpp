@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 #include "core/rest_interval.hpp"
 #include "simulation/diagnostics.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "comm/agreement.hpp"
+#include "engine/agreement.hpp"
 
 namespace moraine {
 

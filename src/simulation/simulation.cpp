@@ -1,7 +1,7 @@
 // The step: Simulation::step() is the first function below, and every message between ranks is visible in it.
 //
 //   * bin: incoming particles of the last step join; the list of each block is binned by cell
-//   * for each round of the scheme (USL has one, USF and MUSL two, FMPM(k) k; core/method.hpp):
+//   * for each round of the scheme (USL has one, USF and MUSL two, FMPM(k) k; core/transfer/method.hpp):
 //       - P2G of the blocks that other ranks need; their tiles are sent, unsummed, while P2G of the interior runs
 //       - first round: the gaps to structures, with the sums, and in the same message
 //       - first round: dt, faults and requests of all ranks in one reduction that overlaps with P2G; it needs no dt
@@ -11,9 +11,9 @@
 //   * outgoing particles are sent; the next step takes them in
 //   * time and structures go on by dt
 //
-// The work is the engine's (comm/engine.hpp); here are the order, dt, and what all must agree on. A device queues the
+// The work is the engine's (engine/engine.hpp); here are the order, dt, and what all must agree on. A device queues the
 // work and is waited for once, where the agreement starts; where it makes steps by itself, the host follows them
-// (follow(), comm/lead_rule.hpp). Balancing is between steps: simulation_epoch.cpp.
+// (follow(), engine/lead_rule.hpp). Balancing is between steps: simulation_epoch.cpp.
 
 #include "simulation/simulation.hpp"
 
@@ -24,7 +24,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/scene_sleep.hpp"
+#include "core/sleep/scene_sleep.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {
@@ -94,7 +94,7 @@ void Simulation<Real, Dim>::follow() {
     ++clock_.step;
 }
 
-/// Pressures of cells and velocities of nodes, while the particles wait (core/grid_pressure.hpp).
+/// Pressures of cells and velocities of nodes, while the particles wait (core/fluid/grid_pressure.hpp).
 template <class Real, int Dim>
 void Simulation<Real, Dim>::make_substeps() {
     Substep substep{0, substeps_, clock_.dt / substeps_};
@@ -128,7 +128,7 @@ void Simulation<Real, Dim>::apply_body_force() {
     });
 }
 
-/// At times that are the same on all ranks, wherever their run began (core/sleep.hpp).
+/// At times that are the same on all ranks, wherever their run began (core/sleep/sleep.hpp).
 template <class Real, int Dim>
 void Simulation<Real, Dim>::check_sleep() {
     if (!scene_.sleep.on) return;

@@ -8,15 +8,15 @@
 #include <memory>
 
 #include "balance/partitioner.hpp"
-#include "comm/agreement.hpp"
+#include "blocks/epoch_lifetime.hpp"
+#include "blocks/next_epoch.hpp"
 #include "comm/async_allgather.hpp"
-#include "comm/engine.hpp"
-#include "comm/epoch_lifetime.hpp"
 #include "comm/host_groups.hpp"
-#include "comm/next_epoch.hpp"
 #include "comm/phases.hpp"
-#include "core/error.hpp"
-#include "core/method.hpp"
+#include "core/data/error.hpp"
+#include "core/transfer/method.hpp"
+#include "engine/agreement.hpp"
+#include "engine/engine.hpp"
 #include "simulation/measured_loads.hpp"
 #include "simulation/rebalance.hpp"
 #include "simulation/run_clock.hpp"
@@ -56,7 +56,7 @@ class Simulation {
                  const Budget<Dim>& budget, const std::vector<std::int64_t>& partitioner_state, const ReadRows& read);
 
     /// Promises that the particles are not read before the first step at or past `time`, nor before `step`. Until then
-    /// a device may make steps by itself (comm/lead_rule.hpp), ahead of the clock; without the promise it does not.
+    /// a device may make steps by itself (engine/lead_rule.hpp), ahead of the clock; without the promise it does not.
     void leave_alone_until(double time, std::int64_t step) { alone_until_ = time, alone_until_step_ = step; }
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
@@ -107,7 +107,7 @@ class Simulation {
     /// none did.
     ImbalanceCheck take_imbalance_check() { return rebalance_.take_check(); }
 
-    /// This rank's share on the host, and piece by piece: f(piece) as in comm/engine.hpp. Binned state only.
+    /// This rank's share on the host, and piece by piece: f(piece) as in engine/engine.hpp. Binned state only.
     Share& patch() { return engine_->share(); }
     template <class F>
     void each_piece(const std::vector<std::string>& columns, const F& f) const {
@@ -115,7 +115,7 @@ class Simulation {
     }
     /// The columns of its particles, without rows.
     std::vector<ColumnBytes> columns() const { return Particles<Host, Real, Dim>(method_.needs).columns(); }
-    /// Answers a question about this rank's particles (comm/engine_query.hpp). Binned state only.
+    /// Answers a question about this rank's particles (engine/engine_query.hpp). Binned state only.
     template <class Query>
     Query answer(Query query) const {
         engine_->answer(&query);

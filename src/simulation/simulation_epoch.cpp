@@ -1,11 +1,11 @@
 // Between steps: the owners of blocks, and how long an epoch lasts. A plan is rebalance.hpp's, what blocks
-// weigh measured_loads.hpp's, how long an epoch holds comm/epoch_lifetime.hpp's.
+// weigh measured_loads.hpp's, how long an epoch holds blocks/epoch_lifetime.hpp's.
 
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
-#include "comm/host_engine.hpp"
+#include "host/host_engine.hpp"
 #include "simulation/simulation.hpp"
 
 namespace moraine {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "comm/host_engine.hpp"
+#include "host/host_engine.hpp"
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "comm/host_engine.hpp"
+#include "host/host_engine.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 #include "simulation/place_seed.hpp"

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/agreed_scene.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/test_folder.hpp"
 
 using namespace moraine;

@@ -2,7 +2,7 @@
 
 #include "app/options.hpp"
 #include "balance/partitioner.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 

@@ -2,7 +2,7 @@
 #include <unistd.h>
 
 #include "app/run_directory.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/test_folder.hpp"
 
 using namespace moraine;

@@ -9,7 +9,7 @@
 #include "balance/partitioner.hpp"
 #include "balance/relabel.hpp"
 #include "balance/run_loads.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 using Owners = std::vector<std::int32_t>;

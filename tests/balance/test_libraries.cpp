@@ -14,7 +14,7 @@
 #include "balance/relabel.hpp"
 #include "balance/run_loads.hpp"
 #include "balance/zoltan.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 using Owners = std::vector<std::int32_t>;

@@ -2,7 +2,7 @@
 
 #include "balance/load.hpp"
 #include "balance/weight.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 

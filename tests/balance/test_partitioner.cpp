@@ -7,7 +7,7 @@
 #include "balance/load.hpp"
 #include "balance/partitioner.hpp"
 #include "balance/relabel.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 using Owners = std::vector<std::int32_t>;

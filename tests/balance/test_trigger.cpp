@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "balance/trigger.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 

@@ -11,8 +11,8 @@
 
 #include "comm/block_move.hpp"
 #include "comm/migration.hpp"
-#include "core/hash.hpp"
-#include "core/host.hpp"
+#include "core/data/hash.hpp"
+#include "core/data/host.hpp"
 
 namespace moraine::test {
 

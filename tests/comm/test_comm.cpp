@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "comm/comm.hpp"
-#include "core/error.hpp"
-#include "core/exact_sum.hpp"
+#include "core/data/error.hpp"
+#include "core/data/exact_sum.hpp"
 
 using namespace moraine;
 

@@ -1,10 +1,10 @@
+#include "blocks/patch.hpp"
+#include "blocks/random_world.hpp"
 #include "comm/halo.hpp"
-#include "comm/patch.hpp"
-#include "comm/random_world.hpp"
-#include "core/host.hpp"
-#include "core/nodes.hpp"
-#include "core/scene_walls.hpp"
-#include "core/structure_set.hpp"
+#include "core/data/host.hpp"
+#include "core/nodes/nodes.hpp"
+#include "core/structures/structure_set.hpp"
+#include "core/transfer/scene_walls.hpp"
 
 using namespace moraine;
 using moraine::test::World;

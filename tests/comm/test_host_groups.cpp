@@ -4,7 +4,7 @@
 #include <string>
 
 #include "comm/host_groups.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 
 using namespace moraine;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "comm/point_to_point.hpp"
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 
 using namespace moraine;
 

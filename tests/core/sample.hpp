@@ -13,9 +13,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "comm/patch.hpp"
+#include "blocks/patch.hpp"
 #include "core/material/laws.hpp"
-#include "core/method.hpp"
+#include "core/transfer/method.hpp"
 
 namespace moraine::test {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 
 namespace moraine::test {
 

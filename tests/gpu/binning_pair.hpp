@@ -6,8 +6,8 @@
 #include <memory>
 #include <random>
 
-#include "comm/patch.hpp"
-#include "core/host.hpp"
+#include "blocks/patch.hpp"
+#include "core/data/host.hpp"
 #include "gpu/device_lists.hpp"
 
 namespace moraine::test {

@@ -7,8 +7,8 @@
 #include <bit>
 #include <vector>
 
-#include "core/hash.hpp"
-#include "core/morton.hpp"
+#include "core/data/hash.hpp"
+#include "core/data/morton.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/binning.hpp"
-#include "gpu/kernels/cells/binning.hpp"
+#include "core/grid/binning.hpp"
+#include "gpu/kernels/binning/binning.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::test {

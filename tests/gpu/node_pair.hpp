@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/particle_depth.hpp"
+#include "core/structures/particle_depth.hpp"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/device_structures.hpp"

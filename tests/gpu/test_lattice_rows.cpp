@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "comm/lattice_fill.hpp"
+#include "blocks/lattice_fill.hpp"
 #include "core/material/laws.hpp"
 #include "gpu/memory/lattice_rows.hpp"
 #include "lattice_scenes.hpp"

@@ -4,8 +4,8 @@
 using namespace moraine;
 using namespace moraine::test;
 
-// A device that leads (comm/lead_rule.hpp) gives the answer of one whose dt the host makes, to the bit; it stops where
-// somebody looks, and where a step went wrong.
+// A device that leads (engine/lead_rule.hpp) gives the answer of one whose dt the host makes, to the bit; it stops
+// where somebody looks, and where a step went wrong.
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "core/scene_walls.hpp"
+#include "core/transfer/scene_walls.hpp"
 #include "gpu/node_pair.hpp"
 #include "gpu/stopwatch.hpp"
 

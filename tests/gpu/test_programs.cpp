@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "core/kernel_key.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/kernel_sources.hpp"
 #include "gpu/compile/runtime_compiler.hpp"
 #include "gpu/kernels/programs.hpp"

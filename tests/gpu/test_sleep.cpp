@@ -1,4 +1,4 @@
-#include "core/sleep.hpp"
+#include "core/sleep/sleep.hpp"
 #include "gpu/engine_pair.hpp"
 #include "io/test_folder.hpp"
 #include "records/checkpoint_state.hpp"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/plan_samples.hpp"
+#include "core/data/plan_samples.hpp"
 #include "gpu/engine_pair.hpp"
 #include "terrain_scene.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/block_loads.hpp"
 #include "io/test_folder.hpp"
 

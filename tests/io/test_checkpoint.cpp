@@ -5,7 +5,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/checkpoint.hpp"
 #include "io/sample_rows.hpp"
 #include "io/test_folder.hpp"

@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/csv_log.hpp"
 #include "io/test_folder.hpp"
 

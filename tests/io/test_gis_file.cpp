@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/netcdf_size.hpp"
 #include "io/terrain_model.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/h5_open.hpp"
 #include "io/test_folder.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/json_text.hpp"
 #include "io/test_folder.hpp"
 

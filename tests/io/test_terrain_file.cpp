@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/terrain_file.hpp"
 #include "io/terrain_model.hpp"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "io/h5.hpp"
 #include "io/sample_rows.hpp"
 #include "io/test_folder.hpp"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "core/kernel_key.hpp"
+#include "core/grid/shape.hpp"
 #include "core/material/laws.hpp"
-#include "core/shape.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "predict/prediction.hpp"
 
 using namespace moraine;

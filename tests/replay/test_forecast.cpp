@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "balance/relabel.hpp"
-#include "core/hash.hpp"
+#include "core/data/hash.hpp"
 #include "replay/forecast.hpp"
 #include "replay/optimum.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "comm/random_world.hpp"
+#include "blocks/random_world.hpp"
 #include "replay/halo_forecast.hpp"
 
 using namespace moraine;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "scene/read_scene.hpp"
 
 namespace moraine {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/sample_ground.hpp"
-#include "core/structure.hpp"
+#include "core/structures/structure.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_layer.hpp"
 

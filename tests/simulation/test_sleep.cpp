@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "core/sleep.hpp"
+#include "core/sleep/sleep.hpp"
 #include "simulation/diagnostics.hpp"
 #include "sleep_scene.hpp"
 

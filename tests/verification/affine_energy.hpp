@@ -10,8 +10,8 @@
 // is its mean over all places, h^2 (1/6 + l^2/3), l the half-size in cells. Where a ghost node is folded it is that of
 // the place, with the folded weights: there it falls to 0 on the wall.
 
-#include "core/shape.hpp"
-#include "core/stencil.hpp"
+#include "core/grid/shape.hpp"
+#include "core/grid/stencil.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine::verification {

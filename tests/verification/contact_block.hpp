@@ -1,7 +1,7 @@
 #pragma once
 // The elastic block of the contact problems C1 to C7, on a rigid plane through the origin at any angle to the grid.
 
-#include "core/structure_set.hpp"
+#include "core/structures/structure_set.hpp"
 #include "records/time_series.hpp"
 #include "verification/run.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
-// S24: random scenes of fluids whose pressure is the grid's (core/grid_pressure.hpp), number n: blocks that fall apart,
-// films, sprays, corners, drops that fall into pools, tanks. Every transfer that takes it, nu from 0.45 to 0.4999, 1 to
-// 10 substeps, with and without smoothing and shifts, the whole default step. As in S23 (thin_scene.hpp) all is drawn
-// from n, h and rho are 1, c is 1, speeds at most Mach 0.25.
+// S24: random scenes of fluids whose pressure is the grid's (core/fluid/grid_pressure.hpp), number n: blocks that fall
+// apart, films, sprays, corners, drops that fall into pools, tanks. Every transfer that takes it, nu from 0.45 to
+// 0.4999, 1 to 10 substeps, with and without smoothing and shifts, the whole default step. As in S23 (thin_scene.hpp)
+// all is drawn from n, h and rho are 1, c is 1, speeds at most Mach 0.25.
 
 #include "verification/thin_scene.hpp"
 

@@ -5,7 +5,7 @@
 // Frozen clouds stand still at some offset to the nodes; drifting ones pass all offsets, obliquely to the grid. A full
 // cloud fills a periodic domain; a free one has surfaces, whose nodes are light. The strip varies along x alone.
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "verification/run.hpp"
 
 namespace moraine::verification {

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <map>
 
-#include "core/structure_set.hpp"
+#include "core/structures/structure_set.hpp"
 #include "verification/run.hpp"
 
 namespace moraine::verification {

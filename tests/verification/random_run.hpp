@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "records/time_series.hpp"
 #include "verification/affine_energy.hpp"
 #include "verification/random_scene.hpp"

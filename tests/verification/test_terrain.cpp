@@ -1,6 +1,6 @@
 // Ground from heights: an incline is the plane that it is, a block on a parabola goes where a point mass goes, what
 // rests on rough ground stays, and a slab under Voellmy's law comes to its speed.
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "verification/contact_block.hpp"
 #include "verification/drive.hpp"
 

@@ -2,7 +2,7 @@
 // where a point mass goes, and a lake on rough ground stays where it is.
 #include <cmath>
 
-#include "core/ground.hpp"
+#include "core/structures/ground.hpp"
 #include "simulation/diagnostics.hpp"
 #include "verification/drive.hpp"
 

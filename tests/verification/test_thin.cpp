@@ -1,8 +1,8 @@
 // Thin layers over walls, droplets and particles alone at the default step: a small disturbance stays small.
 #include "core/courant.hpp"
-#include "core/error.hpp"
-#include "core/light_stencil.hpp"
-#include "core/shape.hpp"
+#include "core/data/error.hpp"
+#include "core/grid/light_stencil.hpp"
+#include "core/grid/shape.hpp"
 #include "sample_scenes.hpp"
 #include "verification/drive.hpp"
 #include "verification/problem_cloud.hpp"

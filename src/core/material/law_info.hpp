@@ -1,7 +1,7 @@
 #pragma once
 // What is known of a law whatever its struct is: keys, scalars and traits for readers and writers, and what they may
 // ask of it, as pointers to functions. It is made of the struct by describe(), for the laws of the program
-// (core/material/laws.cpp) and for one in a file of the user's (core/law_object.hpp) alike.
+// (core/material/laws.cpp) and for one in a file of the user's (core/particles/law_object.hpp) alike.
 
 #include <cstddef>
 #include <iterator>
@@ -26,7 +26,7 @@ struct LawFile {
     const char* path = nullptr;   ///< as the scene names it
     const char* text = nullptr;
     const char* type = nullptr;  ///< its struct in kernels of devices
-    /// A LawBatch<Real, Dim> (core/law_batch.hpp), of the caller; bytes: of a Real.
+    /// A LawBatch<Real, Dim> (core/particles/law_batch.hpp), of the caller; bytes: of a Real.
     void* (*make_batch)(int bytes, int dimension, const double* values, double density) = nullptr;
     /// Writes the struct, as a kernel takes it, where `at` is not null. Returns its size.
     std::size_t (*write)(int bytes, const double* values, void* at) = nullptr;

@@ -6,7 +6,7 @@
 // Symmetric by construction and 4 or 6 numbers instead of 4 or 9. In plane strain b_zz stays 1. Kept as b, strains of
 // 1e-4 would have four digits in single, and each step would round there: E3 at A = 1e-4 was off by 0.8 % of A.
 
-#include "core/vec.hpp"
+#include "core/data/vec.hpp"
 
 namespace moraine {
 

@@ -30,9 +30,9 @@
 
 #include <limits>
 
+#include "core/data/vec.hpp"
 #include "core/material/left_stretch.hpp"
-#include "core/strain.hpp"
-#include "core/vec.hpp"
+#include "core/material/strain.hpp"
 
 namespace moraine {
 

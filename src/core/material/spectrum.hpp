@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/vec.hpp"
+#include "core/data/vec.hpp"
 
 namespace moraine {
 

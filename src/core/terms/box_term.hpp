@@ -1,7 +1,7 @@
 #pragma once
 // Boxes of contiguous GIMP as a term: they follow the stretch of their particles (particle_update.hpp).
 
-#include "core/particle_update.hpp"
+#include "core/grid/particle_update.hpp"
 #include "core/terms/terms.hpp"
 
 namespace moraine {

@@ -1,10 +1,10 @@
 #pragma once
 // What the terms of a gather see on the host: the compiled case, a cell in work, and one of its particles.
 
-#include "core/gather_sums.hpp"
-#include "core/grid_views.hpp"
-#include "core/particle_state.hpp"
-#include "core/quad.hpp"
+#include "core/data/grid_views.hpp"
+#include "core/data/quad.hpp"
+#include "core/grid/gather_sums.hpp"
+#include "core/particles/particle_state.hpp"
 
 namespace moraine {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Light nodes (light_nodes.hpp) as a term: takes from the gradient and C of a particle what its nodes cannot bear.
 
-#include "core/light_cell.hpp"
+#include "core/grid/light_cell.hpp"
 #include "core/terms/gather_point.hpp"
 #include "core/terms/terms.hpp"
 

@@ -5,9 +5,9 @@
 
 #include <cstdint>
 
+#include "core/grid/volumetric.hpp"
 #include "core/terms/gather_point.hpp"
 #include "core/terms/terms.hpp"
-#include "core/volumetric.hpp"
 
 namespace moraine {
 

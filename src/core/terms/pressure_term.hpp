@@ -1,7 +1,7 @@
 #pragma once
 // The pressure of the grid (grid_pressure.hpp) as a term: the volumetric part of a particle's step is that of its cell.
 
-#include "core/grid_pressure.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "core/terms/gather_point.hpp"
 #include "core/terms/terms.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 // Particle shifting (particle_shifting.hpp) as a term: added to the velocity that moves a particle.
 
-#include "core/find_cells.hpp"
-#include "core/particle_shifting.hpp"
+#include "core/fluid/find_pressures.hpp"
+#include "core/fluid/particle_shifting.hpp"
 #include "core/terms/gather_point.hpp"
 #include "core/terms/terms.hpp"
 

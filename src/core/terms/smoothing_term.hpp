@@ -2,8 +2,8 @@
 // Pressure smoothing (pressure_smoothing.hpp) as a term. Where the pressure is the grid's it stays inside a cell
 // (grid_pressure.hpp).
 
-#include "core/grid_pressure.hpp"
-#include "core/pressure_smoothing.hpp"
+#include "core/fluid/grid_pressure.hpp"
+#include "core/fluid/pressure_smoothing.hpp"
 #include "core/terms/gather_point.hpp"
 #include "core/terms/terms.hpp"
 

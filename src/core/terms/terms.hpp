@@ -2,7 +2,7 @@
 // Physics as terms: what a gather does to a particle besides taking its velocity, its place and dL from the nodes.
 //
 // A term is a struct with the data of one physics and some hooks; a gather calls those of its terms in the order of
-// their list (core/g2p.hpp; on devices gpu/kernels/g2p/terms_of.cuh):
+// their list (core/transfer/g2p.hpp; on devices gpu/kernels/g2p/terms_of.cuh):
 //   at_block       before the particles of a block: what it needs of all its nodes
 //   at_cell        before those of a cell
 //   before_gather  a particle, before its sums (devices)
@@ -13,7 +13,7 @@
 // `hooks` of a term names those that it has. On the host one whose on() says no costs the question; what it keeps
 // through a block is its State.
 
-#include "core/vec.hpp"
+#include "core/data/vec.hpp"
 
 namespace moraine {
 

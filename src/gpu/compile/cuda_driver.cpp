@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "core/rank_failure.hpp"
+#include "core/data/rank_failure.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "compile/system_compiler.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "gpu/compile/kernel_sources.hpp"
 
 namespace moraine::gpu {

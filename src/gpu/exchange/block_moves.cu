@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "core/position.hpp"
+#include "core/data/position.hpp"
 #include "gpu/exchange/block_moves.hpp"
 #include "gpu/exchange/particle_record.cuh"
 #include "gpu/kernels/warp.cuh"

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "comm/patch.hpp"
+#include "blocks/patch.hpp"
 #include "gpu/exchange/particle_record.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/memory/stream.hpp"

@@ -6,7 +6,7 @@
 // structure near their block, where gaps are asked for. A kernel with a thread block per peer finds where each tile
 // stands; then a thread block per tile copies. The nodes read foreign tiles as those of ghost blocks.
 
-#include "core/grid_views.hpp"
+#include "core/data/grid_views.hpp"
 #include "gpu/exchange/routes.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/memory/stream.hpp"

@@ -3,7 +3,7 @@
 
 #include "gpu/exchange/migration.hpp"
 #include "gpu/exchange/particle_record.cuh"
-#include "gpu/kernels/cells/binning.cuh"
+#include "gpu/kernels/binning/binning.cuh"
 #include "gpu/kernels/scan.cuh"
 
 namespace moraine::gpu {

@@ -9,10 +9,10 @@
 // many stand in such cells, of a block and of all that one rank shares with another (the migration bound), travels with
 // each step's agreement, before the outgoing particles do. When it outgrows the capacities, all ranks make larger ones.
 
-#include "comm/agreement.hpp"
+#include "engine/agreement.hpp"
 #include "gpu/exchange/particle_record.hpp"
 #include "gpu/exchange/routes.hpp"
-#include "gpu/kernels/cells/binning.hpp"
+#include "gpu/kernels/binning/binning.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/transport.hpp"
 

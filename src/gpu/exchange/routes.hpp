@@ -1,11 +1,12 @@
 #pragma once
 // An epoch's halo lists on the device: which tiles travel between this rank and its peers, and which of their nodes.
 //
-// Both sides have the same lists in the same order (comm/epoch.hpp), so a tile is told by its number in a peer's list.
+// Both sides have the same lists in the same order (blocks/epoch.hpp), so a tile is told by its number in a peer's
+// list.
 
 #include <utility>
 
-#include "comm/epoch.hpp"
+#include "blocks/epoch.hpp"
 #include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {
@@ -98,7 +99,7 @@ struct Counters {
     std::uint64_t halo_bytes;
     std::uint64_t crossed;             ///< particles that walked to other ranks
     std::uint32_t stored;              ///< slots in use: those at or above are free
-    std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp), since the last report
+    std::uint32_t migration_bound[2];  ///< of a block, of a pair (engine/agreement.hpp), since the last report
 };
 
 }  // namespace moraine::gpu

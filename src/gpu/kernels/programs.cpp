@@ -151,10 +151,10 @@ Program nodes_program(const KernelKey& key, bool marks, bool fluid) {
 Program pressure_program(const KernelKey& key) {
     const std::string of = "<" + real_dim(key) + ">";
     Program program{"pressure",
-                    {"gpu/kernels/pressure/advance_cells.cuh", "gpu/kernels/pressure/found_cells.cuh",
+                    {"gpu/kernels/pressure/advance_pressures.cuh", "gpu/kernels/pressure/found_pressures.cuh",
                      "gpu/kernels/pressure/pressure_nodes.cuh"},
-                    {{"find_cells_kernel" + of, team_threads(key), team_bytes(key, "FindShared" + of)},
-                     {"advance_cells_kernel" + of, team_threads(key), team_bytes(key, "CellsShared" + of)}}};
+                    {{"find_pressures_kernel" + of, team_threads(key), team_bytes(key, "FindShared" + of)},
+                     {"advance_pressures_kernel" + of, team_threads(key), team_bytes(key, "PressuresShared" + of)}}};
     add_pair(program, key.structures, "hold_nodes_kernel<" + real_dim(key) + ", ", ">");
     add_pair(program, key.structures, "substep_kernel<" + real_dim(key) + ", ", ">");
     return program;

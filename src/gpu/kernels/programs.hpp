@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/kernel_key.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/program.hpp"
 
 namespace moraine::gpu {
@@ -23,7 +23,7 @@ Program stress_program(const KernelKey& key, std::size_t material);
 /// what fluids want.
 Program nodes_program(const KernelKey& key, bool marks, bool fluid);
 
-/// hold_nodes, substep (each: no structure near, and where there are any near one), find_cells, advance_cells.
+/// hold_nodes, substep (each: no structure near, and where there are any near one), find_pressures, advance_pressures.
 Program pressure_program(const KernelKey& key);
 
 Program waves_program(const KernelKey& key, std::size_t material);

@@ -68,7 +68,7 @@ struct Seen {
     }
 };
 
-/// And where steps depend on it (core/grid_pressure.hpp).
+/// And where steps depend on it (core/fluid/grid_pressure.hpp).
 template <class Real>
 struct SeenWithSpeed : Seen<Real> {
     Real square_speed = 0;  ///< [m2/s2]

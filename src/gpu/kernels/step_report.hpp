@@ -18,7 +18,7 @@ struct Report {
     std::uint32_t boundary;            ///< occupied blocks that some peer needs
     std::uint32_t interior;            ///< the other occupied ones
     std::uint32_t stored;              ///< slots in use
-    std::uint32_t migration_bound[2];  ///< of a block, of a pair (comm/agreement.hpp)
+    std::uint32_t migration_bound[2];  ///< of a block, of a pair (engine/agreement.hpp)
     std::uint32_t in_guard_layer;      ///< 1: some particle is in a cell of the guard layer
 
     MORAINE_HD std::uint32_t occupied() const { return boundary + interior; }
@@ -29,7 +29,7 @@ template <int Dim>
 struct ReportWork {
     Account<Dim>* accounts;
     const std::uint32_t* particles;       ///< first[own]
-    const std::uint32_t* occupied;        ///< both counts of gpu/kernels/cells/binning.hpp
+    const std::uint32_t* occupied;        ///< both counts of gpu/kernels/binning/binning.hpp
     const std::uint32_t* in_guard_layer;  ///< its flag
     Counters* counters;
     Report<Dim>* report;

@@ -1,16 +1,17 @@
 #pragma once
 // What the kernels of one step see of one rank's share on the device. Plain pointers, by value.
 //
-// Numbers of blocks, cells, tiles, corners and neighbours are those of core/block.hpp, tables those of comm/epoch.hpp.
-// Tiles: [tile][node of tile][2 quads]: (mass, momentum), (force, 0 or mean); node values: [node block][node][2 quads]:
-// (v', 0), (dv, 0), the mass in the last lane of the first where light nodes are marked, in the second's what fluids
-// want (nodes.hpp). Only occupied blocks have a tile; every node block of the epoch has node values.
+// Numbers of blocks, cells, tiles, corners and neighbours are those of core/data/block.hpp, tables those of
+// blocks/epoch.hpp. Tiles: [tile][node of tile][2 quads]: (mass, momentum), (force, 0 or mean); node values: [node
+// block][node][2 quads]: (v', 0), (dv, 0), the mass in the last lane of the first where light nodes are marked, in the
+// second's what fluids want (nodes.hpp). Only occupied blocks have a tile; every node block of the epoch has node
+// values.
 
-#include "core/exact_sum.hpp"
-#include "core/grid_views.hpp"
-#include "core/stencil.hpp"
-#include "core/stress.hpp"
-#include "core/walls.hpp"
+#include "core/data/exact_sum.hpp"
+#include "core/data/grid_views.hpp"
+#include "core/grid/stencil.hpp"
+#include "core/grid/walls.hpp"
+#include "core/particles/stress.hpp"
 #include "gpu/memory/particle_rows.hpp"
 
 namespace moraine::gpu {
@@ -49,7 +50,7 @@ struct View {
     TileView<Real> grid;
     Columns<Real, Dim> p;
     StencilContext<Real, Dim> context;  ///< half_size on the device, one entry per body
-    std::uint16_t* moves;               ///< per list entry: encode_move (core/place_step.hpp)
+    std::uint16_t* moves;               ///< per list entry: encode_move (core/particles/place_step.hpp)
     std::uint32_t* changed;  ///< bit per list entry: it changed its cell or block. Words of block b: first[b] / 32 + b
     Account<Dim>* accounts;  ///< account_parts
 };

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/rank_failure.hpp"
+#include "core/data/rank_failure.hpp"
 
 namespace moraine::gpu {
 

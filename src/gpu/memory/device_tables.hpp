@@ -5,8 +5,8 @@
 
 #include <utility>
 
-#include "comm/epoch.hpp"
-#include "core/grid_views.hpp"
+#include "blocks/epoch.hpp"
+#include "core/data/grid_views.hpp"
 #include "gpu/memory/pool_array.hpp"
 
 namespace moraine::gpu {

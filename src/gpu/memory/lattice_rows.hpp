@@ -1,8 +1,8 @@
 #pragma once
-// Particles of a lattice (core/lattice.hpp) into the rows of a device. Host and device run the same lines: a test on
-// the host compares the rows with what seeding/seed.hpp makes.
+// Particles of a lattice (core/data/lattice.hpp) into the rows of a device. Host and device run the same lines: a test
+// on the host compares the rows with what seeding/seed.hpp makes.
 
-#include "core/lattice.hpp"
+#include "core/data/lattice.hpp"
 #include "gpu/memory/particle_rows.hpp"
 
 namespace moraine::gpu {

@@ -1,10 +1,10 @@
 #pragma once
-// A run begins on the device: a kernel writes the particles of a lattice (core/lattice.hpp) into the rows of the blocks
-// that this rank owns, in list order. Nothing is computed but indices, so the bits are the host's.
+// A run begins on the device: a kernel writes the particles of a lattice (core/data/lattice.hpp) into the rows of the
+// blocks that this rank owns, in list order. Nothing is computed but indices, so the bits are the host's.
 
 #include <cuda_runtime.h>
 
-#include "core/lattice.hpp"
+#include "core/data/lattice.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/memory/particle_rows.hpp"
 

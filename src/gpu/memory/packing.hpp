@@ -1,6 +1,6 @@
 #pragma once
-// Rows on the device to and from columns as the host keeps them (core/particles.hpp): for output, checkpoints,
-// messages and the start of a run.
+// Rows on the device to and from columns as the host keeps them (core/particles/particles.hpp): for output,
+// checkpoints, messages and the start of a run.
 //
 // A host column is made of at most three parts: consecutive lanes of a column of rows. pack_rows() puts a part's
 // lanes of the particles in given slots into a contiguous buffer of the host's format; unpack_rows() is its inverse.

@@ -1,9 +1,9 @@
 #pragma once
 // A particle on the device: rows of four reals, one column each, so that a row is one or two 16-byte accesses and a
 // row of doubles one 32-byte sector: a particle read out of order costs no more bytes. Which lanes hold what is said
-// by the table of core/particle_state.hpp; what has no row there has a column of its own.
+// by the table of core/particles/particle_state.hpp; what has no row there has a column of its own.
 //
-// x are the fixed-point places of core/position.hpp; their bits are kept in reals' clothes: a row is only copied.
+// x are the fixed-point places of core/data/position.hpp; their bits are kept in reals' clothes: a row is only copied.
 
 #include <cstdint>
 #include <cstdlib>
@@ -11,7 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/particle_state.hpp"
+#include "core/particles/particle_state.hpp"
 
 namespace moraine::gpu {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/particle_bytes.hpp"
+#include "core/particles/particle_bytes.hpp"
 #include "gpu/memory/packing.hpp"
 #include "gpu/memory/refresh.hpp"
 

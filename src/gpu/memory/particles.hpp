@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/particles.hpp"
+#include "core/particles/particles.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/memory/packing.hpp"
 #include "gpu/memory/particle_rows.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-// The two words by which a particle sleeps (core/sleep.hpp), in columns of their own beside the rows: only the kernels
-// of sleep, messages and files know them, so that no other kernel is passed a pointer more.
+// The two words by which a particle sleeps (core/sleep/sleep.hpp), in columns of their own beside the rows: only the
+// kernels of sleep, messages and files know them, so that no other kernel is passed a pointer more.
 
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "gpu/transport/nccl_transport.hpp"
 
 namespace moraine::gpu {

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "core/rank_failure.hpp"
+#include "core/data/rank_failure.hpp"
 #include "gpu/memory/pinned_bytes.hpp"
 #include "gpu/memory/stream.hpp"
 #include "gpu/transport/mailboxes.hpp"

@@ -1,6 +1,6 @@
 #include <cuda.h>
 
-#include "core/rank_failure.hpp"
+#include "core/data/rank_failure.hpp"
 #include "gpu/memory/array.hpp"
 #include "gpu/transport/stream_flags.hpp"
 

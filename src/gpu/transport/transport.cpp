@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "comm/transport_names.hpp"
-#include "core/error.hpp"
+#include "core/data/error.hpp"
 #include "gpu/transport/mixed_transport.hpp"
 #include "gpu/transport/mpi_transport.hpp"
 #include "gpu/transport/nccl_transport.hpp"

@@ -2,7 +2,7 @@
 #include "core/material/drive.hpp"
 #include "core/material/drucker_prager.hpp"
 #include "core/material/mu_i.hpp"
-#include "core/stress.hpp"
+#include "core/particles/stress.hpp"
 
 using namespace moraine;
 using namespace moraine::testing;

@@ -2,8 +2,8 @@
 
 #include <atomic>
 
-#include "core/g2p.hpp"
 #include "core/sample.hpp"
+#include "core/transfer/g2p.hpp"
 
 using namespace moraine;
 using moraine::test::Sample;

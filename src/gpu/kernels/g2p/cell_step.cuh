@@ -1,5 +1,5 @@
 #pragma once
-// The pressure of the grid (core/grid_pressure.hpp) on the device: the cells of a block in shared memory.
+// The pressure of the grid (core/fluid/grid_pressure.hpp) on the device: the cells of a block in shared memory.
 
 #include "gpu/kernels/g2p/fluid.cuh"
 
@@ -11,7 +11,7 @@ struct PressureShared {
     RestingPressure<Real> resting;
     Real head[cells];        ///< of P + rho g.x, which smoothing takes [Pa]
     Real increment[cells];   ///< of ln J
-    Real in_tension[cells];  ///< of it (core/grid_pressure.hpp: increment_in_tension)
+    Real in_tension[cells];  ///< of it (core/fluid/grid_pressure.hpp: increment_in_tension)
     Real loose[cells];       ///< K_c of a loose cell, else 0 [Pa]
 };
 

@@ -1,11 +1,12 @@
 #pragma once
-// What fluids take from the grid besides their motion (core/pressure_smoothing.hpp, core/particle_shifting.hpp): one
-// number per node of a block in shared memory, P_i or in steps that shift e_i, and each particle's sums over it.
+// What fluids take from the grid besides their motion (core/fluid/pressure_smoothing.hpp,
+// core/fluid/particle_shifting.hpp): one number per node of a block in shared memory, P_i or in steps that shift e_i,
+// and each particle's sums over it.
 //
 // The kernel of nodes has left that number in the last lane of a node's values. Only instances for scenes with such
 // fluids look at it; weights are made anew for it, because registers for them would be held through the gather.
 
-#include "core/particle_shifting.hpp"
+#include "core/fluid/particle_shifting.hpp"
 #include "gpu/kernels/g2p/gather_case.cuh"
 
 namespace moraine::gpu {

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/kernel_key.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/g2p/gather_args.hpp"
 #include "gpu/kernels/launch.hpp"

@@ -1,9 +1,9 @@
 #pragma once
 // What both gather kernels do with a particle: its way through the list, its motion, its velocity. The formulas are
-// those of core/particle_update.hpp and core/place_step.hpp; here is where its rows are.
+// those of core/grid/particle_update.hpp and core/particles/place_step.hpp; here is where its rows are.
 
-#include "core/particle_update.hpp"
-#include "core/place_step.hpp"
+#include "core/grid/particle_update.hpp"
+#include "core/particles/place_step.hpp"
 #include "gpu/kernels/g2p/gather.cuh"
 #include "gpu/kernels/g2p/gather_args.hpp"
 #include "gpu/kernels/seen.cuh"

@@ -2,13 +2,13 @@
 // What one particle reads from its tile: nested sums over the stencil, along x, then y, then z.
 //
 //   velocity = sum w v'     change = sum w dv     gradient[b] = sum v' dw/d(x_b / h)
-//   affine[b] = sum w v' (x_i - x_p)_b / (h D_b)  where APIC is wanted (or the gradient: core/particle_update.hpp)
+//   affine[b] = sum w v' (x_i - x_p)_b / (h D_b)  where APIC is wanted (or the gradient: core/grid/particle_update.hpp)
 //
 // Nested: for quadratic 3-D 9 + 4 + 5/3 products of three per node instead of 18. Slopes are per cell here; whoever
 // uses a gradient multiplies by 1/h. The cell is the top bits of the place, so no cell list is read.
 
-#include "core/particle_update.hpp"
-#include "core/shape.hpp"
+#include "core/grid/particle_update.hpp"
+#include "core/grid/shape.hpp"
 #include "gpu/kernels/g2p/gather_tile.cuh"
 
 namespace moraine::gpu {

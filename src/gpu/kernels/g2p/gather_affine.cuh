@@ -14,7 +14,7 @@
 // differ by a multiple of d alone. Steps are shared by all three, so APIC takes fewer products than FLIP, and no
 // register for levers (Jiang et al. 2015, eq. 10 has the sum as it stands).
 
-#include "core/shape.hpp"
+#include "core/grid/shape.hpp"
 #include "gpu/kernels/g2p/gather.cuh"
 
 namespace moraine::gpu {

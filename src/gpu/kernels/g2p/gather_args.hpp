@@ -5,17 +5,17 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "core/grid_pressure.hpp"
-#include "core/light_nodes.hpp"
-#include "core/particle_update.hpp"
-#include "core/place_step.hpp"
-#include "core/pressure_smoothing.hpp"
-#include "core/scene_choices.hpp"
+#include "core/data/scene_choices.hpp"
+#include "core/fluid/grid_pressure.hpp"
+#include "core/fluid/pressure_smoothing.hpp"
+#include "core/grid/light_nodes.hpp"
+#include "core/grid/particle_update.hpp"
+#include "core/particles/place_step.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
 
-/// For a method that limits accelerations at light nodes (core/light_nodes.hpp).
+/// For a method that limits accelerations at light nodes (core/grid/light_nodes.hpp).
 template <class Real>
 struct LightArgs {
     const Stiffness<Real>* stiffness;  ///< by body, on the device; null: nothing is limited
@@ -28,7 +28,7 @@ struct LightArgs {
 template <class Real, int Dim>
 struct GatherArgs {
     DomainEnds<Real, Dim> ends;
-    unsigned gather;               ///< bits of Gather (core/particle_update.hpp)
+    unsigned gather;               ///< bits of Gather (core/grid/particle_update.hpp)
     bool tpic;                     ///< C_p is the velocity gradient
     Real flip;                     ///< share of FLIP [-]
     Real dt;                       ///< [s]

@@ -2,9 +2,9 @@
 // The nodes of one block's particles in shared memory: v' and dv in 2 Dim reals per node, ghosts behind walls set. Who
 // takes velocities alone (Change = false) has tiles without dv.
 //
-// Ghost nodes follow the two nodes before them once per tile, v_-1 = 2 v_0 - v_1 (core/walls.hpp), so no particle asks
-// for walls. In single precision the tile also holds the steps along x, node[n + 1] - node[n]: weights sum to one and
-// slopes to zero, so a line of w nodes takes w - 1 products of each sum instead of w (measured: a tenth fewer
+// Ghost nodes follow the two nodes before them once per tile, v_-1 = 2 v_0 - v_1 (core/grid/walls.hpp), so no particle
+// asks for walls. In single precision the tile also holds the steps along x, node[n + 1] - node[n]: weights sum to one
+// and slopes to zero, so a line of w nodes takes w - 1 products of each sum instead of w (measured: a tenth fewer
 // instructions; in double the shared memory costs more than it saves).
 
 #include "gpu/kernels/copy_async.cuh"

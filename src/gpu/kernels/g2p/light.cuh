@@ -1,8 +1,8 @@
 #pragma once
-// Light nodes on the device (core/light_stencil.hpp): what one particle's gradients lose, read from memory node by
+// Light nodes on the device (core/grid/light_stencil.hpp): what one particle's gradients lose, read from memory node by
 // node. Slopes are per cell. Only blocks that find_limited.cuh has listed come here.
 
-#include "core/light_stencil.hpp"
+#include "core/grid/light_stencil.hpp"
 #include "gpu/kernels/g2p/box.cuh"
 
 namespace moraine::gpu {

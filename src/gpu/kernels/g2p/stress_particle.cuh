@@ -1,7 +1,7 @@
 #pragma once
-// The stress update of one particle in registers, by the formulas of core/stress.hpp.
+// The stress update of one particle in registers, by the formulas of core/particles/stress.hpp.
 
-#include "core/stress.hpp"
+#include "core/particles/stress.hpp"
 #include "gpu/kernels/copy_async.cuh"
 #include "gpu/kernels/seen.cuh"
 

@@ -1,11 +1,11 @@
 #pragma once
-// The volumetric means of each cell of a block (core/volumetric.hpp), before the block's particles are gathered: two
-// threads per cell gather the divergence alone over the cell's list, one the even entries, one the odd ones.
+// The volumetric means of each cell of a block (core/grid/volumetric.hpp), before the block's particles are gathered:
+// two threads per cell gather the divergence alone over the cell's list, one the even entries, one the odd ones.
 //
 // Gathered twice, but nothing is stored per particle and no kernel is added: the sums of the divergence are a third of
 // a gather. The order is the list's, so the bits do not depend on who owns the block.
 
-#include "core/volumetric.hpp"
+#include "core/grid/volumetric.hpp"
 #include "gpu/kernels/g2p/gather_case.cuh"
 
 namespace moraine::gpu {

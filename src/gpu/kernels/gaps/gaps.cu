@@ -1,4 +1,4 @@
-#include "core/particle_depth.hpp"
+#include "core/structures/particle_depth.hpp"
 #include "gpu/kernels/gaps/gaps.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/seen.cuh"

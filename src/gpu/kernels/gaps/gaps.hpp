@@ -1,20 +1,21 @@
 #pragma once
-// Gaps on the device: minima and sums of whole numbers in shared memory, by the formulas of core/particle_gaps.hpp.
+// Gaps on the device: minima and sums of whole numbers in shared memory, by the formulas of
+// core/structures/particle_gaps.hpp.
 //
 // A thread block per pair of a block and a structure. Integer atomics are exact in any order, so the tiles are the same
 // in every run. Which pairs there are follows from the epoch and from where structures stand, and is made by the host
-// (comm/contact_pairs.hpp): once per epoch, or in each step where one moves. With them go the planes over the ground
-// (core/ground_bound.hpp), so that most particles of a thick flow ask for no distance.
+// (blocks/contact_pairs.hpp): once per epoch, or in each step where one moves. With them go the planes over the ground
+// (core/structures/ground_bound.hpp), so that most particles of a thick flow ask for no distance.
 //
 // The ground does not move: what the nodes want of it (GroundNode) is found once per epoch, for all nodes of the blocks
 // that it is near, and read in each step.
 
 #include <cuda_runtime.h>
 
-#include "comm/contact_pairs.hpp"
-#include "core/contact.hpp"
-#include "core/place_step.hpp"
-#include "core/shape.hpp"
+#include "blocks/contact_pairs.hpp"
+#include "core/grid/shape.hpp"
+#include "core/particles/place_step.hpp"
+#include "core/structures/contact.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
 
@@ -61,8 +62,8 @@ class DeviceGaps {
     bool knows_ground_ = false;  ///< in this epoch
 };
 
-/// Brings particles of these pairs that are too deep in their structure back (core/particle_depth.hpp), and notes those
-/// that are buried. contact: on the device; pairs: of `gaps`. Asynchronous.
+/// Brings particles of these pairs that are too deep in their structure back (core/structures/particle_depth.hpp), and
+/// notes those that are buried. contact: on the device; pairs: of `gaps`. Asynchronous.
 template <class Real, int Dim>
 void limit_depths(const View<Real, Dim>& view, const DomainEnds<Real, Dim>& ends, const ContactField<Dim>& contact,
                   const DeviceGaps<Dim>& gaps, const Array<ContactPair>& pairs, cudaStream_t stream);

@@ -1,14 +1,14 @@
 #pragma once
 // The kernel that makes dt on the device, and sets it for the kernels behind it.
 //
-// It folds the last step's report (gpu/kernels/step_report.hpp), decides by comm/lead_rule.hpp whether the next step is
-// made, and sets dt in the arguments of the kernels that take it: these are nodes of the graph that it is a node of
+// It folds the last step's report (gpu/kernels/step_report.hpp), decides by engine/lead_rule.hpp whether the next step
+// is made, and sets dt in the arguments of the kernels that take it: these are nodes of the graph that it is a node of
 // itself, and device-updatable. Kernels keep their arguments by value, in constant memory, so none of them is slower or
 // was changed for it. Where the lead ends it switches them off, and the particles stay as the last step left them.
 
 #include <driver_types.h>
 
-#include "comm/lead_rule.hpp"
+#include "engine/lead_rule.hpp"
 #include "gpu/kernels/step_report.hpp"
 
 namespace moraine::gpu {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/structure_set.hpp"
+#include "core/structures/structure_set.hpp"
 #include "gpu/memory/array.hpp"
 
 namespace moraine::gpu {

@@ -1,8 +1,8 @@
 #pragma once
-// e_i of core/particle_shifting.hpp at a node. What it lacks on a bed depends on the node above, which may be another
-// block's: that one is summed from the tiles around, because all tiles that reach it are there.
+// e_i of core/fluid/particle_shifting.hpp at a node. What it lacks on a bed depends on the node above, which may be
+// another block's: that one is summed from the tiles around, because all tiles that reach it are there.
 
-#include "core/particle_shifting.hpp"
+#include "core/fluid/particle_shifting.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/nodes/tiles_around.cuh"
 #include "gpu/kernels/view.hpp"
@@ -37,7 +37,7 @@ __device__ __forceinline__ Real filling_beside(const Real* tiles, const TilesAro
     return volume * inverse_volume;
 }
 
-/// Whether the nodes above node n of the node block c are full, where it is on beds (core/particle_shifting.hpp).
+/// Whether the nodes above node n of the node block c are full, where it is on beds (core/fluid/particle_shifting.hpp).
 /// Whole warps call it, in steps that shift.
 template <int Width, class Real, int Dim>
 __device__ __forceinline__ bool is_full_above(const View<Real, Dim>& view, const NodeCapacity<Real, Dim>& capacity,

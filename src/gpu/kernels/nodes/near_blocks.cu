@@ -1,4 +1,4 @@
-#include "core/contact.hpp"
+#include "core/structures/contact.hpp"
 #include "gpu/kernels/nodes/near_blocks.hpp"
 
 namespace moraine::gpu {

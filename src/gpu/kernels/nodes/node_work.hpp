@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "core/contact_field.hpp"
-#include "core/gap_tiles.hpp"
-#include "core/nodes.hpp"
-#include "core/particle_shifting.hpp"
+#include "core/fluid/particle_shifting.hpp"
+#include "core/nodes/nodes.hpp"
+#include "core/structures/contact_field.hpp"
+#include "core/structures/gap_tiles.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
@@ -32,7 +32,7 @@ struct NodeContact {
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.
 inline constexpr int light_counts = 4;
 
-/// Which node blocks have light nodes (core/light_stencil.hpp), for those who limit what they do.
+/// Which node blocks have light nodes (core/grid/light_stencil.hpp), for those who limit what they do.
 template <class Real>
 struct LightMarks {
     std::uint8_t* of;      ///< node block x light_marks: some of its nodes hold less than `mass`; null: nobody asks
@@ -44,7 +44,7 @@ template <int Dim>
 inline constexpr int light_marks = Block<Dim>::cells < 32 ? 1 : Block<Dim>::cells / 32;
 
 /// What nodes leave in the last lane of their values for fluids that want it: P_i, the mean over mass of their
-/// particles' mean stress, or in steps that shift e_i (core/particle_shifting.hpp).
+/// particles' mean stress, or in steps that shift e_i (core/fluid/particle_shifting.hpp).
 template <class Real, int Dim>
 struct NodeFluid {
     bool shifts;

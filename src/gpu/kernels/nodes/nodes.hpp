@@ -1,5 +1,5 @@
 #pragma once
-// Nodes on the device: from the sums in tiles to velocities, by the formula of core/nodes.hpp.
+// Nodes on the device: from the sums in tiles to velocities, by the formula of core/nodes/nodes.hpp.
 //
 // A node is +0 plus its tiles in the order of the offset delta, as on the host. Every node block of the epoch has
 // storage (node_of is the identity), so nothing has to be numbered; a node block that no occupied own block touches is
@@ -7,8 +7,8 @@
 // occupied block whose tile covers it. Where structures are, the node blocks near them (near_blocks.hpp) have an
 // instance of the kernel and a launch of their own.
 
-#include "core/kernel_key.hpp"
-#include "core/shape.hpp"
+#include "core/grid/shape.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
 

@@ -1,9 +1,9 @@
 #pragma once
-// Sums of a node over the tiles around it, by warps: the order is that of core/nodes.hpp.
+// Sums of a node over the tiles around it, by warps: the order is that of core/nodes/nodes.hpp.
 
-#include "core/block.hpp"
-#include "core/grid_views.hpp"
-#include "core/quad.hpp"
+#include "core/data/block.hpp"
+#include "core/data/grid_views.hpp"
+#include "core/data/quad.hpp"
 #include "gpu/kernels/warp.cuh"
 
 namespace moraine::gpu {

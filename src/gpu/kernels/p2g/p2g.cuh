@@ -1,6 +1,6 @@
 #pragma once
-// Particle to grid on the device (core/p2g.hpp says what; benchmarks/device/kernels.md why so): one thread per (cell,
-// slice).
+// Particle to grid on the device (core/transfer/p2g.hpp says what; benchmarks/device/kernels.md why so): one thread per
+// (cell, slice).
 //
 // Records of particles come round by round into shared memory, `stages` - 1 rounds ahead; a thread sums those of its
 // cell in list order in registers. Then cells are combined in planes, and the tile is written. With two passes

@@ -3,10 +3,10 @@
 // without a mean of the nodes.
 //
 // A launch writes the whole tile of every chosen block, on `stream`, by `grid_blocks` >= 1 thread blocks: their number
-// is speed, never the answer. Tiles are those of core/p2g.hpp but for rounding; device bits depend on nothing but the
-// lists. Body forces are the host's alone.
+// is speed, never the answer. Tiles are those of core/transfer/p2g.hpp but for rounding; device bits depend on nothing
+// but the lists. Body forces are the host's alone.
 
-#include "core/kernel_key.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/p2g/p2g_scale.hpp"
 #include "gpu/kernels/view.hpp"
@@ -24,8 +24,8 @@ template <class Real, int Dim>
 class P2g {
   public:
     P2g() = default;
-    /// mean: in the force quad's last lane, for scenes whose fluids want it (core/grid_views.hpp). Compiles the kernel,
-    /// or finds it. Throws MachineError.
+    /// mean: in the force quad's last lane, for scenes whose fluids want it (core/data/grid_views.hpp). Compiles the
+    /// kernel, or finds it. Throws MachineError.
     P2g(const KernelKey& key, bool mean);
 
     /// Of the scale nothing but the cell counts without a mean.

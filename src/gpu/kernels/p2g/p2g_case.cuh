@@ -7,13 +7,13 @@
 #include <cmath>
 #include <type_traits>
 
-#include "core/shape.hpp"
+#include "core/grid/shape.hpp"
 #include "gpu/kernels/p2g/p2g_scale.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
 
-/// Mean: the nodes' s_i is summed besides, for fluids that want it (core/p2g.hpp).
+/// Mean: the nodes' s_i is summed besides, for fluids that want it (core/transfer/p2g.hpp).
 template <class R, int D, class S, bool A, bool Mean = false>
 struct P2gCase {
     using Real = R;
@@ -61,10 +61,10 @@ struct Axis {
     typename Case::Real d[Case::width];
 };
 
-/// Gimp (core/shape.hpp) around d = f - 1/2, the distance from the middle node: a box of half-size l, with
+/// Gimp (core/grid/shape.hpp) around d = f - 1/2, the distance from the middle node: a box of half-size l, with
 /// quarter = 1 / (4 l), reaches both outer nodes where |d| < l, else the one on its side. Every thread of a cell makes
-/// these weights anew; those of core/shape.hpp divide, and have four branches per node: 1908 instructions instead of
-/// 1312 and 48 bytes of stack instead of none (3-D, single, FLIP, sm_90; with C 2014 instead of 1450).
+/// these weights anew; those of core/grid/shape.hpp divide, and have four branches per node: 1908 instructions instead
+/// of 1312 and 48 bytes of stack instead of none (3-D, single, FLIP, sm_90; with C 2014 instead of 1450).
 template <class Real>
 __device__ __forceinline__ void gimp_weights(Real f, Real half, Real quarter, Real* w, Real* dw) {
     const Real d = f - Real(0.5), up = half + d, down = half - d, u = up * quarter, v = down * quarter;
@@ -90,7 +90,7 @@ __device__ __forceinline__ Axis<Case> slopes_of(typename Case::Real f, typename 
     return a;
 }
 
-/// Weights and slopes; Folded: where ghosts behind walls are folded (core/walls.hpp), for momentum with C, which a
+/// Weights and slopes; Folded: where ghosts behind walls are folded (core/grid/walls.hpp), for momentum with C, which a
 /// ghost must not be given first. ghosts: 3 bits per axis. Without C tiles are folded, and nothing is done here.
 template <class Case, bool Folded>
 __device__ __forceinline__ Axis<Case> folded_slopes(int axis, unsigned ghosts, typename Case::Real f,

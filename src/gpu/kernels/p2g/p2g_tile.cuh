@@ -1,6 +1,6 @@
 #pragma once
 // Writes the tiles of a thread block, once and whole. A ghost node behind a closed wall follows by linear
-// extrapolation (core/walls.hpp), so what it was given goes to others, axis by axis:
+// extrapolation (core/grid/walls.hpp), so what it was given goes to others, axis by axis:
 //
 //   sum[wall] += 2 sum[ghost],   sum[next inner] -= sum[ghost],   sum[ghost] = 0
 

@@ -2,7 +2,7 @@
 // What the nodes of cells that are not whole take of them, from the cells' moments, 16 cells at a time: a layer of a
 // block in 3-D, all of it in 2-D. In shared memory, where the sums over nodes and over cells read it.
 
-#include "core/grid_pressure.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "gpu/kernels/team.cuh"
 #include "gpu/kernels/warp.cuh"
 

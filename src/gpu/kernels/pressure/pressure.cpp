@@ -37,9 +37,9 @@ void Pressure<Real, Dim>::hold_nodes(const HoldWork<Real, Dim>& work, cudaStream
 }
 
 template <class Real, int Dim>
-void Pressure<Real, Dim>::find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
-                                     const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks,
-                                     const Substep& first, cudaStream_t stream) const {
+void Pressure<Real, Dim>::find_pressures(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
+                                         const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks,
+                                         const Substep& first, cudaStream_t stream) const {
     const FindWork<Real, Dim> work{view,
                                    {{view.context, view.table, view.grid, pressure.cell, pressure.held, nullptr},
                                     view.list,
@@ -53,9 +53,9 @@ void Pressure<Real, Dim>::find_cells(const View<Real, Dim>& view, const Pressure
 }
 
 template <class Real, int Dim>
-void Pressure<Real, Dim>::advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
-                                        const Chosen& chosen, int blocks, const CellTask<Real>& task,
-                                        cudaStream_t stream) const {
+void Pressure<Real, Dim>::advance_pressures(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
+                                            const Chosen& chosen, int blocks, const PressureTask<Real>& task,
+                                            cudaStream_t stream) const {
     advance_(team_grid<Dim>(blocks), stream, {view, chosen, pressure, task}, "Advancing cells");
 }
 

@@ -1,14 +1,14 @@
 #pragma once
-// The grid's pressure on the device (core/grid_pressure.hpp): cells of the chosen blocks, and nodes, for quadratic
-// splines. Particles take the result in gathers of their own (gpu/kernels/g2p/fluid.cuh).
+// The grid's pressure on the device (core/fluid/grid_pressure.hpp): cells of the chosen blocks, and nodes, for
+// quadratic splines. Particles take the result in gathers of their own (gpu/kernels/g2p/fluid.cuh).
 //
 // A substep is two launches: cells take what the velocities of the substep before make of them and give their nodes
 // what they push with; nodes sum that over the tiles around them. The geometry of cells that are not whole stays as
 // moments, 3^d reals, and what a node takes from it is found anew, axis by axis, for 16 cells at a time: a quarter of
 // the bytes of its factors. The order of all sums follows from the blocks alone.
 
-#include "core/kernel_key.hpp"
-#include "core/shape.hpp"
+#include "core/grid/shape.hpp"
+#include "core/transfer/kernel_key.hpp"
 #include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/nodes/nodes.hpp"
 #include "gpu/kernels/pressure/pressure_work.hpp"
@@ -43,12 +43,12 @@ class Pressure {
     /// Nodes from the sums of particles.
     void hold_nodes(const HoldWork<Real, Dim>& work, cudaStream_t stream) const;
     /// Cells of the chosen blocks. `blocks`: about how many there are.
-    void find_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
-                    const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
-                    cudaStream_t stream) const;
+    void find_pressures(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure,
+                        const NodeCapacity<Real, Dim>& capacity, const Chosen& chosen, int blocks, const Substep& first,
+                        cudaStream_t stream) const;
     /// What the velocities of the substep before make of them, and what they push with.
-    void advance_cells(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
-                       int blocks, const CellTask<Real>& task, cudaStream_t stream) const;
+    void advance_pressures(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Chosen& chosen,
+                           int blocks, const PressureTask<Real>& task, cudaStream_t stream) const;
     /// Nodes after a substep. contact: null where the scene has no structures.
     void solve_nodes(const View<Real, Dim>& view, const PressureView<Real, Dim>& pressure, const Stencil& stencil,
                      const NodeRound<Real, Dim>& round, const Quantum& quantum, cudaStream_t stream,

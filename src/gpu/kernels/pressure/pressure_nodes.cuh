@@ -6,7 +6,7 @@
 
 namespace moraine::gpu {
 
-/// What substeps want of a node (core/nodes.hpp: SolveNodes::hold).
+/// What substeps want of a node (core/nodes/nodes.hpp: SolveNodes::hold).
 template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, int n, const Quad<Real>& sums,
                                           const Quad<Real>& force, bool full) {
@@ -49,7 +49,8 @@ __global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __gri
     });
 }
 
-/// The sums of a substep as those of a step, (m, q) and f (core/nodes.hpp: SolveNodes::take_held), and what follows.
+/// The sums of a substep as those of a step, (m, q) and f (core/nodes/nodes.hpp: SolveNodes::take_held), and what
+/// follows.
 template <bool Contact, class Real, int Dim>
 __device__ __forceinline__ void solve_substep_node(const SubstepWork<Real, Dim>& w, int c, int n,
                                                    const Quad<Real>& pushed, bool counted, ExactSum (&impulse)[Dim]) {

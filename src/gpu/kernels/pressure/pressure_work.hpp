@@ -2,8 +2,8 @@
 // What the kernels of the grid's pressure are told (gpu/kernels/pressure/pressure.hpp). Plain data, for kernels and
 // their launches alike.
 
-#include "core/find_cells.hpp"
-#include "core/grid_pressure.hpp"
+#include "core/fluid/find_pressures.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "gpu/kernels/nodes/node_work.hpp"
 
 namespace moraine::gpu {
@@ -40,7 +40,7 @@ struct HoldWork {
 
 /// What a launch over cells does.
 template <class Real>
-struct CellTask {
+struct PressureTask {
     bool updates;  ///< takes the velocities of the substep before
     Real dt;       ///< of it [s]
     Real time;     ///< half of the time from the start of the step to its middle [s]
@@ -57,7 +57,7 @@ struct SubstepWork : NodeWork<Real, Dim> {
 template <class Real, int Dim>
 struct FindWork {
     View<Real, Dim> view;
-    CellFinder<Real, Dim> finder;
+    PressureFinder<Real, Dim> finder;
     CellMoments<Real, Dim>* moments;  ///< [tile][cell]; of cells that are not whole
     const Real* bulk;                 ///< by body [Pa]
 };

@@ -3,8 +3,8 @@
 // and g = (-1/2, 0, 1/2), so that a sum over 3^d goes axis by axis. All threads of a team call these; each ends with
 // all of it seen.
 
-#include "core/block.hpp"
-#include "core/shape.hpp"
+#include "core/data/block.hpp"
+#include "core/grid/shape.hpp"
 #include "gpu/kernels/team.cuh"
 
 namespace moraine::gpu {

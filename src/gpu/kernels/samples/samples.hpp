@@ -1,5 +1,5 @@
 #pragma once
-// Samples for hazard maps and sections on the device, by the formulas of core/plan_samples.hpp.
+// Samples for hazard maps and sections on the device, by the formulas of core/data/plan_samples.hpp.
 //
 // A thread block per own block. The few columns over a block are summed in shared memory and added to those of the map
 // by one atomic each; whole numbers are the same in any order. Particles near lines go into a list in any order: who
@@ -7,7 +7,7 @@
 
 #include <cuda_runtime.h>
 
-#include "core/plan_samples.hpp"
+#include "core/data/plan_samples.hpp"
 #include "gpu/kernels/view.hpp"
 #include "gpu/memory/array.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// Sleeping blocks on the device (core/sleep.hpp has the rules and formulas): launchers of what a step and a sleep check
-// need. A warp per block of particles, but where a thread is enough.
+// Sleeping blocks on the device (core/sleep/sleep.hpp has the rules and formulas): launchers of what a step and a sleep
+// check need. A warp per block of particles, but where a thread is enough.
 //
 // Whether a block sleeps is known from the bit of its particles, and kept by own block from binning to binning. P2G and
 // the gather run over lists that are made anew in each step: of blocks whose tiles are not right, and of those that are
@@ -8,7 +8,7 @@
 
 #include <cuda_runtime.h>
 
-#include "core/sleep_contact.hpp"
+#include "core/sleep/sleep_contact.hpp"
 #include "gpu/kernels/g2p/g2p.hpp"
 #include "gpu/kernels/step_report.hpp"
 #include "gpu/memory/rest_words.hpp"
@@ -32,13 +32,14 @@ template <int Dim>
 struct SleepView {
     RestWords rest;
     SleepRule rule;
-    std::uint8_t* asleep;            ///< own, then ghosts
-    std::uint8_t* binned;            ///< own: as it was after the last binning; null: this is no binning
-    double* activity;                ///< own, then ghosts
-    double* wave;                    ///< own: of sleepers [m/s]
-    TileMark* made;                  ///< own
-    std::uint8_t* kept;              ///< own: the tile is that of the step before
-    const std::uint8_t* kept_awake;  ///< own: a structure that moves is near (core/sleep_contact.hpp); null: none moves
+    std::uint8_t* asleep;  ///< own, then ghosts
+    std::uint8_t* binned;  ///< own: as it was after the last binning; null: this is no binning
+    double* activity;      ///< own, then ghosts
+    double* wave;          ///< own: of sleepers [m/s]
+    TileMark* made;        ///< own
+    std::uint8_t* kept;    ///< own: the tile is that of the step before
+    const std::uint8_t*
+        kept_awake;  ///< own: a structure that moves is near (core/sleep/sleep_contact.hpp); null: none moves
     SleepAccount<Dim>* accounts;
 };
 

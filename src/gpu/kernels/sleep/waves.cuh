@@ -1,5 +1,6 @@
 #pragma once
-// The kernels of gpu/kernels/sleep/waves.hpp, by the formula of core/stress.hpp: a warp per block, a law each.
+// The kernels of gpu/kernels/sleep/waves.hpp, by the formula of core/particles/stress.hpp: a warp per block, a law
+// each.
 
 #include "gpu/kernels/g2p/stress_particle.cuh"
 #include "gpu/kernels/sleep/sleep_warp.cuh"

@@ -1,11 +1,11 @@
 #pragma once
-// Over-filling on the device (core/over_filling.hpp): tiles of volumes, which travel as those of masses do, and the
-// share of them that is above capacity. For rows of history.csv, not for steps: plain loops, and no lane is kept.
+// Over-filling on the device (core/fluid/over_filling.hpp): tiles of volumes, which travel as those of masses do, and
+// the share of them that is above capacity. For rows of history.csv, not for steps: plain loops, and no lane is kept.
 
 #include <cuda_runtime_api.h>
 
-#include "core/over_filling.hpp"
-#include "core/shape.hpp"
+#include "core/fluid/over_filling.hpp"
+#include "core/grid/shape.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {

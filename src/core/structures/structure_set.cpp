@@ -1,0 +1,209 @@
+#include "core/structures/structure_set.hpp"
+
+#include <cmath>
+
+#include "core/grid/shape.hpp"
+#include "core/structures/ground.hpp"
+
+namespace moraine {
+
+namespace {
+
+/// The middle of a polygon's box, and its corners about it, counter-clockwise.
+Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points, std::vector<Vec<double, 2>>& corners) {
+    Vec<double, 2> low{{points[0][0], points[0][1]}}, high = low;
+    double twice_area = 0;
+    for (std::size_t i = 0, j = points.size() - 1; i < points.size(); j = i++) {
+        for (int a = 0; a < 2; ++a) {
+            low[a] = std::min(low[a], points[i][static_cast<std::size_t>(a)]);
+            high[a] = std::max(high[a], points[i][static_cast<std::size_t>(a)]);
+        }
+        twice_area += points[j][0] * points[i][1] - points[i][0] * points[j][1];
+    }
+    const Vec<double, 2> middle{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2}};
+    const std::size_t first = corners.size();
+    for (const auto& p : points) corners.push_back({{p[0] - middle[0], p[1] - middle[1]}});
+    if (twice_area < 0) std::reverse(corners.begin() + static_cast<std::ptrdiff_t>(first), corners.end());
+    return middle;
+}
+
+/// Distances of the ground are bounds from here on [cells]: contact and gaps look at nothing further off.
+constexpr double ground_reach = 2;
+
+/// Parts of a polygon whose distances differ by less are equally near [cells]: more than rounding at coordinates of a
+/// million cells, less than contact can tell.
+constexpr double polygon_tie = 1e-6;
+
+/// Structure::cap.
+double cap_of(const Scene& scene, const StructureSpec& spec, double xi, double su) {
+    return spec.law == InterfaceLaw::voellmy ? spec.density * magnitude(vec_of<3>(scene.gravity)) / xi
+                                             : spec.alpha * su;
+}
+
+template <int Dim>
+void place_ground(const Scene& scene, const StructureSpec& spec, Structure<Dim>& s,
+                  std::vector<Vec<double, 2>>& corners) {
+    s.first_corner = static_cast<int>(corners.size());
+    corners.insert(corners.end(), spec.ground->table.begin(), spec.ground->table.end());
+    s.radius = ground_reach * scene.cell;
+    if (!spec.ground->friction.empty()) {
+        append_bed(*spec.ground, spec.ground->friction, corners);
+        s.corners |= bed_friction;
+    }
+    const std::vector<double>& varies = spec.law == InterfaceLaw::voellmy ? spec.ground->xi : spec.ground->su;
+    if (!varies.empty()) {
+        std::vector<double> caps;
+        for (double value : varies)
+            caps.push_back(spec.law == InterfaceLaw::voellmy ? cap_of(scene, spec, value, 0)
+                                                             : cap_of(scene, spec, 0, value));
+        append_bed(*spec.ground, caps, corners);
+        s.corners |= bed_cap;
+    }
+    const Vec<double, Dim> low = vec_of<Dim>(scene.min), high = vec_of<Dim>(scene.max);
+    s.at = low - (-0.5) * (high - low);  // periodic images are those inside the domain
+    s.at[Dim - 1] = 0;
+}
+
+/// The value of a structure at the start; the corners of a polygon are appended.
+template <int Dim>
+Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::vector<Vec<double, 2>>& corners) {
+    Structure<Dim> s{};
+    s.shape = spec.shape;
+    s.radius = spec.radius;
+    s.law = spec.law;
+    s.friction = spec.friction;
+    s.cap = cap_of(scene, spec, spec.xi, spec.su);
+    s.velocity = zero_vec<double, Dim>();
+    const Vec<double, Dim> from = vec_of<Dim>(spec.from), to = vec_of<Dim>(spec.to);
+    const Vec<double, Dim> low = vec_of<Dim>(spec.min), high = vec_of<Dim>(spec.max);
+    switch (spec.shape) {
+        case StructureShape::plane: {
+            const Vec<double, Dim> normal = vec_of<Dim>(spec.normal);
+            s.at = vec_of<Dim>(spec.point);
+            s.along = (1 / magnitude(normal)) * normal;
+            break;
+        }
+        case StructureShape::sphere:
+            s.at = vec_of<Dim>(spec.center);
+            break;
+        case StructureShape::cylinder:
+        case StructureShape::capsule:
+            s.at = from - (-0.5) * (to - from);
+            s.half = 0.5 * magnitude(to - from);
+            s.along = (0.5 / s.half) * (to - from);
+            break;
+        case StructureShape::box:
+            s.at = low - (-0.5) * (high - low);
+            s.along = 0.5 * (high - low);
+            break;
+        case StructureShape::polygon: {
+            s.first_corner = static_cast<int>(corners.size());
+            s.radius = polygon_tie * scene.cell;
+            const Vec<double, 2> middle = centred_corners(spec.points, corners);
+            s.corners = static_cast<int>(corners.size()) - s.first_corner;
+            s.at = zero_vec<double, Dim>();
+            s.at[0] = middle[0], s.at[1] = middle[1];
+            if constexpr (Dim == 3) s.at[2] = (low[2] + high[2]) / 2, s.along[2] = (high[2] - low[2]) / 2;
+            break;
+        }
+        case StructureShape::ground:
+            place_ground(scene, spec, s, corners);
+            break;
+    }
+    return s;
+}
+
+}  // namespace
+
+template <int Dim>
+StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(scene.structures.size()) {
+    for (const StructureSpec& spec : scene.structures) {
+        values_.push_back(structure_of<Dim>(scene, spec, corners_));
+        start_.push_back(values_.back().at);
+        any_free_ = any_free_ || spec.motion.kind == StructureMotion::free;
+        any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;
+    }
+    for (std::size_t k = 0; k < states_.size(); ++k)
+        if (spec(k).motion.kind == StructureMotion::free)
+            states_[k].velocity = states_[k].carried = vec_of<Dim>(spec(k).motion.velocity);
+}
+
+template <int Dim>
+void StructureSet<Dim>::begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending,
+                                   const Quantum& quantum) {
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        const MotionSpec& motion = spec(k).motion;
+        StructureState<Dim>& state = states_[k];
+        if (motion.kind == StructureMotion::free) {
+            for (int a = 0; a < Dim; ++a) {
+                const auto i = static_cast<std::size_t>(a);
+                const double felt = quantum.value(pending[k].sum[a]);
+                const double follows = quantum.value(pending[k].sum[StructureSums<Dim>::first_mass + a]);
+                state.carried[a] += felt / motion.mass + dt * (scene_.gravity[i] + motion.force[i] / motion.mass);
+                state.velocity[a] =
+                    (motion.mass * state.carried[a] + felt + follows * state.velocity[a]) / (motion.mass + follows);
+            }
+        } else {
+            const Triple here = displacement_at(motion, time), there = displacement_at(motion, time + dt);
+            for (int a = 0; a < Dim; ++a) {
+                const auto i = static_cast<std::size_t>(a);
+                state.displacement[a] = here[i];
+                state.velocity[a] = (there[i] - here[i]) / dt;
+            }
+        }
+    }
+    place();
+}
+
+template <int Dim>
+void StructureSet<Dim>::end_step(double time, double dt) {
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        StructureState<Dim>& state = states_[k];
+        if (spec(k).motion.kind == StructureMotion::free)
+            state.displacement = state.displacement - (-dt) * state.velocity;
+        else
+            state.displacement = vec_of<Dim>(displacement_at(spec(k).motion, time));
+    }
+}
+
+template <int Dim>
+void StructureSet<Dim>::take(std::span<const StructureSums<Dim>> mine) {
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+        states_[k].pending.add(mine[k]);
+        states_[k].felt.add(mine[k]);
+    }
+}
+
+template <int Dim>
+void StructureSet<Dim>::forget_pending() {
+    for (StructureState<Dim>& state : states_) state.pending = {};
+}
+
+template <int Dim>
+ContactField<Dim> StructureSet<Dim>::field() const {
+    ContactField<Dim> f{};
+    f.structure = values_.data();
+    f.count = static_cast<int>(values_.size());
+    f.corners = corners_.data();
+    f.cell = scene_.cell;
+    f.offset = stencil_of(scene_.shape).offset();
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        f.origin[a] = scene_.min[i];
+        f.period[a] = scene_.periodic[i] ? scene_.max[i] - scene_.min[i] : 0;
+    }
+    return f;
+}
+
+template <int Dim>
+void StructureSet<Dim>::place() {
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        values_[k].at = start_[k] - (-1.0) * states_[k].displacement;
+        values_[k].velocity = states_[k].velocity;
+    }
+}
+
+template class StructureSet<2>;
+template class StructureSet<3>;
+
+}  // namespace moraine

@@ -1,0 +1,78 @@
+#pragma once
+// All rigid structures of a run: where they are, and what they felt. The same values on all ranks; what they felt is
+// what this rank's nodes gave, summed exactly, so that the sum over ranks does not depend on who owned the nodes.
+//
+//   prescribed   place and velocity follow from time alone (structure_motion.hpp)
+//   free         M dV/dt = M g + F + contact, translation only; the impulse of a step is felt in the next one
+//
+// The nodes of a step must know how fast a free structure will be at its end, before the impulse J of that step is
+// known. They take V* = V + J*/M with the impulse of the step before, corrected for what V* itself changes in it,
+//   J* = J' - K (V* - V*'),  K: mass of the nodes that follow it (contact.hpp),
+// so that a structure at rest on soil does not creep and a light one does not recoil too far. V itself is exact.
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "core/structures/contact.hpp"
+#include "core/structures/structure_motion.hpp"
+
+namespace moraine {
+
+/// What changes with time; a checkpoint keeps it.
+template <int Dim>
+struct StructureState {
+    Vec<double, Dim> displacement = zero_vec<double, Dim>();  ///< since the start [m]
+    Vec<double, Dim> velocity = zero_vec<double, Dim>();      ///< of the last step, as the soil saw it: V* [m/s]
+    Vec<double, Dim> carried = zero_vec<double, Dim>();       ///< free: V by all that was felt up to it [m/s]
+    StructureSums<Dim> pending;                               ///< of the last step: not felt yet (free ones)
+    StructureSums<Dim> felt;                                  ///< of all steps
+    StructureSums<Dim> reported;                              ///< felt at the last row of the records
+};
+
+/// The components that a scene of this dimension has.
+template <int Dim>
+Vec<double, Dim> vec_of(const Triple& t) {
+    Vec<double, Dim> v;
+    for (int a = 0; a < Dim; ++a) v[a] = t[static_cast<std::size_t>(a)];
+    return v;
+}
+
+template <int Dim>
+class StructureSet {
+  public:
+    explicit StructureSet(const Scene& scene);
+
+    bool empty() const { return values_.empty(); }
+    bool any_free() const { return any_free_; }
+    bool any_moves() const { return any_moves_; }
+    std::size_t size() const { return values_.size(); }
+    std::size_t corners() const { return corners_.size(); }
+    const StructureSpec& spec(std::size_t k) const { return scene_.structures[k]; }
+    const StructureState<Dim>& state(std::size_t k) const { return states_[k]; }
+    std::vector<StructureState<Dim>>& states() { return states_; }
+    double reported_time = 0;  ///< of the last row of the records [s]
+
+    /// Places at the start of a step, from which its gaps are taken, and velocities of the step before.
+    void place();
+    /// Velocities of the step that begins at `time`; `pending` are sums over all ranks (free structures only).
+    void begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum);
+    /// Places at the end of the step.
+    void end_step(double time, double dt);
+    /// Adds up what this rank's nodes gave in a step.
+    void take(std::span<const StructureSums<Dim>> mine);
+    void forget_pending();
+
+    /// For the kernels: everything but where the sums go. Pointers are to this set.
+    ContactField<Dim> field() const;
+
+  private:
+    const Scene& scene_;
+    std::vector<Structure<Dim>> values_;
+    std::vector<Vec<double, Dim>> start_;  ///< Structure::at at the start
+    std::vector<Vec<double, 2>> corners_;
+    std::vector<StructureState<Dim>> states_;
+    bool any_free_ = false, any_moves_ = false;
+};
+
+}  // namespace moraine

@@ -1,0 +1,72 @@
+#pragma once
+// The pressure of cells beside surfaces (grid_pressure.hpp), by what flows through the open part of their faces.
+//
+//   G_ic = (1 - x) (sum_p V_p grad w_ip + phi S_ic) + x s_i F_ic        phi = min(1, sum V_p / V_c)
+//   S_c = sum_i G_ic                                                     what the structure bears: P_c S_c
+//   D_c = (sum_i G_ic . v_i - S_c . V) / V_c,   f_i = - sum_c G_ic P_c
+//
+// F_ic, S_ic and V_c are those of cut_cell.hpp: a uniform pressure gives nothing at any node, held or free. A cell that
+// is not full, x < 1, keeps the sums of its particles, and the surface bears what they press. A node beside the surface
+// that lacks soil takes s_i = min(1, fill_i / 0.8) of its row, and the structure the rest: the pressure of a cell that
+// hangs on a light node alone would run away. x is by the least filling of the cell's nodes that stand a cell or more
+// over the surface; of a cell that is cut by the filling of all its nodes together.
+//
+// A cell of which less than 0.3 is open, or that is cut and holds no particle, has its pressure, modulus and volume
+// together with a neighbour: that to which its normal points, or the one with the widest open face between them. Each
+// keeps its own G, so that all faces stay open and what flows along a plane changes no volume.
+
+#include "core/fluid/find_pressures.hpp"
+#include "core/surfaces/surface_geometry.hpp"
+
+namespace moraine {
+
+inline constexpr double small_cell = 0.3;      ///< open part below which a cell shares
+inline constexpr double lacks_below = 0.95;    ///< capacity of nodes that may lack soil
+inline constexpr double lacks_within = 1.5;    ///< and their distance [cells]
+inline constexpr double light_capacity = 0.9;  ///< of nodes whose cells have a bounded modulus
+
+/// A cell beside a surface, in a step.
+template <class Real, int Dim>
+struct OpenCell {
+    static constexpr int nodes = power<Dim>(3);
+    bool on = false;     ///< it takes part
+    bool child = false;  ///< its pressure is the root's
+    bool whole = false;  ///< no light node
+    bool mixed = false;  ///< children have their pressure with it
+    CellPressure<Real> state{};
+    Real share = Real(0);                 ///< x
+    Real bears = Real(0);                 ///< of the surface: (1 - x) phi + x
+    Real particles = Real(0);             ///< sum V_p [m^d]
+    Real weight = Real(0);                ///< sum_i |G_ic|^2 / m_i
+    Vec<Real, Dim> bed{};                 ///< S_c [m^(d-1)]
+    CellNode<Real, Dim> factor[nodes]{};  ///< G_ic
+};
+
+/// s_i. filling: v_i / h^d.
+template <int Dim>
+double node_share(const SurfaceNode<Dim>& n, double filling) {
+    if (!(n.distance < lacks_within && n.capacity > 1e-9 && n.capacity < lacks_below)) return 1;
+    const double share = filling / n.capacity / 0.8;
+    return share < 1 ? share : 1;
+}
+
+/// Makes a cell's rows of the sums of its particles, which are in `factor`. face, bed: F_ic and S_ic [m^(d-1)]; share
+/// of node i: s_i. open: V_c [m^d].
+template <class Real, int Dim, class Face, class BedOf, class ShareOf>
+void open_rows(Real open, const Face& face, const BedOf& bed, const ShareOf& share_of, OpenCell<Real, Dim>& cell) {
+    const Real x = cell.share, full = cell.particles / open;
+    const Real phi = (full < Real(1) ? full : Real(1)) * (Real(1) - x);
+    cell.bears = phi + x;
+    for (int a = 0; a < Dim; ++a) cell.bed[a] = Real(0);
+    for (int i = 0; i < cell.nodes; ++i) {
+        const Real of_row = x * share_of(i);
+        for (int a = 0; a < Dim; ++a) {
+            const Real borne = phi * bed(i, a) + of_row * face(i, a);
+            cell.factor[i].gradient[a] = (Real(1) - x) * cell.factor[i].gradient[a] + borne;
+            cell.bed[a] += borne;
+        }
+    }
+    cell.state.volume = (Real(1) - x) * cell.particles + x * open;
+}
+
+}  // namespace moraine

@@ -1,0 +1,235 @@
+#pragma once
+// Where the surfaces of all structures cut the grid, and what is open beside them: of cells and of nodes, by place
+// alone. Cells and nodes are asked for one by one and kept; where a structure moves all is forgotten in each step.
+//
+//   c_i = sum over cells of M_i: what a node can hold, of a full one            (cut_cell.hpp)
+//
+// The distance of a point is the least of all structures, and the surface in a cell belongs to the one that is nearest
+// to its middle. A node that lies so deep that it can hold next to nothing, c_i < c* = 0.03, takes part in the surface
+// but has no particle that feels it: it is a slave of the two nodes along a grid direction, an axis or a diagonal
+// towards the soil, of which the first holds most:  v = 2 v_1 - v_2,  share f = clamp((c* - c_i) / (0.67 c*)).
+
+#include <deque>
+#include <unordered_map>
+
+#include "core/structures/contact_field.hpp"
+#include "core/surfaces/cut_cell.hpp"
+
+namespace moraine {
+
+inline constexpr double slave_capacity = 0.03;  ///< c*
+inline constexpr double free_depth = 3.0;       ///< nodes below that are nobody's slaves [cells]
+
+enum class CellPart { open, cut, solid };
+
+/// What a node finds of the surfaces.
+template <int Dim>
+struct SurfaceNode {
+    double distance;          ///< of the nearest [cells]
+    Vec<double, Dim> normal;  ///< of the nearest
+    int structure;            ///< the nearest; -1: there is none
+    double capacity;          ///< c_i
+    double slaved;            ///< f; 0: it is free
+    int to[Dim];              ///< to the first of the two that it follows
+};
+
+template <int Dim>
+class SurfaceGeometry {
+  public:
+    using Place = Vec<std::int32_t, Dim>;
+
+    /// What it is of; the field's structures may have moved.
+    void begin(const ContactField<Dim>& field, const Walls<double, Dim>& walls, const NodeCapacity<double, Dim>& ends) {
+        field_ = field, walls_ = walls, ends_ = ends;
+    }
+    void forget() { part_.clear(), cut_.clear(), capacity_.clear(); }
+
+    CellPart part(const Place& node) { return state_of(node).part; }
+    /// Of a cell that is cut.
+    const CutCell<Dim>& cut(const Place& node) { return cut_[static_cast<std::size_t>(state_of(node).index)]; }
+
+    /// null: it is not cut; of a cell that was asked for before, by any number of threads.
+    const CutCell<Dim>* cut_at(const Place& node) const {
+        const auto found = part_.find(node);
+        if (found == part_.end() || found->second.part != CellPart::cut) return nullptr;
+        return &cut_[static_cast<std::size_t>(found->second.index)];
+    }
+
+    double distance(const Vec<double, Dim>& node, int* nearest = nullptr) const {
+        return beside(node, nearest).distance / field_.cell;
+    }
+
+    SurfaceNode<Dim> node(const Place& place) {
+        SurfaceNode<Dim> n{};
+        Vec<double, Dim> at;
+        for (int a = 0; a < Dim; ++a) at[a] = place[a];
+        const Surface<Dim> s = beside(at, &n.structure);
+        n.distance = s.distance / field_.cell;
+        n.normal = s.normal;
+        n.capacity = capacity(place);
+        if (n.distance > 0 || n.distance < -free_depth || n.capacity >= slave_capacity) return n;
+        find_master(place, n);
+        return n;
+    }
+
+    CellBox<Dim> box(const Place& node) const {
+        CellBox<Dim> box;
+        for (int a = 0; a < Dim; ++a) {
+            box.end[a][0] = -0.5, box.end[a][1] = 0.5;
+            for (int s = 0; s < 2; ++s)
+                if (node[a] == ends_.plane[a][s] && ends_.on[a][s] < 1) box.end[a][s] = 0;
+            box.basis[a] = cell_basis<double>(walls_.ghosts(a, node[a] - 1, 3));
+        }
+        return box;
+    }
+
+  private:
+    struct State {
+        CellPart part;
+        std::int32_t index;  ///< of cut_
+    };
+    struct PlaceHash {
+        std::size_t operator()(const Place& p) const {
+            std::uint64_t h = 0;
+            for (int a = 0; a < Dim; ++a) h = (h ^ static_cast<std::uint32_t>(p[a])) * 0x9E3779B97F4A7C15ull;
+            return static_cast<std::size_t>(h ^ h >> 29);
+        }
+    };
+    struct SamePlace {
+        bool operator()(const Place& p, const Place& q) const {
+            for (int a = 0; a < Dim; ++a)
+                if (p[a] != q[a]) return false;
+            return true;
+        }
+    };
+    template <class T>
+    using Map = std::unordered_map<Place, T, PlaceHash, SamePlace>;
+
+    Surface<Dim> beside(const Vec<double, Dim>& node, int* nearest) const {
+        Surface<Dim> least{1e300, last_axis<Dim>()};
+        if (nearest) *nearest = -1;
+        for (int k = 0; k < field_.count; ++k) {
+            const Structure<Dim>& s = field_.structure[k];
+            Vec<double, Dim> x;
+            for (int a = 0; a < Dim; ++a) x[a] = field_.origin[a] + field_.cell * node[a];
+            const Surface<Dim> at = surface(s, field_.corners, image_near(field_, s, x));
+            if (!(at.distance < least.distance)) continue;
+            least = at;
+            if (nearest) *nearest = k;
+        }
+        return least;
+    }
+
+    bool is_outside(const Place& node) const {
+        for (int a = 0; a < Dim; ++a)
+            for (int s = 0; s < 2; ++s)
+                if (ends_.on[a][s] < 1 && (s == 0 ? node[a] < ends_.plane[a][0] : node[a] > ends_.plane[a][1]))
+                    return true;
+        return false;
+    }
+
+    State state_of(const Place& node) {
+        const auto found = part_.find(node);
+        return found != part_.end() ? found->second : part_[node] = look(node);
+    }
+    State look(const Place& node) {
+        if (is_outside(node)) return {CellPart::solid, -1};
+        Vec<double, Dim> middle;
+        for (int a = 0; a < Dim; ++a) middle[a] = node[a];
+        const double away = distance(middle), reach = Dim == 2 ? 0.7072 : 0.8661;
+        if (away > reach) return {CellPart::open, -1};
+        if (away < -reach) return {CellPart::solid, -1};
+        const CellBox<Dim> of_cell = box(node);
+        double corner[1 << Dim];
+        int open = 0;
+        for (int k = 0; k < 1 << Dim; ++k) {
+            Vec<double, Dim> x = middle;
+            for (int a = 0; a < Dim; ++a) x[a] += of_cell.end[a][k >> a & 1];
+            corner[k] = distance(x);
+            open += corner[k] > on_surface;
+        }
+        if (open == 1 << Dim) return {CellPart::open, -1};
+        if (open == 0) return {CellPart::solid, -1};
+        CutCell<Dim> cell = cutter_.cut(of_cell, corner);
+        if (cell.volume < least_volume) return {CellPart::solid, -1};
+        distance(middle - (-1.0) * cell.centre, &cell.structure);
+        cut_.push_back(cell);
+        return {CellPart::cut, static_cast<std::int32_t>(cut_.size()) - 1};
+    }
+
+    double capacity(const Place& place) {
+        const auto found = capacity_.find(place);
+        return found != capacity_.end() ? found->second : capacity_[place] = find_capacity(place);
+    }
+    double find_capacity(const Place& place) {
+        if (is_outside(place)) return 0;
+        double sum = 0, all = 1;
+        bool open = true;
+        for (int a = 0; a < Dim; ++a) all *= ends_.along(a, place[a]);
+        for (int k = 0; k < CutCell<Dim>::nodes; ++k) {
+            Place cell = place;
+            int own = 0, rest = k, stride = 1;
+            double inside = 1;
+            for (int a = 0; a < Dim; ++a, rest /= 3, stride *= 3) {
+                const int o = rest % 3 - 1;
+                cell[a] += o;
+                own += stride * (1 - o);
+                inside *= o == 0 ? 2.0 / 3 : 1.0 / 6;
+            }
+            const CellPart is = part(cell);
+            open = open && (is == CellPart::open || is_outside(cell));
+            if (is == CellPart::cut) sum += cut(cell).inside[own];
+            if (is == CellPart::open) sum += ends_are_far(cell) ? inside : weight_in(cell, own);
+        }
+        return open ? all : sum;
+    }
+    bool ends_are_far(const Place& cell) const {
+        for (int a = 0; a < Dim; ++a)
+            for (int s = 0; s < 2; ++s)
+                if (ends_.on[a][s] < 1 && std::abs(cell[a] - ends_.plane[a][s]) < 2) return false;
+        return true;
+    }
+    /// M_i of an open cell beside a wall.
+    double weight_in(const Place& cell, int own) const {
+        const CellBox<Dim> b = box(cell);
+        double product = 1;
+        for (int a = 0, rest = own; a < Dim; ++a, rest /= 3) {
+            const double* c = b.basis[a].value[rest % 3];
+            const auto at = [&](double s) { return s * (c[0] + s * (c[1] / 2 + s * c[2] / 3)); };
+            product *= at(b.end[a][1]) - at(b.end[a][0]);
+        }
+        return product;
+    }
+
+    void find_master(const Place& place, SurfaceNode<Dim>& n) {
+        double best = 0;
+        for (int way = 1; way < 1 << Dim; ++way) {
+            Place to = place;
+            bool goes = true;
+            int step[Dim];
+            for (int a = 0; a < Dim; ++a) {
+                const int towards = n.normal[a] > 0.05 ? 1 : n.normal[a] < -0.05 ? -1 : 0;
+                step[a] = way >> a & 1 ? towards : 0;
+                goes = goes && (towards != 0 || !(way >> a & 1));
+                to[a] += step[a];
+            }
+            if (!goes) continue;
+            const double c = capacity(to);
+            if (!(c > best)) continue;
+            best = c;
+            for (int a = 0; a < Dim; ++a) n.to[a] = step[a];
+        }
+        const double share = (slave_capacity - n.capacity) / (0.67 * slave_capacity);
+        n.slaved = best > 0 ? (share < 1 ? share : 1) : 0;
+    }
+
+    ContactField<Dim> field_{};
+    Walls<double, Dim> walls_{};
+    NodeCapacity<double, Dim> ends_{};
+    CellCutter<Dim> cutter_;
+    Map<State> part_;
+    Map<double> capacity_;
+    std::deque<CutCell<Dim>> cut_;  // who is cut stays in place
+};
+
+}  // namespace moraine

@@ -1,0 +1,54 @@
+#pragma once
+// Questions about the particles of one rank, answered where they are: on a device only the answer goes to the host.
+
+#include <array>
+#include <variant>
+#include <vector>
+
+#include "core/data/plan_samples.hpp"
+#include "core/fluid/over_filling.hpp"
+
+namespace moraine {
+
+/// Adds to each column of a map the layers in which this rank has particles. Scenes in 3-D. Not collective.
+struct LayerQuery {
+    const PlanColumns& columns;
+    std::vector<Layers>& layers;
+};
+
+/// Adds the particles of this rank to the sums of a map's columns. Scenes in 3-D. Not collective.
+struct ColumnQuery {
+    const PlanColumns& columns;
+    std::vector<std::int64_t>& sums;
+    double square_speed = 0;  ///< answer: the largest |v|^2 of all [m2/s2]
+};
+
+/// The particles of this rank near lines, which are the same in all queries. Scenes in 3-D. Not collective.
+struct LineQuery {
+    const PlanLines& lines;
+    std::vector<NearParticle> near;  ///< answer, in any order
+};
+
+/// Volumes at the nodes that this rank counts. Collective over peers.
+struct VolumeQuery {
+    NodeVolumes volumes;  ///< answer
+};
+
+/// A particle that went wrong.
+template <int Dim>
+struct FaultRecord {
+    std::uint64_t id;
+    std::uint32_t faults;
+    std::array<double, Dim> x;  ///< [m]
+};
+
+/// The first particle of each block with faults, or of the share. Not collective.
+template <int Dim>
+struct FaultQuery {
+    std::vector<FaultRecord<Dim>> found;  ///< answer
+};
+
+template <int Dim>
+using EngineQuery = std::variant<LayerQuery*, ColumnQuery*, LineQuery*, VolumeQuery*, FaultQuery<Dim>*>;
+
+}  // namespace moraine

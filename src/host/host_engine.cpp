@@ -1,0 +1,366 @@
+#include "host/host_engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/structures/particle_depth.hpp"
+#include "host/host_surfaces.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method)
+    : scene_(scene),
+      comm_(comm),
+      method_(method),
+      halo_messages_(comm, 1),
+      migration_messages_(comm, 2),
+      patch_(method.needs, method.stencil.width) {
+    whole_cell(method.context.inverse_cell, whole_cell_.data());
+    if (scene.bed == Bed::surface && !scene.structures.empty())
+        surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell);
+    if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
+}
+
+template <class Real, int Dim>
+HostEngine<Real, Dim>::~HostEngine() = default;
+
+template <class Real, int Dim>
+BlockCounts HostEngine<Real, Dim>::block_counts(bool with_cells) {
+    return counts_of(patch_, patch_.binned(), with_cells);
+}
+
+template <class Real, int Dim>
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostShare& share) {
+    ended_ = traffic();
+    halo_.reset();
+    migration_.reset();
+    patch_.install(std::move(tables), share.binned);
+    if (sleepers_) sleepers_->begin_epoch();
+    if (surfaces_) surfaces_->blocks.made = false;
+    pairs_.forget();
+    ground_.clear();
+    halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
+                                              method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
+    migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
+    return {};
+}
+
+template <class Real, int Dim>
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share) {
+    const LatticeTables<Real, Dim>& lattice = share.lattice;
+    BinnedBlocks binned;
+    std::vector<std::uint32_t> first{0};
+    std::vector<Vec<std::int32_t, Dim>> position;
+    for (std::size_t b = 0; b < tables.own.size(); ++b) {
+        const std::uint32_t count = lattice.view().count(tables.position[b]);
+        if (count == 0) continue;
+        binned.key.push_back(tables.own[b]);
+        binned.count.push_back(count);
+        position.push_back(tables.position[b]);
+        first.push_back(first.back() + count);
+    }
+    binned.slot = patch_.start_over(first.back());
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    Host::launch(static_cast<std::int64_t>(position.size()), [&](int b) {
+        const auto i = static_cast<std::size_t>(b);
+        fill_block(lattice.view(), position[i], first[i], p);
+    });
+    return begin(std::move(tables), HostShare{binned});
+}
+
+template <class Real, int Dim>
+BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const MovedBlocks& moved) {
+    BlockMoveCount count;
+    const BinnedBlocks next =
+        move_blocks(comm_, patch_, patch_.binned(), {moved.owner.begin(), moved.owner.end()}, count);
+    begin(std::move(tables), HostShare{next});
+    return count;
+}
+
+template <class Real, int Dim>
+Traffic HostEngine<Real, Dim>::traffic() const {
+    Traffic t = ended_;
+    if (halo_) t.halo_bytes += halo_->bytes();
+    if (migration_) t.crossed_particles += migration_->crossed();
+    return t;
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::bin() {
+    if (!moving_) return;
+    migration_->finish();
+    if (sleepers_) sleepers_->wake_entered();
+    report_.in_guard_layer = patch_.is_in_guard_layer();
+    moving_ = false;
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) {
+    const ContactField<Dim> field = structures ? structures->field() : ContactField<Dim>{};
+    sleepers_->check(first, quantum, structures ? &field : nullptr, report_.budget);
+}
+
+template <class Real, int Dim>
+TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std::int32_t> blocks) {
+    return {method_.context,
+            patch_.particles.view(),
+            patch_.table(),
+            patch_.list(),
+            patch_.grid(),
+            blocks.data(),
+            static_cast<std::int64_t>(blocks.size()),
+            mean_,
+            method_.grid_bulk()};
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
+    field_ = structures.field();
+    finding_ = true;
+    if (surfaces_) surfaces_->blocks.find(field_, structures.any_moves());
+    if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
+        ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
+                       {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
+    if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
+    halo_->reserve(pairs_);
+    if (surfaces_) return;  // contact is not the nodes'
+    gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
+    gap_share_ = {&pairs_, gaps_.data()};
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
+    const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, mean_) : blocks);
+    const auto count = static_cast<std::int64_t>(pairs.size());
+    const bool weighs = finding_ && scene_.output.energy_budget;
+    const std::vector<double> held = weighs ? potentials_of(pairs) : std::vector<double>{};
+    if (finding_)
+        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, method_.ends, call.table, call.list, field_,
+                                                  pairs.data(), static_cast<int>(count), call.particles.id, &buried_,
+                                                  pairs_.bounds()});
+    if (weighs) note_put_out(held, potentials_of(pairs));
+    method_.kernels.p2g(call, method_.cell);
+    if (sleepers_) sleepers_->keep_masses();
+    if (finding_ && !surfaces_)
+        method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::receive_halo() {
+    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ && !surfaces_ ? &gap_share_ : nullptr,
+                  sleepers_ ? sleepers_->asleep() : nullptr);
+    finding_ = false;
+}
+
+/// The sums of a step with volumes in place of masses; the next step writes all tiles again.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(VolumeQuery& query) {
+    const auto sum_volumes = [&](std::span<const std::int32_t> blocks) {
+        TransferCall<Real, Dim> call = transfer_call(blocks);
+        call.particles.mass = call.particles.volume;
+        call.mean = NodeMean::none;
+        call.grid_bulk = nullptr;
+        method_.kernels.p2g(call, method_.cell);
+    };
+    sum_volumes(patch_.boundary());
+    send_halo();
+    sum_volumes(patch_.interior());
+    receive_halo();
+    std::vector<NodeVolumes> volumes(patch_.node_blocks().size());
+    Host::launch_teams(static_cast<std::int64_t>(volumes.size()),
+                       CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,
+                                               method_.stencil.origin, std::pow(scene_.cell, -Dim), volumes.data()});
+    if (sleepers_) sleepers_->forget_tiles();
+    query.volumes = {};
+    for (const NodeVolumes& v : volumes) query.volumes.add(v);
+}
+
+template <class Real, int Dim>
+NodeRound<Real, Dim> HostEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
+    return {task, static_cast<Real>(dt), method_.gravity, method_.damping, static_cast<Real>(step.mass_cutoff)};
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
+    if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
+    solve(node_round(round.nodes, step.dt, step), step);
+    if (!surfaces_) return;
+    surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), held_.data(),
+                           nullptr, report_.felt.data(), impulse_.data()},
+                          *halo_, pairs_);
+    if (round.nodes != NodeTask::hold) surfaces_->forces.act({step.dt, step.dt}, 0);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step) {
+    if (step.structures) report_.felt.resize(step.structures->size());
+    if (!step.structures || surfaces_) return solve<false>(round, step, {});
+    ContactField<Dim> contact = step.structures->field();
+    contact.sums = report_.felt.data();
+    contact.ground = ground_.empty() ? nullptr : ground_.data();
+    solve<true>(round, step, contact);
+}
+
+template <class Real, int Dim>
+template <bool Contact>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact) {
+    if (!sleepers_ || round.task != NodeTask::solve) return solve<Contact>(round, step, contact, patch_.node_blocks());
+    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr)) {
+        NodeRound<Real, Dim> second = round;
+        second.dt = Real(1);
+        solve<false>(second, step, {}, sleepers_->still_nodes());
+        sleepers_->keep_still_nodes(impulse_.data(), step.quantum);
+    }
+    solve<Contact>(round, step, contact, sleepers_->other_nodes());
+}
+
+template <class Real, int Dim>
+template <bool Contact>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
+    if (scene_.output.energy_budget)
+        solve<Contact, true>(round, step, contact, nodes);
+    else
+        solve<Contact, false>(round, step, contact, nodes);
+}
+
+template <class Real, int Dim>
+template <bool Contact, bool Energy>
+void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
+                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
+    impulse_.resize(nodes.size() * Dim);
+    if (Energy) energy_.resize(nodes.size());
+    const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
+                                                        patch_.table(),
+                                                        patch_.grid(),
+                                                        nodes.data(),
+                                                        method_.stencil.width,
+                                                        method_.stencil.origin,
+                                                        round,
+                                                        step.quantum,
+                                                        impulse_.data(),
+                                                        contact,
+                                                        {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
+                                                        {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
+                                                        energy_.data()};
+    Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<Dim>& step) {
+    const ContactField<Dim> field = step.structures ? step.structures->field() : ContactField<Dim>{};
+    sleepers_->wake_by_nodes(step.dt, step.quantum, step.structures ? &field : nullptr, report_.budget);
+    if (sleepers_->woken_nodes().empty()) return;
+    Host::Array<ExactSum> counted;
+    counted.swap(impulse_);
+    solve<false>(node_round(round.nodes, step.dt, step), step, {}, sleepers_->woken_nodes());
+    counted.swap(impulse_);
+}
+
+/// The terms of a round. shifting: null where it does not shift.
+template <class Real, int Dim>
+HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const {
+    const Real* bulk = method_.grid_bulk();
+    const FluidTerms<Real>* fluid = method_.fluid();
+    const bool limits = round.nodes == NodeTask::solve || round.nodes == NodeTask::hold;
+    return {LightTerm<Real>{limits ? method_.stiffness() : nullptr, method_.limits},
+            SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? cells_.data() : nullptr},
+            PressureTerm<Real>{bulk, cells_.data()},
+            BoxTerm{},
+            MeansTerm<Real>{method_.averaged()},
+            ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? held_.data() : nullptr}};
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
+    Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
+    const bool shifts = mean_ == NodeMean::volume && method_.shifts();
+    if (shifts && step.structures) shifting.contact = step.structures->field();
+    GatherCall<Real, Dim> gather{method_.stress(),
+                                 method_.ends,
+                                 {round.gather, method_.tpic, method_.flip, static_cast<Real>(step.dt)},
+                                 {patch_.moves(), patch_.outgoing_count(), patch_.shuffled(), patch_.outcome()}};
+    gather.terms = terms_of(round, shifts ? &shifting : nullptr);
+    if (sleepers_) wake_sleepers(round, step);
+    method_.kernels.g2p(transfer_call(sleepers_ ? sleepers_->awake() : patch_.blocks()), gather);
+    if (sleepers_) sleepers_->stay();
+    if (&round == &method_.rounds.front()) fault_records_.clear();
+    record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
+}
+
+/// Adds up what the round did; `moved`: particles have been moved by it.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
+    for (std::int32_t b : patch_.blocks()) {
+        const BlockOutcome& out = patch_.outcome(b);
+        report_.signal = std::max(report_.signal, out.signal);
+        report_.square_speed = std::max(report_.square_speed, out.square_speed);
+        report_.moved = std::max(report_.moved, out.moved);
+        report_.faults |= out.faults;
+        if (out.faults) note_fault(b, out, moved);
+        report_.clamped += out.clamped;
+        report_.budget.work.add(quantum.of(out.work));
+    }
+    if (buried_.id != Buried<Dim>{}.id) {
+        report_.faults |= fault_buried;
+        fault_records_.push_back({buried_.id, fault_buried, {}});
+        std::copy_n(buried_.x.e, Dim, fault_records_.back().x.begin());
+        buried_ = {};
+    }
+    for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
+    record_energy(quantum, moved);
+}
+
+/// Records the faulty particle of a block, before binning moves it on.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::note_fault(std::int32_t block, const BlockOutcome& out, bool moved) {
+    const ListView<Dim> list = patch_.list();
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    FaultRecord<Dim> fault_record{out.faulty_id, out.faults, {}};
+    for (std::uint32_t k = list.first[block]; k < list.first[block + 1]; ++k) {
+        const std::uint32_t s = list.slot[k];
+        if (p.id[s] != out.faulty_id) continue;
+        fault_record.x = place_in<Real, Dim>(scene_, method_.stencil, patch_.table().position[block], p.position[s]);
+        const int code = moved ? move_code(patch_.moves()[k]) : Block<Dim>::centre;  // else a code of another step
+        for (int a = 0; a < Dim && code < Block<Dim>::offsets; ++a)
+            fault_record.x[static_cast<std::size_t>(a)] += 4 * scene_.cell * Block<Dim>::offset(code, a);
+    }
+    fault_records_.push_back(fault_record);
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::send_outgoing(const StepScales<Dim>& step) {
+    migration_->start([&](std::uint32_t slot) { lose(slot, step); });
+    moving_ = true;
+}
+
+/// A particle that left through an open wall.
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::lose(std::uint32_t slot, const StepScales<Dim>& step) {
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    const double m = static_cast<double>(p.mass[slot]);
+    Budget<Dim>& budget = report_.budget;
+    budget.lost_mass.add(step.quantum.of(m));
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        budget.lost_momentum[i].add(step.quantum.of(m * static_cast<double>(p.velocity[slot][a])));
+        budget.lost_gravity_impulse[i].add(step.quantum.of(m * step.gravity_impulse[i]));
+    }
+    ++budget.lost_count;
+}
+
+template <class Real, int Dim>
+StepReport<Dim> HostEngine<Real, Dim>::take_report() {
+    return std::exchange(report_, StepReport<Dim>{});
+}
+
+template class HostEngine<float, 2>;
+template class HostEngine<float, 3>;
+template class HostEngine<double, 2>;
+template class HostEngine<double, 3>;
+
+}  // namespace moraine

@@ -1,0 +1,94 @@
+// The host's engine: what maps and sections ask of its particles (core/data/plan_samples.hpp).
+
+#include <algorithm>
+
+#include "host/host_engine.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(LayerQuery& query) {
+    if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
+        const ListView<Dim> list = patch_.list();
+        const ParticleView<Real, Dim> p = patch_.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        Layers* const all = query.layers.data();
+#pragma omp parallel for schedule(dynamic, 64)
+        for (int b = 0; b < patch_.own(); ++b) {
+            const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
+            for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+                const std::uint32_t s = list.slot[k];
+                const std::size_t column =
+                    columns.column(columns.along(0, columns.places.of<Real>(0, at[0], p.position[s][0])),
+                                   columns.along(1, columns.places.of<Real>(1, at[1], p.position[s][1])));
+                const Layers layer = columns.layer(column, columns.places.of<Real>(2, at[2], p.position[s][2]));
+#pragma omp atomic
+                all[column] |= layer;
+            }
+        }
+    }
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(ColumnQuery& query) {
+    if constexpr (Dim == 3) {
+        const PlanColumns& columns = query.columns;
+        double fastest = 0;
+        const ListView<Dim> list = patch_.list();
+        const ParticleView<Real, Dim> p = patch_.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        std::int64_t* const all = query.sums.data();
+#pragma omp parallel for schedule(dynamic, 64) reduction(max : fastest)
+        for (int b = 0; b < patch_.own(); ++b) {
+            const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
+            for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+                const std::uint32_t s = list.slot[k];
+                const std::int64_t i = columns.along(0, columns.places.of<Real>(0, at[0], p.position[s][0]));
+                const std::int64_t j = columns.along(1, columns.places.of<Real>(1, at[1], p.position[s][1]));
+                fastest = std::max(fastest, PlanColumns::square_of(p.velocity[s]));
+                const double z = columns.places.of<Real>(2, at[2], p.position[s][2]);
+                if (!columns.is_summed(columns.column(i, j), z)) continue;
+                std::int64_t* const to = all + columns.place(i, j);
+                columns.add_particle<Real>(static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s]),
+                                           p.velocity[s], [&](int q, std::int64_t whole) {
+#pragma omp atomic
+                                               to[q] += whole;
+                                           });
+            }
+        }
+        query.square_speed = fastest;
+    }
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(LineQuery& query) {
+    const PlanLines& lines = query.lines;
+    query.near.clear();
+    const ListView<Dim> list = patch_.list();
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    for (int b = 0; b < patch_.own(); ++b) {
+        const Vec<std::int32_t, Dim>& at = patch_.tables().position[static_cast<std::size_t>(b)];
+        if (list.count(b) == 0 || !lines.is_near_block(at)) continue;
+        for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+            const std::uint32_t s = list.slot[k];
+            const double x = lines.places.of<Real>(0, at[0], p.position[s][0]);
+            const double y = lines.places.of<Real>(1, at[1], p.position[s][1]);
+            if (lines.is_near(x, y, lines.reach))
+                query.near.push_back(
+                    {p.id[s], {x, y}, static_cast<double>(p.volume[s]), static_cast<double>(p.mass[s])});
+        }
+    }
+}
+
+/// Of one precision and dimension.
+#define MORAINE_SAMPLES(Real, Dim)                           \
+    template void HostEngine<Real, Dim>::find(LayerQuery&);  \
+    template void HostEngine<Real, Dim>::find(ColumnQuery&); \
+    template void HostEngine<Real, Dim>::find(LineQuery&);
+MORAINE_SAMPLES(float, 2)
+MORAINE_SAMPLES(float, 3)
+MORAINE_SAMPLES(double, 2)
+MORAINE_SAMPLES(double, 3)
+
+}  // namespace moraine

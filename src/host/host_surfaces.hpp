@@ -1,0 +1,27 @@
+#pragma once
+// What acts on surfaces where they are, on the host (Bed::surface): the pressure of cells that they cut, by what is
+// open of their faces (surface_pressures.hpp), and contact, by elements (surface_forces.hpp). Both begin with the
+// blocks near surfaces (surface_blocks.hpp), whose sums travel by themselves.
+
+#include "host/surface_forces.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+struct HostSurfaces {
+    SurfaceBlocks<Real, Dim> blocks;
+    SurfacePressures<Real, Dim> cells{blocks};
+    SurfaceForces<Real, Dim> forces{blocks, cells};
+
+    HostSurfaces(const Method<Host, Real, Dim>& method, Patch<Host, Real, Dim>& patch, double cell)
+        : blocks{method, patch, cell} {}
+    HostSurfaces(const HostSurfaces&) = delete;
+
+    /// The step's masses are at the nodes. Collective over peers.
+    void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs) {
+        blocks.scene = scene, blocks.halo = &halo, blocks.pairs = &pairs;
+        forces.begin_step();
+    }
+};
+
+}  // namespace moraine

@@ -1,0 +1,112 @@
+#pragma once
+// Blocks near surfaces, and how what is given there travels (Bed::surface).
+//
+// Blocks near a surface have a tile of their own each, empty ones too, as a cut cell may lie in a block beside its
+// soil. What cells and elements give goes to those tiles, travels in the halo, and is summed by the nodes by offset: a
+// pass. All of it follows from places, the same on both sides of a message, so that one answer holds on any ranks.
+
+#include "blocks/contact_pairs.hpp"
+#include "blocks/patch.hpp"
+#include "comm/halo.hpp"
+#include "core/surfaces/surface_elements.hpp"
+#include "core/transfer/method.hpp"
+
+namespace moraine {
+
+/// What surfaces act on, in a step.
+template <class Real, int Dim>
+struct SurfaceScene {
+    ContactField<Dim> field;  ///< as it moves in this step
+    Quantum quantum;
+    Real mass_cutoff;           ///< [kg]
+    HeldNode<Real, Dim>* held;  ///< null: pressures are the particles'
+    CellPressure<Real>* cells;  ///< of occupied blocks, as PressureContext's
+    StructureSums<Dim>* felt;   ///< by structure
+    ExactSum* impulse;          ///< of walls, by node block and axis
+};
+
+/// A cell of a block near a surface, by place alone.
+template <int Dim>
+struct SurfaceCell {
+    CellPart part;
+    bool near;                ///< it is one of ours
+    const CutCell<Dim>* cut;  ///< null: it is whole
+    bool shares;              ///< with the cell at `root` from here
+    int root[Dim];
+};
+
+/// An element as particles of the block look at it.
+template <int Dim>
+struct RingElement {
+    double area = 0;  ///< [cells]; 0: there is none
+    int structure = -1;
+    Vec<double, Dim> normal, place;  ///< [cells, from the block's first cell]
+};
+
+template <class Real, int Dim>
+struct SurfaceBlocks {
+    static constexpr int width = 3, cells = Block<Dim>::cells, nodes = power<Dim>(3);
+    static constexpr int side = tile_side(width), tile_nodes = power<Dim>(side);
+    static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
+    using Place = Vec<std::int32_t, Dim>;
+
+    const Method<Host, Real, Dim>& method;
+    Patch<Host, Real, Dim>& patch;
+    double h;  ///< [m]
+    SurfaceScene<Real, Dim> scene{};
+    Halo<Real, Dim>* halo = nullptr;
+    const ContactPairs<Dim>* pairs = nullptr;
+    bool made = false;  ///< in this epoch
+    SurfaceGeometry<Dim> geometry{};
+    std::size_t ghosts = 0;
+    std::vector<std::int32_t> blocks{}, bed_of{}, tile_index{};       ///< own; by own and ghost block
+    std::vector<std::int32_t> near_nodes{}, near_of{}, node_index{};  ///< node blocks; [block][node of tile]
+    std::vector<SurfaceNode<Dim>> surface_nodes{};                    ///< [near node block][node]
+    std::vector<SurfaceCell<Dim>> place_of{};                         ///< [block][cell]
+    std::vector<std::vector<SurfaceElement<Dim>>> elements{};         ///< [block]
+    std::vector<RingElement<Dim>> ring{};                             ///< [block][cell of the ring]
+    Host::Array<Real> tiles{}, sums{};
+
+    /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
+    void find(const ContactField<Dim>& field, bool moves);
+    /// write(k, tile): what block k gives to the nodes; their sums are then in `sums`. Collective over peers.
+    template <class Write>
+    void pass(const Write& write, const GapShare<Dim>* gaps = nullptr);
+
+    Place cell_node(int k, int c) const;
+    static int lane(int n) { return Dim == 2 ? (n < 3 ? n : n < 5 ? n + 1 : 7) : n; }
+    std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
+    const Real* sum_at(int k, int n) const { return sums.data() + std::size_t(node_at(k, n)) * node_reals; }
+    /// Values of a node; null: it holds no soil.
+    Real* values(std::int32_t near) const;
+    std::ptrdiff_t stored(std::int32_t near) const;
+    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg].
+    void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
+              const Vec<double, Dim>& follows = zero_vec<double, Dim>()) const;
+
+  private:
+    void make(const EpochTables<Dim>& tables);
+    void list_blocks(const EpochTables<Dim>& tables);
+    void find_nodes(const EpochTables<Dim>& tables);
+    void find_block(int k);
+    void find_root(const Place& node, SurfaceCell<Dim>& cell);
+    void add_element(int k, int c, const CutCell<Dim>& cut);
+    bool is_near(const Place& block) const;
+    void sum_nodes(int j);
+};
+
+template <class Real, int Dim>
+template <class Write>
+void SurfaceBlocks<Real, Dim>::pass(const Write& write, const GapShare<Dim>* gaps) {
+    Host::launch(static_cast<std::int64_t>(blocks.size()), [&](int k) {
+        Real* tile = tiles.data() + (ghosts + static_cast<std::size_t>(k)) * tile_nodes * node_reals;
+        std::fill_n(tile, tile_nodes * node_reals, Real(0));
+        write(k, tile);
+    });
+    const TileView<Real> view{tile_index.data(), tiles.data(), nullptr, nullptr};
+    halo->start(view, gaps);
+    halo->finish(view, tile_index.data(), gaps);
+    Host::launch(static_cast<std::int64_t>(near_nodes.size()), [&](int j) { sum_nodes(j); });
+}
+
+}  // namespace moraine

@@ -1,0 +1,51 @@
+#pragma once
+// Contact on surfaces on the host (core/surfaces/surface_elements.hpp).
+
+#include "host/surface_pressures.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+class SurfaceForces {
+  public:
+    SurfaceForces(SurfaceBlocks<Real, Dim>& on, const SurfacePressures<Real, Dim>& pressures)
+        : on_(on), pressures_(pressures) {}
+
+    /// Which elements the soil touches in this step, and their W_i. Collective over peers.
+    void begin_step();
+    /// Acts on the velocities of the nodes. Collective over peers.
+    void act(const ContactTime& time, double damping);
+
+  private:
+    using Blocks = SurfaceBlocks<Real, Dim>;
+    using Place = typename Blocks::Place;
+    static constexpr int cells = Blocks::cells, nodes = Blocks::nodes, side = Blocks::side, width = Blocks::width;
+    static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
+    static int lane(int n) { return Blocks::lane(n); }
+    /// Of soil over an element [m/s]: away from the structure, and along it.
+    struct Slip {
+        double leaves;
+        Vec<double, Dim> along;
+    };
+
+    void find_gaps(const ContactPairs<Dim>& pairs);
+    void tell_elements(const ContactPair& pair);
+    void weigh();
+    Slip slip_of(int k, const SurfaceElement<Dim>& e) const;
+    double push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing, Vec<double, Dim>& follows) const;
+    Vec<double, Dim> slow(int k, const SurfaceElement<Dim>& e, const Slip& slip, const Pressing& by, double dt) const;
+    void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
+    void close_slave(int k, int c, Real* tile);
+    template <class Share>
+    double row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const;
+    void apply();
+    void count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
+    SurfaceShares<Dim> shares_at(std::int32_t near) const;
+
+    SurfaceBlocks<Real, Dim>& on_;
+    const SurfacePressures<Real, Dim>& pressures_;
+    Host::Array<Real> shares_;
+    Host::Array<NodeGap> gap_tiles_;
+};
+
+}  // namespace moraine

@@ -1,0 +1,55 @@
+#pragma once
+// The pressure of cells beside surfaces on the host (core/surfaces/open_faces.hpp).
+//
+// A cell that shares its pressure with a neighbour in another block is told of by the node in the middle of that one:
+// what children give is summed there, and the root's own answer is read there, so that both sides have the same
+// numbers.
+
+#include "core/surfaces/open_faces.hpp"
+#include "host/surface_blocks.hpp"
+
+namespace moraine {
+
+template <class Real, int Dim>
+class SurfacePressures {
+  public:
+    explicit SurfacePressures(SurfaceBlocks<Real, Dim>& on) : on_(on) {}
+
+    /// The cells near surfaces, in place of those of find_pressures.hpp. Collective over peers, as the next two.
+    void find(const Substep& first);
+    /// Their forces, before the nodes of a substep are solved.
+    void press(const Substep& substep);
+    /// What the substep's velocities make of the cells.
+    void update(const Substep& substep);
+    /// N_e: what a block's cell presses on its surface [Pa]; none where pressures are the particles'.
+    double pressure_on_surface(int k, int c, double damping) const;
+
+  private:
+    using Blocks = SurfaceBlocks<Real, Dim>;
+    using Place = typename Blocks::Place;
+    static constexpr int cells = Blocks::cells, nodes = Blocks::nodes, side = Blocks::side;
+    static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
+    static int lane(int n) { return Blocks::lane(n); }
+
+    void find_cell(int k, int c, const Substep& first);
+    void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
+    void faces_of(const Place& node, const CutCell<Dim>* cut, CellNode<Real, Dim>* face) const;
+    void make_rows(int k, int c, const CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
+    void weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const;
+    Real share_of(int k, int c) const;
+    void close_cell(int k, int c, const Substep& first);
+    void bound(OpenCell<Real, Dim>& cell, const Substep& first) const;
+    int structure_of(int k, int c) const;
+    void tell_pressure(int k, int c, double impulse);
+    std::size_t first_cell(std::int32_t block) const { return std::size_t(on_.patch.grid().tile_of[block]) * cells; }
+    void tell_holes(int k, int c, Real* tile) const;
+    void fill_hole(int k, int c);
+    int root_node(int k, int c) const;
+    void give_cells();
+
+    SurfaceBlocks<Real, Dim>& on_;
+    std::vector<OpenCell<Real, Dim>> cells_;    ///< [block][cell]
+    std::vector<Vec<Real, Dim>> acceleration_;  ///< HeldNode's, without cells [near node block][node]
+};
+
+}  // namespace moraine
