@@ -15,6 +15,17 @@ function(moraine_module name)
     target_link_libraries(moraine_${name} ${scope} moraine_flags ${ARG_USES})
     target_sources(moraine_${name} ${scope} FILE_SET HEADERS BASE_DIRS ${CMAKE_SOURCE_DIR}/src FILES ${ARG_HEADERS})
     set_target_properties(moraine_${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ${MORAINE_CHECK_HEADERS})
+    if(ARG_SOURCES)
+        moraine_precompile(moraine_${name} moraine_standard)
+    endif()
+endfunction()
+
+# moraine_precompile(target precompiled): the target takes the precompiled header of another one, with whose flags it is
+# compiled. What a file uses it includes all the same: headers are checked without (MORAINE_CHECK_HEADERS).
+function(moraine_precompile name precompiled)
+    if(TARGET ${precompiled})
+        target_precompile_headers(${name} REUSE_FROM ${precompiled})
+    endif()
 endfunction()
 
 # Longest time of a test [s]: sanitizers and assertions make it some 5 to 10 times slower.
@@ -35,7 +46,8 @@ function(moraine_test path)
     endif()
     add_executable(${name} ${CMAKE_SOURCE_DIR}/tests/${path}.${ARG_LANGUAGE} ${ARG_SOURCES})
     target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
-    target_link_libraries(${name} PRIVATE ${ARG_USES} moraine_flags doctest_header)
+    target_link_libraries(${name} PRIVATE ${ARG_USES} moraine_flags moraine_test_flags doctest_header)
+    moraine_precompile(${name} moraine_standard_doctest)
     if(NOT ARG_TIMEOUT)
         set(ARG_TIMEOUT ${MORAINE_TEST_TIMEOUT})
     endif()

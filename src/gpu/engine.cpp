@@ -40,6 +40,9 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
 }
 
 template <class Real, int Dim>
+DeviceEngine<Real, Dim>::~DeviceEngine() = default;
+
+template <class Real, int Dim>
 View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     View<Real, Dim> v{};
     v.table = epoch_.table.view();

@@ -40,6 +40,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     /// refresh_interval: steps between memory refreshes; 0: by what the particles take. Collective.
     DeviceEngine(const Scene& scene, const Comm& comm, const Method<Host, Real, Dim>& method,
                  const TransportFactory* transports, int refresh_interval = 0);
+    ~DeviceEngine() override;
 
     Share& share() override;
     using PieceReader = typename Engine<Real, Dim>::PieceReader;

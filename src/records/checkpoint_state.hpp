@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/data/error.hpp"
+#include "core/particles/particle_bytes.hpp"
 #include "io/checkpoint.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_identity.hpp"

@@ -10,6 +10,7 @@
 
 #include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
+#include "core/particles/particle_bytes.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
 #include "simulation/diagnostics.hpp"

@@ -34,6 +34,7 @@ class Simulation {
 
     /// On the host, or on what `make_engine` makes for the method. Scene and comm must outlive it. Collective.
     Simulation(const Scene& scene, const Comm& comm, const EngineMaker& make_engine = {});
+    ~Simulation();
 
     /// Fills the ranks with the scene's bodies. Collective; throws InputError where a body is wrong.
     void seed();

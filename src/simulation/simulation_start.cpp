@@ -113,6 +113,9 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
 }
 
 template <class Real, int Dim>
+Simulation<Real, Dim>::~Simulation() = default;
+
+template <class Real, int Dim>
 void Simulation<Real, Dim>::make_epochs_async(bool async) {
     async_ = async;
     rebalance_.set_async(async);

@@ -209,7 +209,8 @@ constexpr auto particle_state() {
 /// Calls f(variable) for each entry of the table.
 template <class Real, int Dim, class F>
 constexpr void each_variable(const F& f) {
-    std::apply([&](const auto&... v) { (f(v), ...); }, particle_state<Real, Dim>());
+    constexpr auto table = particle_state<Real, Dim>();
+    std::apply([&](const auto&... v) { (f(v), ...); }, table);
 }
 
 /// Rows of a group on a device.

@@ -30,49 +30,20 @@ class Particles {
     std::size_t size() const { return std::get<0>(columns_).size(); }  ///< slots: every particle has an id
 
     /// Makes space for n slots in every column. New slots hold anything.
-    void resize(std::size_t n) {
-        each_column([&](const auto&, auto& column) { column.resize(n); });
-    }
+    void resize(std::size_t n);
 
-    void reserve(std::size_t n) {
-        each_column([&](const auto&, auto& column) { column.reserve(n); });
-    }
+    void reserve(std::size_t n);
 
-    ParticleView<Real, Dim> view() {
-        ParticleView<Real, Dim> v{};
-        each_column([&](const auto& variable, auto& column) { variable.pointer(v) = column.data(); });
-        return v;
-    }
+    ParticleView<Real, Dim> view();
 
     /// The state: every column but those that a step makes anew, in the order of the table.
-    std::vector<ColumnBytes> columns() {
-        std::vector<ColumnBytes> all;
-        each_column([&](const auto& variable, auto& column) {
-            if (variable.lives == Lifetime::run)
-                all.push_back({variable.name, variable.unit, sizeof(*column.data()), variable.scalar_bytes,
-                               reinterpret_cast<std::byte*>(column.data())});
-        });
-        return all;
-    }
+    std::vector<ColumnBytes> columns();
 
     /// Bytes of one particle in all columns.
-    std::size_t row_bytes() {
-        std::size_t sum = 0;
-        for (const ColumnBytes& c : columns()) sum += c.row_bytes;
-        return sum;
-    }
+    std::size_t row_bytes();
 
     /// Slot k takes what was in slot order[k]; one column at a time, so that the spare memory is one column.
-    void permute(const std::uint32_t* order, std::size_t n) {
-        each_column([&](const auto&, auto& column) {
-            std::remove_reference_t<decltype(column)> fresh;
-            fresh.resize(n);
-            auto* to = fresh.data();
-            const auto* from = column.data();
-            Space::launch(static_cast<std::int64_t>(n), [=](int k) { to[k] = from[order[k]]; });
-            column.swap(fresh);
-        });
-    }
+    void permute(const std::uint32_t* order, std::size_t n);
 
   private:
     using Table = decltype(particle_state<Real, Dim>());
@@ -84,17 +55,7 @@ class Particles {
 
     /// Calls f(variable, its column) for those that the scene needs.
     template <class F>
-    void each_column(const F& f) {
-        constexpr Table table = particle_state<Real, Dim>();
-        [&]<std::size_t... K>(std::index_sequence<K...>) {
-            (
-                [&] {
-                    if (std::get<K>(table).present(needs_)) f(std::get<K>(table), std::get<K>(columns_));
-                }(),
-                ...);
-        }
-        (std::make_index_sequence<std::tuple_size_v<Table>>{});
-    }
+    void each_column(const F& f);
 
     ColumnNeeds needs_;
     Columns columns_;

@@ -1,0 +1,78 @@
+#include "core/particles/particles.hpp"
+
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "core/data/host.hpp"
+
+namespace moraine {
+
+/// Calls f(variable, its column) for those that the scene needs.
+template <class Space, class Real, int Dim>
+template <class F>
+void Particles<Space, Real, Dim>::each_column(const F& f) {
+    constexpr Table table = particle_state<Real, Dim>();
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+        (
+            [&] {
+                if (std::get<K>(table).present(needs_)) f(std::get<K>(table), std::get<K>(columns_));
+            }(),
+            ...);
+    }
+    (std::make_index_sequence<std::tuple_size_v<Table>>{});
+}
+
+template <class Space, class Real, int Dim>
+void Particles<Space, Real, Dim>::resize(std::size_t n) {
+    each_column([&](const auto&, auto& column) { column.resize(n); });
+}
+
+template <class Space, class Real, int Dim>
+void Particles<Space, Real, Dim>::reserve(std::size_t n) {
+    each_column([&](const auto&, auto& column) { column.reserve(n); });
+}
+
+template <class Space, class Real, int Dim>
+ParticleView<Real, Dim> Particles<Space, Real, Dim>::view() {
+    ParticleView<Real, Dim> v{};
+    each_column([&](const auto& variable, auto& column) { variable.pointer(v) = column.data(); });
+    return v;
+}
+
+template <class Space, class Real, int Dim>
+std::vector<ColumnBytes> Particles<Space, Real, Dim>::columns() {
+    std::vector<ColumnBytes> all;
+    each_column([&](const auto& variable, auto& column) {
+        if (variable.lives == Lifetime::run)
+            all.push_back({variable.name, variable.unit, sizeof(*column.data()), variable.scalar_bytes,
+                           reinterpret_cast<std::byte*>(column.data())});
+    });
+    return all;
+}
+
+template <class Space, class Real, int Dim>
+std::size_t Particles<Space, Real, Dim>::row_bytes() {
+    std::size_t sum = 0;
+    for (const ColumnBytes& c : columns()) sum += c.row_bytes;
+    return sum;
+}
+
+template <class Space, class Real, int Dim>
+void Particles<Space, Real, Dim>::permute(const std::uint32_t* order, std::size_t n) {
+    each_column([&](const auto&, auto& column) {
+        std::remove_reference_t<decltype(column)> fresh;
+        fresh.resize(n);
+        auto* to = fresh.data();
+        const auto* from = column.data();
+        Space::launch(static_cast<std::int64_t>(n), [=](int k) { to[k] = from[order[k]]; });
+        column.swap(fresh);
+    });
+}
+
+template class Particles<Host, float, 2>;
+template class Particles<Host, float, 3>;
+template class Particles<Host, double, 2>;
+template class Particles<Host, double, 3>;
+
+}  // namespace moraine
