@@ -1,0 +1,207 @@
+"""`moraine.stability`: the factor of safety of a slope by reduction of its strengths, on a cell and on half of it."""
+import dataclasses
+import hashlib
+import json
+import pathlib
+import re
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+from .errors import Error
+from .factor_search import bracket, factor_of, is_uneven
+from .fleet import Orders, jobs_of
+from .levels import fit, refuse_tables
+from .scenario_file import open_folder, save_json
+from .scene import Path, Scene, as_file, read_scene, with_sets
+from .slope_level import SlopeLevel
+from .slope_trials import SlopeTrials, Trial
+from .strengths import strengths_of
+
+FILE = "stability.json"
+FIRST, NARROW = 0.2, 0.02  # steps of the search on the first cell and on the second, in F
+FAR = 0.02                 # of H: a way that is not small against that of a failure (verdict.py)
+CELL = re.compile(r"cell-[0-9.e+-]+")
+
+
+@dataclasses.dataclass
+class SlopeResult:
+    """One cell [m]: the highest factor that stands and the lowest that fails, height [m], how far it had moved when it had settled [m], particles, remarks, trials."""
+
+    cell: float
+    stands: float
+    fails: float
+    height: float
+    settled_way: float
+    particles: int
+    uneven: bool
+    remarks: List[str]
+    trials: List[Trial]
+    folder: str
+    picture: str = ""
+
+    @property
+    def middle(self) -> float:
+        return (self.stands + self.fails) / 2
+
+
+@dataclasses.dataclass
+class FactorOfSafety:
+    """What was found: the levels, and a factor with its error bar once there are two of them."""
+
+    path: pathlib.Path
+    scene: str
+    levels: List[SlopeResult] = dataclasses.field(default_factory=list)
+    remarks: List[str] = dataclasses.field(default_factory=list)
+
+    @property
+    def factor(self) -> Optional[float]:
+        """The middle of the bracket on the finest cell."""
+        return self.levels[-1].middle if self.levels else None
+
+    @property
+    def error(self) -> Optional[float]:
+        """|FS_h - FS_h/2| + the bracket; None of one cell alone."""
+        if len(self.levels) < 2:
+            return None
+        coarse, fine = self.levels[-2:]
+        return abs(coarse.middle - fine.middle) + (fine.fails - fine.stands)
+
+
+@dataclasses.dataclass(frozen=True)
+class Wanted:
+    """What is asked for beside the scene."""
+
+    tolerance: float
+    cell: Optional[float]
+    levels: int
+    settle: float
+    height: Optional[float]
+    keep: Sequence[str]
+    softening: bool
+
+
+def _refuse(wanted: Wanted, scene: Mapping[str, Any]) -> None:
+    if not 0 < wanted.tolerance <= 0.5:
+        raise Error(f"--tolerance {wanted.tolerance:g} (the width of the bracket, above 0 and at most 0.5). Try 0.01?")
+    if wanted.levels not in (1, 2):
+        raise Error(f"--levels {wanted.levels} (one cell, or two for an error bar). Try 2?")
+    if not 0 < wanted.settle <= 20:
+        raise Error(f"--settle {wanted.settle:g} (the factor at which the slope settles, above 0). Try 1?")
+    for name in ("cell", "height"):
+        value = getattr(wanted, name)
+        if value is not None and not value > 0:
+            raise Error(f"--{name} {value:g} (it is longer than 0 m). Leave it out?")
+    if "cell" not in scene.get("domain", {}):
+        raise Error("the scene has no domain.cell (it is needed). Is it a scene?")
+    if not any(scene.get("gravity", [0.0])):
+        raise Error("the scene has no gravity (nothing slides without). Set gravity = [0.0, -9.81]?")
+    for what in ("release", "inflow"):
+        if scene.get(what):
+            raise Error(f"the scene has [[{what}]] (it is no slope that rests). Take bodies?")
+    refuse_tables(scene)
+
+
+def _remarks(scene: Mapping[str, Any]) -> List[str]:
+    found = []
+    for item in scene.get("material", []):
+        if item.get("rate_log", 0) > 0 or item.get("rate_power", 0) > 0:
+            found.append(f"material.{item.get('name', '')} is stronger at a rate: the factor is that of a slope which already moves a little")
+        if item.get("sensitivity", 1) > 1:
+            found.append(f"material.{item.get('name', '')} softens: the factor DEPENDS ON THE CELL, and the error bar does not hold it")
+    return found
+
+
+class _Record:
+    """stability.json: what is known from call to call."""
+
+    def __init__(self, path: pathlib.Path, identity: str, overwrite: bool) -> None:
+        self.path, self.identity = path, identity
+        self.known = open_folder(path, FILE, identity, overwrite) or {"levels": {}}
+        if overwrite and path.is_dir():
+            for old in path.iterdir():
+                if CELL.fullmatch(old.name):
+                    SlopeLevel.drop(old)
+
+    def level(self, name: str) -> Dict[str, Any]:
+        found: Dict[str, Any] = self.known["levels"].setdefault(name, {"height": None, "trials": {}})
+        return found
+
+    def save(self, more: Mapping[str, Any]) -> None:
+        self.known.update({"identity": self.identity, **more})
+        save_json(self.path / FILE, self.known)
+
+
+def _search(record: _Record, level: SlopeLevel, wanted: Wanted, jobs: int, near: Optional[SlopeResult], told: Callable[[str], None]) -> SlopeResult:
+    """The bracket on one cell; near: that of the cell before."""
+    name = level.folder.name
+    known = record.level(name)
+    level.height = wanted.height or known["height"]
+    rule = level.prepare()
+    known["height"] = level.height
+
+    def save() -> None:
+        known["trials"] = {str(k): dataclasses.asdict(trial) for k, trial in trials.trials.items()}
+        record.save({})
+    trials = SlopeTrials(level, wanted.tolerance, jobs, told, save)
+    trials.trials = {int(k): Trial(**trial) for k, trial in known["trials"].items()}
+    save()
+    settled = trials.settle()
+    told(f"cell {level.level.cell:.6g} m: settled at F = {wanted.settle:g} after {settled.time:.3g} s, way {settled.way:.3g} m of a height of {rule.height:.4g} m")
+    base = max(1, round(wanted.settle / wanted.tolerance))
+    if near is None:
+        trials.search(base, max(1, round(FIRST / wanted.tolerance)), base)
+    else:
+        trials.search(round(near.stands / wanted.tolerance), max(1, round(NARROW / wanted.tolerance)))
+    stands, fails = bracket(trials.verdicts)
+    assert stands is not None and fails is not None
+    remarks = list(level.level.remarks)
+    if settled.way > 0.05 * rule.height:
+        remarks.append(f"it had moved {settled.way:.3g} m when it had settled (more than 0.05 of its height): begin with its stress (geostatic), or a higher young")
+    limit = trials.trials.get(stands)
+    if limit and limit.ways[-1] > FAR * rule.height:
+        remarks.append(f"it moved {limit.ways[-1] / rule.height:.2g} of its height at the factor that stands: the factor may be too low, a higher young tells")
+    return SlopeResult(level.level.cell, factor_of(stands, wanted.tolerance), factor_of(fails, wanted.tolerance), rule.height, settled.way,
+                       settled.particles, is_uneven(trials.verdicts), remarks, [trials.trials[k] for k in sorted(trials.trials)], name)
+
+
+def _identity(scene: Mapping[str, Any], wanted: Wanted) -> str:
+    asked = [wanted.tolerance, wanted.settle, wanted.height, sorted(wanted.keep), wanted.softening]
+    return hashlib.sha256(json.dumps([scene, asked], sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.01, cell: Optional[float] = None, levels: int = 2, settle: float = 1.0,
+              height: Optional[float] = None, keep: Sequence[str] = (), softening: bool = False, sets: Mapping[str, Any] = {}, jobs: Optional[int] = None,
+              ranks: Optional[int] = None, threads: int = 1, options: Sequence[str] = (), overwrite: bool = False, told: Callable[[str], None] = print,
+              program: Optional[Path] = None) -> FactorOfSafety:
+    """The factor of safety of a scene (a file or a dict), into `output` (default: runs/stability-NAME), which is gone on with where it is there.
+
+    tolerance: width of the bracket in F; cell [m] of the first level (default: the scene's), the second has half of it; levels: 1 gives no error bar;
+    settle: the factor at which the slope comes to rest first, below 1 for one that fails at 1; height [m] of the slope, by which times and ways are
+    measured (default: that of the soil along gravity); keep: materials that stay as they are; softening: take clay that softens, too; jobs: runs
+    at a time. Others as in `run`. Raises Error for what cannot be.
+    """
+    wanted = Wanted(tolerance, cell, levels, settle, height, tuple(keep), softening)
+    keys = with_sets(scene if isinstance(scene, Mapping) else read_scene(scene), sets)
+    _refuse(wanted, keys)
+    strengths = strengths_of(keys, keep, softening)
+    name = "scene" if isinstance(scene, Mapping) else pathlib.Path(scene).stem
+    path = pathlib.Path(output or f"runs/stability-{name}")
+    record = _Record(path, _identity(keys, wanted), overwrite)
+    found = FactorOfSafety(path, name, remarks=_remarks(keys))
+    first = float(cell or keys["domain"]["cell"])
+    with as_file(scene) as file:
+        orders = Orders(file, dict(sets), ranks, threads, list(options), program)
+        for wish in [first / 2 ** k for k in range(levels)]:
+            fitted = fit(keys, wish)
+            level = SlopeLevel(path / f"cell-{fitted.cell:.6g}", keys, fitted, strengths, settle, orders, height)
+            near = found.levels[-1] if found.levels else None
+            found.levels.append(_search(record, level, wanted, jobs_of(jobs, ranks, threads), near, told))
+            record.save(as_json(found))
+    return found
+
+
+def as_json(found: FactorOfSafety) -> Dict[str, Any]:
+    """The answer as stability.json has it."""
+    answer: List[Tuple[str, Any]] = [("scene", found.scene), ("factor_of_safety", found.factor), ("error", found.error), ("remarks", found.remarks)]
+    brackets = [{"cell_m": r.cell, "stands": r.stands, "fails": r.fails, "height_m": r.height, "settled_way_m": r.settled_way, "particles": r.particles,
+                 "uneven": r.uneven, "remarks": r.remarks, "picture": r.picture} for r in found.levels]
+    return {**dict(answer), "brackets": brackets}
