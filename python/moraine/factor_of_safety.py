@@ -15,10 +15,10 @@ from .scene import Path, Scene, as_file, read_scene, with_sets
 from .slope_level import SlopeLevel
 from .slope_trials import SlopeTrials, Trial
 from .strengths import strengths_of
+from .verdict import WAY
 
 FILE = "stability.json"
 FIRST, NARROW = 0.2, 0.02  # steps of the search on the first cell and on the second, in F
-FAR = 0.02                 # of H: a way that is not small against that of a failure (verdict.py)
 CELL = re.compile(r"cell-[0-9.e+-]+")
 
 
@@ -75,6 +75,7 @@ class Wanted:
     levels: int
     settle: float
     height: Optional[float]
+    way: float
     keep: Sequence[str]
     softening: bool
 
@@ -86,6 +87,8 @@ def _refuse(wanted: Wanted, scene: Mapping[str, Any]) -> None:
         raise Error(f"--levels {wanted.levels} (one cell, or two for an error bar). Try 2?")
     if not 0 < wanted.settle <= 20:
         raise Error(f"--settle {wanted.settle:g} (the factor at which the slope settles, above 0). Try 1?")
+    if not 0 < wanted.way <= 1:
+        raise Error(f"--way {wanted.way:g} (a share of the height, above 0 and at most 1). Try 0.05?")
     for name in ("cell", "height"):
         value = getattr(wanted, name)
         if value is not None and not value > 0:
@@ -156,30 +159,27 @@ def _search(record: _Record, level: SlopeLevel, wanted: Wanted, jobs: int, near:
     remarks = list(level.level.remarks)
     if settled.way > 0.05 * rule.height:
         remarks.append(f"it had moved {settled.way:.3g} m when it had settled (more than 0.05 of its height): begin with its stress (geostatic), or a higher young")
-    limit = trials.trials.get(stands)
-    if limit and limit.ways[-1] > FAR * rule.height:
-        remarks.append(f"it moved {limit.ways[-1] / rule.height:.2g} of its height at the factor that stands: the factor may be too low, a higher young tells")
     return SlopeResult(level.level.cell, factor_of(stands, wanted.tolerance), factor_of(fails, wanted.tolerance), rule.height, settled.way,
                        settled.particles, is_uneven(trials.verdicts), remarks, [trials.trials[k] for k in sorted(trials.trials)], name)
 
 
 def _identity(scene: Mapping[str, Any], wanted: Wanted) -> str:
-    asked = [wanted.tolerance, wanted.settle, wanted.height, sorted(wanted.keep), wanted.softening]
+    asked = [wanted.tolerance, wanted.settle, wanted.height, wanted.way, sorted(wanted.keep), wanted.softening]
     return hashlib.sha256(json.dumps([scene, asked], sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
 def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.01, cell: Optional[float] = None, levels: int = 2, settle: float = 1.0,
-              height: Optional[float] = None, keep: Sequence[str] = (), softening: bool = False, sets: Mapping[str, Any] = {}, jobs: Optional[int] = None,
+              height: Optional[float] = None, way: float = WAY, keep: Sequence[str] = (), softening: bool = False, sets: Mapping[str, Any] = {}, jobs: Optional[int] = None,
               ranks: Optional[int] = None, threads: int = 1, options: Sequence[str] = (), overwrite: bool = False, told: Callable[[str], None] = print,
               program: Optional[Path] = None) -> FactorOfSafety:
     """The factor of safety of a scene (a file or a dict), into `output` (default: runs/stability-NAME), which is gone on with where it is there.
 
     tolerance: width of the bracket in F; cell [m] of the first level (default: the scene's), the second has half of it; levels: 1 gives no error bar;
     settle: the factor at which the slope comes to rest first, below 1 for one that fails at 1; height [m] of the slope, by which times and ways are
-    measured (default: that of the soil along gravity); keep: materials that stay as they are; softening: take clay that softens, too; jobs: runs
+    measured (default: that of the soil along gravity); way: the share of it beyond which a slope that still slides has failed; keep: materials that stay as they are; softening: take clay that softens, too; jobs: runs
     at a time. Others as in `run`. Raises Error for what cannot be.
     """
-    wanted = Wanted(tolerance, cell, levels, settle, height, tuple(keep), softening)
+    wanted = Wanted(tolerance, cell, levels, settle, height, way, tuple(keep), softening)
     keys = with_sets(scene if isinstance(scene, Mapping) else read_scene(scene), sets)
     _refuse(wanted, keys)
     strengths = strengths_of(keys, keep, softening)
@@ -192,7 +192,7 @@ def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.
         orders = Orders(file, dict(sets), ranks, threads, list(options), program)
         for wish in [first / 2 ** k for k in range(levels)]:
             fitted = fit(keys, wish)
-            level = SlopeLevel(path / f"cell-{fitted.cell:.6g}", keys, fitted, strengths, settle, orders, height)
+            level = SlopeLevel(path / f"cell-{fitted.cell:.6g}", keys, fitted, strengths, settle, orders, height, way)
             near = found.levels[-1] if found.levels else None
             found.levels.append(_search(record, level, wanted, jobs_of(jobs, ranks, threads), near, told))
             record.save(as_json(found))

@@ -17,7 +17,7 @@ from .program import command_of, run
 from .results import Run
 from .scene import with_sets
 from .strengths import Strength, reduced
-from .verdict import LOOKS, Rule, Ways, rule_of
+from .verdict import LOOKS, WAY, Rule, Ways, rule_of
 
 DAMPING = 0.7    # numerics.damping while it settles
 SETTLES = 60.0   # in sqrt(H/g): in which it must have settled
@@ -38,10 +38,10 @@ class SlopeLevel:
     """In `folder` (settle/, F-1.37/ and so on); `scene` are all keys, `orders` how runs are started."""
 
     def __init__(self, folder: pathlib.Path, scene: Mapping[str, Any], level: Level, strengths: Sequence[Strength], settle: float, orders: Orders,
-                 height: Optional[float]) -> None:
+                 height: Optional[float], way: float = WAY) -> None:
         self.folder, self.level, self.strengths, self.settle_factor, self.orders = folder, level, strengths, settle, orders
         self.scene = with_sets(scene, level.sets)
-        self.height, self.rule = height, None  # type: Optional[float], Optional[Rule]
+        self.height, self.way, self.rule = height, way, None  # type: Optional[float], float, Optional[Rule]
 
     @property
     def periodic(self) -> List[float]:
@@ -72,7 +72,7 @@ class SlopeLevel:
             if len(place) == 0 or place.max() == place.min():
                 raise Error("the scene has no soil at its start (no height is seen). Give --height?")
             self.height = float(place.max() - place.min() + spacing(position))  # of particles as large as what is between them
-        self.rule = rule_of(self.scene, self.level.cell, self.height)
+        self.rule = rule_of(self.scene, self.level.cell, self.height, self.way)
         return self.rule
 
     def _command(self, directory: pathlib.Path, sets: Mapping[str, Any], begins: bool, more: Sequence[str]) -> List[str]:

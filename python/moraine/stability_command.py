@@ -9,6 +9,7 @@ from .scenario_command import check_options, stopped_by
 from .scenario_file import save_json
 from .scene import parse_set
 from .stability_text import summary
+from .verdict import WAY
 
 
 def parser(prog: str = "moraine stability") -> argparse.ArgumentParser:
@@ -20,6 +21,7 @@ def parser(prog: str = "moraine stability") -> argparse.ArgumentParser:
     words.add_argument("--levels", type=int, default=2, metavar="N", help="1: on one cell alone, without an error bar (default: 2)")
     words.add_argument("--settle", type=float, default=1.0, metavar="F", help="factor at which it first comes to rest; below 1 for a slope that fails at 1 (default: 1)")
     words.add_argument("--height", type=float, metavar="METRES", help="of the slope, by which times and ways are measured (default: that of the soil along gravity)")
+    words.add_argument("--way", type=float, default=WAY, metavar="SHARE", help="of the height, beyond which a slope that still slides has failed (default: 0.05)")
     words.add_argument("--keep", action="append", default=[], metavar="NAME", help="a material whose strength stays; again for more")
     words.add_argument("--softening", action="store_true", help="take clay that softens: its factor depends on the cell")
     words.add_argument("--set", dest="sets", action="append", default=[], metavar="KEY=VALUE", help="change a key of the scene; again for more")
@@ -37,7 +39,7 @@ def parser(prog: str = "moraine stability") -> argparse.ArgumentParser:
 
 def _run(given: argparse.Namespace) -> int:
     options = check_options(given, "stability")
-    found = stability(given.scene, given.output, given.tolerance, given.cell, given.levels, given.settle, given.height, given.keep, given.softening,
+    found = stability(given.scene, given.output, given.tolerance, given.cell, given.levels, given.settle, given.height, given.way, given.keep, given.softening,
                       dict(map(parse_set, given.sets)), given.jobs, given.ranks, given.threads, options, given.overwrite,
                       lambda line: None if given.quiet else print(line, file=sys.stderr, flush=True))
     print(summary(found))

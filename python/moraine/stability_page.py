@@ -12,7 +12,7 @@ from .factor_of_safety import FactorOfSafety, SlopeResult
 from .page_text import Axes, page, table, warning
 from .results import Run
 from .stability_text import answer, bracket_rows, warnings_of
-from .verdict import WAY
+from .verdict import STANDS, WAY
 
 
 def _picture_field(run: Run) -> str:
@@ -37,8 +37,8 @@ def write_pictures(found: FactorOfSafety) -> None:
 
 
 def _ways(level: SlopeResult) -> str:
-    """The way over H of all trials, over time; those beyond 0.1 H are cut there."""
-    most = 2 * WAY
+    """The way over H of all trials, over time; those beyond twice the largest that stands are cut there."""
+    most = 2 * max((max(trial.ways) / level.height for trial in level.trials if trial.verdict == STANDS), default=WAY)
     lines = [(trial.times, [min(way / level.height, most) for way in trial.ways]) for trial in level.trials if len(trial.times) > 1]
     if not lines:
         return ""

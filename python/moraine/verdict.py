@@ -1,11 +1,11 @@
 """Whether a slope with reduced strengths stands, by the ways of its particles since it had settled.
 
     stands      it comes to rest by [rest] of the scene, for 2.5 sqrt(H/g) at least
-    fails       the way exceeds 0.05 H, and grows faster than what [rest] calls rest
+    fails       the way exceeds 0.05 H (or another share), and grows faster than what [rest] calls rest
     undecided   neither within 20 sqrt(H/g), nor in two more times as much
 
 H is the height of the soil. The way is that which all particles but a share 1 - rest.mass have not exceeded: a grain that rolls
-is no landslide.
+is no landslide. Rest is no faster than a twentieth of that way in an interval, whatever [rest] says.
 """
 import dataclasses
 import math
@@ -18,6 +18,7 @@ from .particles import ParticleSeries
 
 STANDS, FAILS, UNDECIDED = "stands", "fails", "undecided"
 WAY = 0.05  # of H: more is a failure where it grows
+PART = 20   # of the way: more in an interval is no rest
 LIMIT, LIMITS = 20.0, 3  # in sqrt(H/g), and how often a trial may last so long
 CALM = 2.5  # in sqrt(H/g): rest is as long as this
 LOOKS = 4   # outputs in CALM: a trial goes on by CALM at a time
@@ -25,15 +26,17 @@ LOOKS = 4   # outputs in CALM: a trial goes on by CALM at a time
 
 @dataclasses.dataclass(frozen=True)
 class Rule:
-    """Times and ways of one cell: height H [m], g [m/s2], the time between looks [s], the rest interval [s], how many of them are
-    rest, the way [m] in one that is rest, and the share of the mass."""
+    """Times and ways of one cell: height H [m], g [m/s2], the way of a failure [m], the time between looks [s], the rest interval [s],
+    how many of them are rest, the way [m] in one that is rest, the same in cells, and the share of the mass."""
 
     height: float
     gravity: float
+    way: float
     look: float
     interval: float
     intervals: int
     still: float
+    displacement: float
     mass: float
 
     @property
@@ -48,11 +51,11 @@ class Rule:
 
     def rest_sets(self) -> Dict[str, Any]:
         """Keys of the scene by which a run ends at rest."""
-        return {"time.stop": "rest", "rest.interval": self.interval, "rest.intervals": self.intervals}
+        return {"time.stop": "rest", "rest.interval": self.interval, "rest.intervals": self.intervals, "rest.displacement": self.displacement}
 
 
-def rule_of(scene: Mapping[str, Any], cell: float, height: float) -> Rule:
-    """The rule for a scene (its keys) on a cell [m], for soil of a height [m].
+def rule_of(scene: Mapping[str, Any], cell: float, height: float, share: float = WAY) -> Rule:
+    """The rule for a scene (its keys) on a cell [m], for soil of a height [m]; share: of the height, the way of a failure.
 
     >>> rule = rule_of({"gravity": [0.0, -10.0]}, 0.5, 10.0)
     >>> rule.unit, rule.intervals, round(rule.look, 4)
@@ -62,7 +65,8 @@ def rule_of(scene: Mapping[str, Any], cell: float, height: float) -> Rule:
     interval = rest.get("interval", 2 * math.sqrt(cell / g))
     unit = math.sqrt(height / g)
     intervals = max(int(rest.get("intervals", 3)), math.ceil(CALM * unit / interval))
-    return Rule(height, g, CALM * unit / LOOKS, interval, intervals, rest.get("displacement", 0.05) * cell, rest.get("mass", 0.999))
+    still = min(rest.get("displacement", 0.05) * cell, share * height / PART)
+    return Rule(height, g, share * height, CALM * unit / LOOKS, interval, intervals, still, still / cell, rest.get("mass", 0.999))
 
 
 def judge(rule: Rule, times: Sequence[float], ways: Sequence[float], is_at_rest: bool) -> Optional[str]:
@@ -73,7 +77,7 @@ def judge(rule: Rule, times: Sequence[float], ways: Sequence[float], is_at_rest:
     ('fails', 'stands', None)
     """
     for before, now, way_before, way in zip(times, times[1:], ways, ways[1:]):
-        if way > WAY * rule.height and (way - way_before) * rule.interval > rule.still * (now - before):
+        if way > rule.way and (way - way_before) * rule.interval > rule.still * (now - before):
             return FAILS
     return STANDS if is_at_rest else None
 

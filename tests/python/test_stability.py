@@ -66,6 +66,8 @@ class Rule(PackageTest):
         self.assertGreaterEqual(self.rule.intervals * self.rule.interval, 2.5)
         given = rule_of({"gravity": [0.0, -10.0], "rest": {"interval": 0.1, "intervals": 50, "displacement": 0.01}}, 0.5, 10.0)
         self.assertEqual((given.interval, given.intervals, given.still), (0.1, 50, 0.005))
+        strict = rule_of({"gravity": [0.0, -10.0]}, 0.5, 10.0, 0.01)
+        self.assertEqual((strict.way, strict.still, strict.rest_sets()["rest.displacement"]), (0.1, 0.005, 0.01))
 
     def test_ways_are_by_id_across_periodic_ends_and_infinite_for_who_left(self):
         class Series(list):
@@ -210,7 +212,7 @@ class Slope(PackageTest):
 
     def test_words_that_cannot_be_are_refused_and_leave_nothing(self):
         for more, says in (({"tolerance": 0.0}, "--tolerance"), ({"levels": 3}, "--levels"), ({"settle": -1.0}, "--settle"), ({"cell": 0.0}, "--cell"),
-                           ({"height": -2.0}, "--height"), ({"scene": {**LAYER, "gravity": [0.0, 0.0]}}, "gravity"),
+                           ({"height": -2.0}, "--height"), ({"way": 0.0}, "--way"), ({"scene": {**LAYER, "gravity": [0.0, 0.0]}}, "gravity"),
                            ({"scene": {**LAYER, "inflow": [{"name": "river"}]}}, "inflow"), ({"scene": {**LAYER, "domain": {}}}, "domain.cell")):
             self.assertIn(says, self.problem(self.stability, "no", **more))
         self.assertFalse(folder("no").exists())

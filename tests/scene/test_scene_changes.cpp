@@ -16,6 +16,8 @@ Scene slope() {
     s.materials[0].name = "sand";
     s.walls[2][0].kind = WallKind::friction;
     s.walls[2][0].friction = 0.4;
+    s.damping = 0;
+    s.bodies[0].name = "high", s.bodies[1].name = "low";
     return s;
 }
 
