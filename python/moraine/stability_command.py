@@ -1,5 +1,6 @@
 """moraine stability SCENE.toml [options]: the factor of safety of a slope, with an error bar."""
 import argparse
+import json
 import sys
 from typing import Optional, Sequence
 
@@ -46,6 +47,7 @@ def _run(given: argparse.Namespace) -> int:
     from .stability_page import write_page, write_pictures
     write_pictures(found)
     page = write_page(found)
+    save_json(found.path / FILE, {**json.loads((found.path / FILE).read_text()), **as_json(found)})  # with the names of the pictures
     pictures = [level.picture for level in found.levels if level.picture]
     print(f"Results are in {found.path}: {', '.join([FILE, page.name, *pictures])}")
     return 0

@@ -2,14 +2,16 @@
 import json
 import math
 import os
+import signal
 import subprocess
 import sys
+import time
 import unittest
 
 import numpy
 
 import moraine
-from moraine.factor_search import bracket, next_factors
+from moraine.factor_search import bracket, is_uneven, next_factors
 from moraine.particles import Particles
 from moraine.strengths import reduced, strengths_of
 from moraine.verdict import FAILS, STANDS, UNDECIDED, Ways, judge, rule_of
@@ -109,6 +111,11 @@ class Search(unittest.TestCase):
         for jobs in (1, 2, 4):
             self.assertEqual(search(truth, 100, 20, jobs)[:2], (137, 142))
 
+    def test_a_stand_above_a_failure_is_said_and_the_lower_bracket_taken(self):
+        found = {100: STANDS, 130: FAILS, 140: STANDS, 150: FAILS}
+        self.assertEqual((bracket(found), is_uneven(found)), ((100, 130), True))
+        self.assertFalse(is_uneven({100: STANDS, 120: UNDECIDED, 130: FAILS}))
+
     def test_below_the_first_it_goes_down(self):
         self.assertEqual(search(lambda k: STANDS if k <= 40 else FAILS, 100, 20, 2)[:2], (40, 41))
 
@@ -160,7 +167,8 @@ class Slope(PackageTest):
         self.assertEqual(again.factor, found.factor)
 
     def same_on_one_job(self, found):
-        alone, _ = self.stability("alone", jobs=1)
+        """One at a time, and each on two ranks."""
+        alone, _ = self.stability("alone", jobs=1, ranks=2)
         self.assertEqual([(level.stands, level.fails) for level in alone.levels], [(level.stands, level.fails) for level in found.levels])
 
     def names_what_is_there(self, found):
@@ -186,9 +194,29 @@ class Slope(PackageTest):
         self.assertEqual((folder("drawn") / "slip-cell-0.125.png").read_bytes()[:4], b"\x89PNG")
         kept = json.loads((folder("drawn") / "stability.json").read_text())
         self.assertEqual((kept["brackets"][0]["stands"], kept["brackets"][0]["fails"], kept["error"]), (1.4, 1.6, None))
+        self.assertEqual(kept["brackets"][0]["picture"], "slip-cell-0.125.png")
         code, _, said = self.command(scene, "--tolerence", "0.1")
         self.assertEqual(code, 2)
         self.assertIn("stability inputs/stability.toml", said)
+
+    def test_a_stopped_search_goes_on_to_the_same_ways(self):
+        scene = moraine.write_scene(LAYER, folder("layer.toml"))
+        words = [scene, "--tolerance", "0.2", "--levels", "1", "--jobs", "1", *OPTIONS, "--output"]
+        self.assertEqual(self.command(*words, "whole")[0], 0)
+        job = subprocess.Popen([program.PROGRAM, "stability", *map(str, words), "stopped"], cwd=folder("."), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, env={**os.environ, "MORAINE_PYTHON": sys.executable, "OMP_NUM_THREADS": "1"})
+        while job.poll() is None and not list(folder("stopped").glob("cell-*/F-*/history.csv")):
+            time.sleep(0.005)
+        job.send_signal(signal.SIGTERM)
+        _, said = job.communicate(timeout=60)
+        self.assertEqual(job.returncode, 5, said)
+        self.assertIn("stability was stopped", said)
+        code, out, said = self.command(*words, "stopped")
+        self.assertEqual(code, 0, said)
+        kept = [json.loads((folder(name) / "stability.json").read_text()) for name in ("whole", "stopped")]
+        self.assertEqual(kept[0]["brackets"], kept[1]["brackets"])
+        trials = [{k: (t["verdict"], t["ways"]) for k, t in each["levels"]["cell-0.125"]["trials"].items()} for each in kept]
+        self.assertEqual(trials[0], trials[1])
 
     def test_a_slope_that_fails_at_one_says_so_and_settles_below(self):
         steep = with_material(friction_angle=18.0, dilation_angle=0.0)
