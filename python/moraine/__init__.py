@@ -12,7 +12,7 @@ from .calibration_data import Calibration
 from .columns import depth_at, depth_profile, spacing
 from .convergence import converge
 from .errors import Error
-from .factor_of_safety import FactorOfSafety, stability
+from .factor_of_safety import stability
 from .particles import Particles, ParticleSeries
 from .program import Check, check, find_program, run
 from .records import Table, read_summary, read_table
@@ -21,6 +21,7 @@ from .richardson import Estimate, estimate
 from .scenario_data import Scenarios
 from .scenarios import run_study
 from .scene import read_scene, write_scene
+from .slope_result import FactorOfSafety
 from .study import Study
 from .toml_text import to_toml
 from .vtk import to_pyvista

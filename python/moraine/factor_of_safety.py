@@ -4,113 +4,24 @@ import hashlib
 import json
 import pathlib
 import re
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
-from .errors import Error
 from .factor_search import bracket, factor_of, is_uneven
 from .fleet import Orders, jobs_of
-from .levels import fit, refuse_tables
+from .levels import fit
 from .scenario_file import open_folder, save_json
 from .scene import Path, Scene, as_file, read_scene, with_sets
+from .slope_job import Trial
 from .slope_level import SlopeLevel
-from .slope_trials import SlopeTrials, Trial
+from .slope_result import FactorOfSafety, SlopeResult, as_json
+from .slope_trials import SlopeTrials
+from .slope_wanted import Wanted, refuse, remarks_of
 from .strengths import strengths_of
 from .verdict import WAY
 
 FILE = "stability.json"
 FIRST, NARROW = 0.2, 0.02  # steps of the search on the first cell and on the second, in F
 CELL = re.compile(r"cell-[0-9.e+-]+")
-
-
-@dataclasses.dataclass
-class SlopeResult:
-    """One cell [m]: the highest factor that stands and the lowest that fails, height [m], how far it had moved when it had settled [m], particles, remarks, trials."""
-
-    cell: float
-    stands: float
-    fails: float
-    height: float
-    settled_way: float
-    particles: int
-    uneven: bool
-    remarks: List[str]
-    trials: List[Trial]
-    folder: str
-    picture: str = ""
-
-    @property
-    def middle(self) -> float:
-        return (self.stands + self.fails) / 2
-
-
-@dataclasses.dataclass
-class FactorOfSafety:
-    """What was found: the levels, and a factor with its error bar once there are two of them."""
-
-    path: pathlib.Path
-    scene: str
-    levels: List[SlopeResult] = dataclasses.field(default_factory=list)
-    remarks: List[str] = dataclasses.field(default_factory=list)
-
-    @property
-    def factor(self) -> Optional[float]:
-        """The middle of the bracket on the finest cell."""
-        return self.levels[-1].middle if self.levels else None
-
-    @property
-    def error(self) -> Optional[float]:
-        """|FS_h - FS_h/2| + the bracket; None of one cell alone."""
-        if len(self.levels) < 2:
-            return None
-        coarse, fine = self.levels[-2:]
-        return abs(coarse.middle - fine.middle) + (fine.fails - fine.stands)
-
-
-@dataclasses.dataclass(frozen=True)
-class Wanted:
-    """What is asked for beside the scene."""
-
-    tolerance: float
-    cell: Optional[float]
-    levels: int
-    settle: float
-    height: Optional[float]
-    way: float
-    keep: Sequence[str]
-    softening: bool
-
-
-def _refuse(wanted: Wanted, scene: Mapping[str, Any]) -> None:
-    if not 0 < wanted.tolerance <= 0.5:
-        raise Error(f"--tolerance {wanted.tolerance:g} (the width of the bracket, above 0 and at most 0.5). Try 0.01?")
-    if wanted.levels not in (1, 2):
-        raise Error(f"--levels {wanted.levels} (one cell, or two for an error bar). Try 2?")
-    if not 0 < wanted.settle <= 20:
-        raise Error(f"--settle {wanted.settle:g} (the factor at which the slope settles, above 0). Try 1?")
-    if not 0 < wanted.way <= 1:
-        raise Error(f"--way {wanted.way:g} (a share of the height, above 0 and at most 1). Try 0.05?")
-    for name in ("cell", "height"):
-        value = getattr(wanted, name)
-        if value is not None and not value > 0:
-            raise Error(f"--{name} {value:g} (it is longer than 0 m). Leave it out?")
-    if "cell" not in scene.get("domain", {}):
-        raise Error("the scene has no domain.cell (it is needed). Is it a scene?")
-    if not any(scene.get("gravity", [0.0])):
-        raise Error("the scene has no gravity (nothing slides without). Set gravity = [0.0, -9.81]?")
-    for what in ("release", "inflow"):
-        if scene.get(what):
-            raise Error(f"the scene has [[{what}]] (it is no slope that rests). Take bodies?")
-    refuse_tables(scene)
-
-
-def _remarks(scene: Mapping[str, Any]) -> List[str]:
-    found = []
-    for item in scene.get("material", []):
-        if item.get("rate_log", 0) > 0 or item.get("rate_power", 0) > 0:
-            found.append(f"material.{item.get('name', '')} is stronger at a rate: the factor is that of a slope which already moves a little")
-        if item.get("sensitivity", 1) > 1:
-            found.append(f"material.{item.get('name', '')} softens: the factor DEPENDS ON THE CELL, and the error bar does not hold it")
-    return found
 
 
 class _Record:
@@ -181,12 +92,12 @@ def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.
     """
     wanted = Wanted(tolerance, cell, levels, settle, height, way, tuple(keep), softening)
     keys = with_sets(scene if isinstance(scene, Mapping) else read_scene(scene), sets)
-    _refuse(wanted, keys)
+    refuse(wanted, keys)
     strengths = strengths_of(keys, keep, softening)
     name = "scene" if isinstance(scene, Mapping) else pathlib.Path(scene).stem
     path = pathlib.Path(output or f"runs/stability-{name}")
     record = _Record(path, _identity(keys, wanted), overwrite)
-    found = FactorOfSafety(path, name, remarks=_remarks(keys))
+    found = FactorOfSafety(path, name, remarks=remarks_of(keys))
     first = float(cell or keys["domain"]["cell"])
     with as_file(scene) as file:
         orders = Orders(file, dict(sets), ranks, threads, list(options), program)
@@ -197,11 +108,3 @@ def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.
             found.levels.append(_search(record, level, wanted, jobs_of(jobs, ranks, threads), near, told))
             record.save(as_json(found))
     return found
-
-
-def as_json(found: FactorOfSafety) -> Dict[str, Any]:
-    """The answer as stability.json has it."""
-    answer: List[Tuple[str, Any]] = [("scene", found.scene), ("factor_of_safety", found.factor), ("error", found.error), ("remarks", found.remarks)]
-    brackets = [{"cell_m": r.cell, "stands": r.stands, "fails": r.fails, "height_m": r.height, "settled_way_m": r.settled_way, "particles": r.particles,
-                 "uneven": r.uneven, "remarks": r.remarks, "picture": r.picture} for r in found.levels]
-    return {**dict(answer), "brackets": brackets}

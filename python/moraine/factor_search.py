@@ -2,7 +2,7 @@
 
 Factors are whole multiples k of the tolerance, so that the bracket that is found does not depend on how many trials run at a time.
 """
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import List, Mapping, Optional, Tuple
 
 from .verdict import FAILS, STANDS
 
@@ -76,11 +76,3 @@ def factor_of(k: int, tolerance: float) -> float:
     1.37
     """
     return float(f"{k * tolerance:.10g}")
-
-
-def verdicts_text(found: Dict[int, str], tolerance: float) -> str:
-    """
-    >>> verdicts_text({120: "fails", 100: "stands"}, 0.01)
-    '1 stands, 1.2 fails'
-    """
-    return ", ".join(f"{factor_of(k, tolerance):g} {found[k]}" for k in sorted(found))

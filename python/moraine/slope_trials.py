@@ -1,47 +1,15 @@
 """Runs of a slope at many factors, some at a time, until the bracket between the highest that stands and the lowest that fails is known."""
-import dataclasses
 import json
 import pathlib
-import subprocess
 import time
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, Optional
 
 from .errors import Error
 from .factor_search import MOST, bracket, factor_of, next_factors
-from .fleet import LOG, stop_jobs
-from .program import problem_of
+from .fleet import stop_jobs
+from .slope_job import Job, Trial
 from .slope_level import Settled, SlopeLevel
 from .verdict import STANDS, UNDECIDED, judge
-from .waiting import parse_progress
-
-
-@dataclasses.dataclass
-class Trial:
-    """One factor: its verdict ("" while it goes on), the times since strengths were reduced [s] and the ways [m] of its looks, and what it took [s]."""
-
-    factor: float
-    verdict: str = ""
-    times: List[float] = dataclasses.field(default_factory=list)
-    ways: List[float] = dataclasses.field(default_factory=list)
-    wall_s: float = 0.0
-    part: int = 0
-
-
-class Job:
-    """A process whose words go to a file beside its directory."""
-
-    def __init__(self, command: List[str], directory: pathlib.Path) -> None:
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        self.log, self.began = directory.parent / f"{directory.name}.{LOG}", time.monotonic()
-        with open(self.log, "wb") as log:
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, start_new_session=True)
-
-    def end(self) -> Optional[Error]:
-        """Of one that has ended: what went wrong. Its words are removed."""
-        lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
-        self.log.unlink()
-        code = self.process.returncode
-        return None if code == 0 else problem_of([line for line in lines if not parse_progress(line)], code if code > 0 else 128 - code)
 
 
 class SlopeTrials:
@@ -65,6 +33,7 @@ class SlopeTrials:
                 job.process.wait()
             except BaseException:
                 stop_jobs([job.process], self.level.orders.ranks)
+                job.end()
                 raise
             wrong = job.end()
             if wrong:

@@ -5,10 +5,11 @@ import sys
 from typing import Optional, Sequence
 
 from .command_line import Parser
-from .factor_of_safety import FILE, as_json, stability
+from .factor_of_safety import FILE, stability
 from .scenario_command import check_options, stopped_by
 from .scenario_file import save_json
 from .scene import parse_set
+from .slope_result import as_json
 from .stability_text import summary
 from .verdict import WAY
 

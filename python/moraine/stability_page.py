@@ -8,9 +8,9 @@ from typing import List
 
 from .drawing import draw
 from .errors import Error
-from .factor_of_safety import FactorOfSafety, SlopeResult
 from .page_text import Axes, page, table, warning
 from .results import Run
+from .slope_result import FactorOfSafety, SlopeResult
 from .stability_text import answer, bracket_rows, warnings_of
 from .verdict import STANDS, WAY
 

@@ -1,12 +1,13 @@
 """What `moraine stability` says at its end, as text."""
 from typing import List
 
-from .factor_of_safety import FactorOfSafety, SlopeResult
 from .number_text import duration
+from .slope_result import FactorOfSafety, SlopeResult
 from .verdict import UNDECIDED
 
 
 def bracket_row(level: SlopeResult) -> List[str]:
+    """Cell, particles, cells over H, the bracket, what is undecided in it, runs and their time."""
     undecided = [trial.factor for trial in level.trials if trial.verdict == UNDECIDED and level.stands < trial.factor < level.fails]
     return [f"{level.cell:.6g}", str(level.particles), f"{level.height / level.cell:.3g}", f"{level.stands:g}", f"{level.fails:g}",
             ", ".join(f"{factor:g}" for factor in undecided) or "-", str(len(level.trials)), duration(sum(trial.wall_s for trial in level.trials))]
@@ -18,6 +19,7 @@ def bracket_rows(found: FactorOfSafety) -> List[List[str]]:
 
 
 def warnings_of(found: FactorOfSafety) -> List[str]:
+    """What a reader should know before the factor."""
     lines = list(found.remarks)
     for level in found.levels:
         lines += [f"cell {level.cell:.6g} m: {remark}" for remark in level.remarks]
