@@ -6,6 +6,7 @@ import pathlib
 import re
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
+from .errors import Error
 from .factor_search import bracket, factor_of, is_uneven
 from .fleet import Orders, jobs_of
 from .levels import fit
@@ -66,7 +67,8 @@ def _search(record: _Record, level: SlopeLevel, wanted: Wanted, jobs: int, near:
     else:
         trials.search(round(near.stands / wanted.tolerance), max(1, round(NARROW / wanted.tolerance)))
     stands, fails = bracket(trials.verdicts)
-    assert stands is not None and fails is not None
+    if stands is None or fails is None:
+        raise Error(f"the slope stands at no factor, down to {wanted.tolerance:g} (it slides whatever its strength). Is its base or a wall missing?", 3)
     remarks = list(level.level.remarks)
     if settled.way > 0.05 * rule.height:
         remarks.append(f"it had moved {settled.way:.3g} m when it had settled (more than 0.05 of its height): begin with its stress (geostatic), or a higher young")
@@ -97,7 +99,7 @@ def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.
     name = "scene" if isinstance(scene, Mapping) else pathlib.Path(scene).stem
     path = pathlib.Path(output or f"runs/stability-{name}")
     record = _Record(path, _identity(keys, wanted), overwrite)
-    found = FactorOfSafety(path, name, remarks=remarks_of(keys))
+    found = FactorOfSafety(path, str(keys.get("title") or name), remarks=remarks_of(keys))
     first = float(cell or keys["domain"]["cell"])
     with as_file(scene) as file:
         orders = Orders(file, dict(sets), ranks, threads, list(options), program)

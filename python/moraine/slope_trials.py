@@ -80,8 +80,6 @@ class SlopeTrials:
     def _refuse_far(self, k: int) -> None:
         if k * self.tolerance > MOST:
             raise Error(f"the slope stands at F = {MOST:g} still (it has nothing to slide on, or hardly a slope). Is a strength too high, or --keep one too many?")
-        if k < 1:
-            raise Error("the slope fails at every factor (its settled state is none). Try a smaller --settle?")
 
     def _drop_moot(self, going: Dict[int, Job], found: Dict[int, str]) -> None:
         """Ends trials that tell nothing more: above one that fails, below one that stands."""

@@ -118,6 +118,7 @@ class Search(unittest.TestCase):
 
     def test_below_the_first_it_goes_down(self):
         self.assertEqual(search(lambda k: STANDS if k <= 40 else FAILS, 100, 20, 2)[:2], (40, 41))
+        self.assertEqual(search(lambda k: FAILS, 100, 20, 2)[:2], (None, 1))
 
 
 class Slope(PackageTest):
