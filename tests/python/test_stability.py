@@ -1,4 +1,5 @@
 """moraine stability as a user has it: the rule, the search, an exact factor with its bar, going on, one answer on any jobs, refusals."""
+import importlib.util
 import json
 import math
 import os
@@ -15,7 +16,8 @@ from moraine.factor_search import bracket, is_uneven, next_factors
 from moraine.particles import Particles
 from moraine.strengths import reduced, strengths_of
 from moraine.verdict import FAILS, STANDS, UNDECIDED, Ways, judge, rule_of
-from runs_for_tests import INPUTS, PackageTest, folder, program
+from runs_for_tests import INPUTS, PackageTest, program
+from runs_for_tests import folder as shared
 
 # A dry layer of sand on a plane of 20 degrees, a strip that repeats itself; with dilation = friction it fails at tan(phi)/tan(beta).
 SLOPE, PHI, G = math.radians(20.0), 30.0, 9.81
@@ -28,6 +30,11 @@ LAYER = {"title": "infinite slope", "dimensions": 2, "gravity": [G * math.sin(SL
          "body": [{"name": "layer", "material": "sand", "shape": "box", "min": [0.0, 0.0], "max": [0.5, 1.0]}],
          "wall": [{"face": "y-min", "kind": "no-slip"}]}
 OPTIONS = ["--device", "cpu"]
+
+
+def folder(name):
+    """Of this file's tests alone: all files share one."""
+    return shared(f"slope-{name}")
 
 
 def with_material(**changes):
@@ -128,7 +135,7 @@ class Slope(PackageTest):
         return moraine.stability(scene, folder(name), **given), said
 
     def command(self, *words):
-        done = subprocess.run([program.PROGRAM, "stability", *map(str, words)], capture_output=True, text=True, cwd=folder("."),
+        done = subprocess.run([program.PROGRAM, "stability", *map(str, words)], capture_output=True, text=True, cwd=shared("."),
                               env={**os.environ, "MORAINE_PYTHON": sys.executable, "OMP_NUM_THREADS": "1"})
         return done.returncode, done.stdout, done.stderr
 
@@ -183,9 +190,10 @@ class Slope(PackageTest):
         self.assertEqual(sorted(path.name for path in found.path.iterdir() if path.name.startswith("cell")), [])
         self.assertEqual((found.path / "notes.txt").read_text(), "mine")
 
+    @unittest.skipIf(importlib.util.find_spec("matplotlib") is None, "no matplotlib")
     def test_the_command_says_the_factor_and_draws_where_it_slides(self):
         scene = moraine.write_scene(LAYER, folder("layer.toml"))
-        code, out, said = self.command(scene, "--tolerance", "0.2", "--levels", "1", "--output", "drawn", *OPTIONS)
+        code, out, said = self.command(scene, "--tolerance", "0.2", "--levels", "1", "--output", folder("drawn"), *OPTIONS)
         self.assertEqual(code, 0, said)
         self.assertRegex(out, r"FS between 1\.4 and 1\.6 on cells of 0\.125 m; no error bar")
         self.assertRegex(said, r"cell 0\.125 m, F = 1\.6: fails, way [0-9.]+ m after [0-9.]+ s")
@@ -203,8 +211,8 @@ class Slope(PackageTest):
     def test_a_stopped_search_goes_on_to_the_same_ways(self):
         scene = moraine.write_scene(LAYER, folder("layer.toml"))
         words = [scene, "--tolerance", "0.2", "--levels", "1", "--jobs", "1", *OPTIONS, "--output"]
-        self.assertEqual(self.command(*words, "whole")[0], 0)
-        job = subprocess.Popen([program.PROGRAM, "stability", *map(str, words), "stopped"], cwd=folder("."), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        self.assertEqual(self.command(*words, folder("whole"))[0], 0)
+        job = subprocess.Popen([program.PROGRAM, "stability", *map(str, words), str(folder("stopped"))], cwd=shared("."), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                text=True, env={**os.environ, "MORAINE_PYTHON": sys.executable, "OMP_NUM_THREADS": "1"})
         while job.poll() is None and not list(folder("stopped").glob("cell-*/F-*/history.csv")):
             time.sleep(0.005)
@@ -212,7 +220,7 @@ class Slope(PackageTest):
         _, said = job.communicate(timeout=60)
         self.assertEqual(job.returncode, 5, said)
         self.assertIn("stability was stopped", said)
-        code, out, said = self.command(*words, "stopped")
+        code, out, said = self.command(*words, folder("stopped"))
         self.assertEqual(code, 0, said)
         kept = [json.loads((folder(name) / "stability.json").read_text()) for name in ("whole", "stopped")]
         self.assertEqual(kept[0]["brackets"], kept[1]["brackets"])
