@@ -23,8 +23,9 @@ import moraine
 from moraine.grids import read_grid
 from moraine.map_figure import draw_map
 from moraine.picture import draw
+from moraine.stability_page import write_pictures
 
-NAMES = ("slurry", "slide", "slide-coarse", "slope", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge", "scenarios", "load")
+NAMES = ("slurry", "slide", "slide-coarse", "slope", "valley", "sand", "mud", "pipe", "barrier", "ranks", "converge", "safety", "scenarios", "load")
 words = argparse.ArgumentParser(description="Makes the pictures of the gallery, all or some.")
 words.add_argument("--only", default=",".join(NAMES), metavar="NAME,...", help=f"of {', '.join(NAMES)} (slide takes most of the time)")
 words.add_argument("--quick", action="store_true", help="coarse cells and early ends: seconds instead of minutes")
@@ -165,6 +166,18 @@ if "converge" in ONLY:
                              levels=3 if given.quick else None, error=None if given.quick else "1%", options=["--device", "cpu"], overwrite=True)
     shutil.copyfile(study.path / "error-kinetic_J_16.svg", PICTURES / "converge.svg")
     print(f"  {PICTURES / 'converge.svg'}")
+
+# %% [markdown]
+# ## Where a slope slides
+# Its strengths are divided until it fails (docs/factor-of-safety.md); on the finer cell, the plastic shear strain at the lowest factor that does.
+
+# %%
+if "safety" in ONLY:
+    coarse = {"tolerance": 0.2, "cell": 1.25, "levels": 1} if given.quick else {}
+    found = moraine.stability("inputs/stability.toml", given.output / "safety", options=["--device", "cpu"], overwrite=True, told=lambda line: None, **coarse)
+    write_pictures(found)
+    shutil.copyfile(found.path / found.levels[-1].picture, PICTURES / "slip_surface.png")
+    print(f"  {PICTURES / 'slip_surface.png'}")
 
 # %% [markdown]
 # ## What if the friction is another?

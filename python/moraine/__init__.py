@@ -12,6 +12,7 @@ from .calibration_data import Calibration
 from .columns import depth_at, depth_profile, spacing
 from .convergence import converge
 from .errors import Error
+from .factor_of_safety import stability
 from .particles import Particles, ParticleSeries
 from .program import Check, check, find_program, run
 from .records import Table, read_summary, read_table
@@ -20,11 +21,12 @@ from .richardson import Estimate, estimate
 from .scenario_data import Scenarios
 from .scenarios import run_study
 from .scene import read_scene, write_scene
+from .slope_result import FactorOfSafety
 from .study import Study
 from .toml_text import to_toml
 from .vtk import to_pyvista
 from .waiting import Progress
 
-__all__ = ["Calibration", "Check", "Error", "Estimate", "Particles", "ParticleSeries", "Progress", "Run", "Scenarios", "Study", "Table", "calibrate", "check", "converge",
-           "depth_at", "depth_profile", "estimate", "find_program", "read_scene", "read_summary", "read_table", "run", "run_study", "spacing", "to_pyvista",
+__all__ = ["Calibration", "Check", "Error", "Estimate", "FactorOfSafety", "Particles", "ParticleSeries", "Progress", "Run", "Scenarios", "Study", "Table", "calibrate", "check", "converge",
+           "depth_at", "depth_profile", "estimate", "find_program", "read_scene", "read_summary", "read_table", "run", "run_study", "spacing", "stability", "to_pyvista",
            "to_toml", "write_scene"]

@@ -41,7 +41,7 @@ def draw(directory: Path, field: Optional[str] = "speed", times: Optional[Sequen
          line: Optional[Sequence[float]] = None, sheet: bool = False, terrain: Optional[Path] = None) -> List[pathlib.Path]:
     """Draws a run into `output` (default: `directory`/pictures) and returns the files: FIELD-0.png, ..., FIELD.gif and FIELD.mp4.
 
-    field: speed, pressure, depth or rank; a map of the run, as max_depth, which becomes map-max_depth.png; "maps", all of these;
+    field: speed, pressure, plastic_shear_strain, depth or rank; a map of the run, as max_depth, which becomes map-max_depth.png; "maps", all of these;
     None: speed, and all maps there are. times [s] (default: five from start to end), of each the nearest output is drawn, and
     the animation has the outputs between the first and the last, at most 60; scene: the scene file, for walls and structures of a
     run that has no scene.json; line: of the profile, x0, x1 or in 3-D x0, y0, x1, y1 [m], which is written as FIELD-profile.csv

@@ -27,6 +27,7 @@ class Field:
 FIELDS: Dict[str, Field] = {
     "speed": Field("speed [m/s]", "viridis", None, 0.2, ["velocity"], lambda p, width, between: p.speed()),
     "pressure": Field("pressure [kPa]", "plasma", 2, 2, ["pressure"], lambda p, width, between: p["pressure"] / 1e3),
+    "plastic_shear_strain": Field("plastic shear strain [-]", "magma", None, 1, ["plastic_shear_strain"], lambda p, width, between: p["plastic_shear_strain"]),
     "depth": Field("depth of the flow [m]", "cividis", None, 0, [], lambda p, width, between: depth_at(p.position, width, between)),
     "rank": Field("rank", "ranks", None, 0, ["rank"], lambda p, width, between: p["rank"].astype(float)),
 }
@@ -38,7 +39,7 @@ def field_of(name: str) -> Field:
     >>> field_of("sped")
     Traceback (most recent call last):
     ...
-    moraine.errors.Error: 'sped' cannot be drawn (it is not one of speed, pressure, depth, rank). Did you mean speed?
+    moraine.errors.Error: 'sped' cannot be drawn (it is not one of speed, pressure, plastic_shear_strain, depth, rank). Did you mean speed?
     """
     if name not in FIELDS:
         near = difflib.get_close_matches(name, FIELDS, 1, 0.4) or ["speed"]

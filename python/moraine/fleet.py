@@ -54,6 +54,19 @@ def is_done(directory: pathlib.Path) -> bool:
         return False
 
 
+def stop_jobs(jobs: Sequence["subprocess.Popen[bytes]"], ranks: Optional[int]) -> None:
+    """The program writes a checkpoint on SIGTERM; mpirun hands SIGUSR1 on to it."""
+    for job in jobs:
+        job.send_signal(signal.SIGTERM if ranks is None else signal.SIGUSR1)
+    last = time.monotonic() + LAST_S
+    for job in jobs:
+        try:
+            job.wait(max(0.1, last - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            job.kill()
+            job.wait()
+
+
 class Fleet:
     """Runs members in `folder`. `told` is called with a line when one ends."""
 
@@ -88,7 +101,7 @@ class Fleet:
                         self._end(member, job)
                         ended(member)
         finally:
-            self._stop([job for _, job, _ in going.values()])
+            stop_jobs([job for _, job, _ in going.values()], self.orders.ranks)
 
     def _may_begin(self, took: List[float]) -> bool:
         mean = sum(took) / len(took) if took else 0.0
@@ -118,15 +131,3 @@ class Fleet:
             for path in (self.folder / member.name).glob("checkpoint-*.h5"):
                 path.unlink()
         self.told(f"{member.name}: {f'{member.wall_s:.3g} s' if member.code == 0 else f'FAILED ({member.code}): {member.problem}'}")
-
-    def _stop(self, jobs: Sequence["subprocess.Popen[bytes]"]) -> None:
-        """The program writes a checkpoint on SIGTERM; mpirun hands SIGUSR1 on to it."""
-        for job in jobs:
-            job.send_signal(signal.SIGTERM if self.orders.ranks is None else signal.SIGUSR1)
-        last = time.monotonic() + LAST_S
-        for job in jobs:
-            try:
-                job.wait(max(0.1, last - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                job.kill()
-                job.wait()

@@ -1,6 +1,6 @@
 """Pictures of a run, from Python (`draw`) and as a command.
 
-    moraine picture RUN_DIR [--field speed|pressure|depth|rank] [--times 0,2,8] [--output DIR]    (or python -m moraine.picture)
+    moraine picture RUN_DIR [--field speed|pressure|plastic_shear_strain|depth|rank] [--times 0,2,8] [--output DIR]    (or python -m moraine.picture)
 """
 import sys
 

@@ -21,7 +21,7 @@ def parser(prog: str = "moraine picture") -> argparse.ArgumentParser:
                    description="Pictures of a run: PNG at chosen times, GIF, MP4 where ffmpeg is, and its hazard maps over the shaded ground.")
     words.add_argument("run", metavar="RUN_DIR", help="what moraine run wrote; it may be under way")
     words.add_argument("--field", "--quantity", metavar="NAME",
-                       help="speed, pressure, depth or rank of particles, or a map: max_depth, arrival, ...; maps: all maps (default: speed, and all maps)")
+                       help="speed, pressure, plastic_shear_strain, depth or rank of particles, or a map: max_depth, arrival, ...; maps: all maps (default: speed, and all maps)")
     words.add_argument("--times", "--time", type=_numbers, metavar="T,T,...", help="[s] (default: five, from start to end)")
     words.add_argument("--line", type=_numbers, metavar="X,X", help="profile of the depth between two x, in 3-D along X,Y,X,Y [m] (default: along x)")
     words.add_argument("--curve", metavar="structure.NAME.Y/X", help="instead: a column of a structure over another, as force_y/displacement_y, as SVG and CSV")

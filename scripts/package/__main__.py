@@ -1,4 +1,4 @@
-"""moraine picture | converge | study | calibrate [words]: called by the program. The work is done by the Python package, python/moraine.
+"""moraine picture | converge | study | calibrate | stability [words]: called by the program. The work is done by the Python package, python/moraine.
 
 Exit codes are the program's: 2 the input is wrong, 4 a package is missing or the disk failed.
 """
@@ -23,6 +23,8 @@ COMMANDS = {
     "converge": ("converge_command", "import numpy, h5py\nimport sys\nif sys.version_info < (3, 11): import tomli", "converge needs numpy and h5py",
                  "python3-h5py"),
     "study": ("scenario_command", "import numpy, h5py\nimport sys\nif sys.version_info < (3, 11): import tomli", "study needs numpy and h5py", "python3-h5py"),
+    "stability": ("stability_command", "import numpy, h5py\nimport sys\nif sys.version_info < (3, 11): import tomli", "stability needs numpy and h5py",
+                  "python3-h5py"),
     "calibrate": ("calibration_command", "import numpy, h5py, scipy, emcee", "calibrate needs numpy, h5py, scipy and emcee",
                   "python3-h5py python3-scipy python3-emcee"),
 }

@@ -115,10 +115,12 @@ std::vector<Common> values_of(const Scene& scene) {
 
 Scene read_agreed(const Comm& comm, const Options& options, const std::function<void(const Scene&)>& admit) {
     const std::vector<std::string> sets = all_sets(options);
-    agree_on(comm, options.scene,
-             {{"the commit of the program", hash_of(commit_text), "Is one build installed on all hosts?"},
-              {"what --set says", hash_of(fmt::format("{}", fmt::join(sets, "\n"))),
-               "Start all ranks with the same words?"}});
+    agree_on(
+        comm, options.scene,
+        {{"the commit of the program", hash_of(commit_text), "Is one build installed on all hosts?"},
+         {"what --set says", hash_of(fmt::format("{}", fmt::join(sets, "\n"))), "Start all ranks with the same words?"},
+         {"what --allow-change says", hash_of(fmt::format("{}", fmt::join(options.allow_changes, "\n"))),
+          "Start all ranks with the same words?"}});
     std::string text;
     agree_input(comm, [&] {
         if (comm.is_root()) text = read_scene_file(options.scene);

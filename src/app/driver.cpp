@@ -15,6 +15,7 @@
 #include "records/checkpoint_state.hpp"
 #include "records/frame_choice.hpp"
 #include "records/map_tags.hpp"
+#include "records/scene_change_record.hpp"
 #include "records/scene_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/summary.hpp"
@@ -96,14 +97,18 @@ void Driver<Real, Dim>::begin() {
     std::vector<double> path_rows;
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
-        load(sim_, comm_, file, options_.restart);
+        load(sim_, comm_, file, options_.restart, options_.allow_changes);
         const SavedRecords records = saved_records(file);
+        const auto changes = changes_from(scene_, file.get<std::string>("scene"), options_.allow_changes);
+        changes_ = with_changes(records.changes, changes, sim_.clock().step, sim_.clock().time);
         history_row = records.history_row;
         if (claim == RunClaim::resume) path_rows = records.structure_path;
         if (!records.health.empty() && !health_.restore(records.health)) file.refuse("no run has its warnings");
         if (maps_ && !maps_->restore(records.maps)) file.refuse("no run has its maps");
         if (flow_ && !flow_->restore(records.sections)) file.refuse("no run has its sections");
-        if (rest_ && !records.rest.empty() && !rest_->restore(records.rest)) file.refuse("no run rests so");
+        // What rested with other strengths has not yet with these.
+        if (rest_ && changes.empty() && !records.rest.empty() && !rest_->restore(records.rest))
+            file.refuse("no run rests so");
     } else {
         sim_.seed();
     }
@@ -317,7 +322,8 @@ void Driver<Real, Dim>::checkpoint() {
         save(sim_, comm_, directory_ + "/" + checkpoint_name(sim_.clock().step),
              {history_->last_row(), health_.stored(), maps_ ? maps_->stored() : std::vector<double>{},
               rest_ ? rest_->stored() : std::vector<std::int64_t>{},
-              flow_ ? flow_->stored() : std::vector<std::int64_t>{}, path_ ? path_->stored() : std::vector<double>{}});
+              flow_ ? flow_->stored() : std::vector<std::int64_t>{}, path_ ? path_->stored() : std::vector<double>{},
+              changes_});
         if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
     });
     last_checkpoint_step_ = sim_.clock().step;
@@ -378,7 +384,7 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const TimeReport times = time_report(sim_, comm_, wall());
     write_summary(comm_, directory_ + "/summary.json",
-                  summarize(sim_, comm_, times, stepping_, health_, scene_warnings(scene_), ended_by));
+                  summarize(sim_, comm_, times, stepping_, health_, scene_warnings(scene_), ended_by, changes_));
     if (!comm_.is_root() || options_.quiet) return;
     if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
     fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}{}\n", times.text(), ended_by, clock.time,

@@ -79,7 +79,7 @@ class Driver {
     std::int64_t last_output_step_ = -1, last_checkpoint_step_ = -1, last_sample_step_ = -1;
     RunCounts reported_;  ///< as of the last row of balance.csv
     std::array<double, Phases::count> reported_seconds_{};
-    std::int64_t reported_halo_ = 0;
+    std::string changes_;  ///< what restarts changed (records/scene_change_record.hpp)
 };
 
 /// Reads nothing, runs all: the instance for the scene's precision and dimension, on the host or on this rank's

@@ -1,5 +1,5 @@
-// moraine: the command line. `run` a scene, `check` it, compile its `kernels`, `converge` it, `replay`, `picture` or
-// `report` runs; `schema` is for editors; exit codes say who can mend what went wrong.
+// moraine: the command line. `run` a scene, `check` it, compile its `kernels`, `converge` it, ask for its `stability`,
+// `replay`, `picture` or `report` runs; `schema` is for editors; exit codes say who can mend what went wrong.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -30,6 +30,7 @@
 #include "predict/prediction.hpp"
 #include "records/version.hpp"
 #include "replay/replay.hpp"
+#include "scene/scene_changes.hpp"
 #include "scene/scene_schema.hpp"
 
 namespace moraine {
@@ -131,6 +132,7 @@ void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
     const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
         if (machine.devices) check_device_scene(s);
+        check_allowed(s, options.allow_changes);
         check_capacity(s, machine);
     });
     if (options.command == "check") {

@@ -32,6 +32,7 @@ constexpr Command commands[] = {
     {"study", "moraine study STUDY.toml [options]    a scene with many values of its parameters (docs/scenarios.md)\n"},
     {"calibrate",
      "moraine calibrate FILE.toml [options] parameters that fit what was seen, and how well it tells them\n"},
+    {"stability", "moraine stability SCENE.toml [options] factor of safety of a slope, with an error bar\n"},
     {"picture",
      "moraine picture RUN_DIR [options]    PNG of particles at chosen times and of maps, and an animation\n"},
     {"report", "moraine report RUN_DIR... [--output F]  one page about runs, side by side\n"},
@@ -82,6 +83,8 @@ po::options_description run_options(Options& o) {
         "kernel-cache", po::value(&o.kernel_cache)->value_name("DIR"), cache_meaning)(
         "partitioner", po::value(&o.partitioner)->value_name("NAME"), "instead of balance.partitioner")(
         "restart", po::value(&o.restart)->value_name("FILE"), "go on from a checkpoint")(
+        "allow-change", po::value(&o.allow_changes)->value_name("KEY"),
+        "a key that --set may change in a restart: a strength or numerics.damping; again for more")(
         "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
         "quiet", po::bool_switch(&o.quiet), "no progress");
     return options;
@@ -206,6 +209,9 @@ Options parse_options(int argc, const char* const* argv) {
     check_choice("--device", o.device, devices);
     check_choice("--transport", o.transport, transports());
     if (!o.partitioner.empty()) check_choice("--partitioner", o.partitioner, partitioners());
+    if (!o.allow_changes.empty() && o.restart.empty())
+        refuse_argument("--allow-change without --restart", "a run from the start has any values",
+                        "Add --restart CHECKPOINT, or leave it out?");
     for (const int architecture : o.architectures)
         if (architecture < 50 || architecture > 200)
             refuse_argument(fmt::format("--architecture {}", architecture), "must be a compute capability times 10",

@@ -22,6 +22,7 @@ struct Options {
     std::vector<int> architectures;  ///< kernels: compute capabilities times 10; empty: that of the build
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start
+    std::vector<std::string> allow_changes;  ///< keys in which the scene may differ from the checkpoint's
     bool quiet = false;
     bool no_particles = false;  ///< outputs are the records alone, without particles.vtkhdf
     int ranks = 1;              ///< check: to predict memory for

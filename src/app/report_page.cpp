@@ -24,7 +24,7 @@ std::filesystem::path script_folder(const std::filesystem::path& program, const 
 }  // namespace
 
 bool is_script(const char* command) {
-    for (const char* script : {"report", "picture", "converge", "study", "calibrate"})
+    for (const char* script : {"report", "picture", "converge", "study", "calibrate", "stability"})
         if (std::strcmp(command, script) == 0) return true;
     return false;
 }

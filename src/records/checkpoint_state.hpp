@@ -14,6 +14,7 @@
 #include "core/particles/particle_bytes.hpp"
 #include "io/checkpoint.hpp"
 #include "io/input_error.hpp"
+#include "scene/scene_changes.hpp"
 #include "scene/scene_identity.hpp"
 #include "simulation/diagnostics.hpp"
 
@@ -243,6 +244,7 @@ struct SavedRecords {
     std::vector<std::int64_t> rest = {};      ///< RestWatch::stored(); empty: none
     std::vector<std::int64_t> sections = {};  ///< SectionFlow::stored(); empty: none
     std::vector<double> structure_path = {};  ///< StructurePath::stored(); empty: none
+    std::string changes = {};                 ///< what restarts changed (scene_change_record.hpp)
 };
 
 /// Binned state only; after conclude().
@@ -255,6 +257,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     if (!records.rest.empty()) header["rest"] = records.rest;
     if (!records.sections.empty()) header["sections"] = records.sections;
     if (!records.structure_path.empty()) header["structure_path"] = records.structure_path;
+    if (!records.changes.empty()) header["changes"] = records.changes;
     header["scene"] = identity_text(sim.scene());
     header["state_hash"] = std::bit_cast<std::int64_t>(state_hash(sim));
     header["partitioner"] = std::string(sim.partitioner().name());
@@ -296,6 +299,7 @@ inline SavedRecords saved_records(const CheckpointReader& file) {
     take("rest", records.rest);
     take("sections", records.sections);
     take("structure_path", records.structure_path);
+    take("changes", records.changes);
     return records;
 }
 
@@ -331,13 +335,22 @@ void read_particles(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpoi
     if (comm.max(std::int64_t(!known)) != 0) file.refuse("its particles are of bodies that the scene lacks");
 }
 
-/// Throws InputError if the file is of another scene or its particles are not those that were stored.
+/// Where the key of a difference is one that a restart may be allowed to change.
+inline std::string other_remedy(const Scene& scene, const std::string& difference) {
+    const std::string key = difference.substr(0, difference.find(' '));
+    return may_change(scene, key) && !scene.sleep.on ? ", or say --allow-change " + key : "";
+}
+
+/// Throws InputError if the file is of another scene, but for the allowed keys, or its particles are not those that
+/// were stored.
 template <class Real, int Dim>
-void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path) {
-    const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"));
+void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& file, const std::string& path,
+          const std::vector<std::string>& allowed = {}) {
+    const std::string difference = first_difference(sim.scene(), file.get<std::string>("scene"), allowed);
     if (!difference.empty())
-        throw InputError(fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it?",
-                                     path, printable(difference, 500)));  // its bytes are of a file
+        throw InputError(
+            fmt::format("{} is a checkpoint of another scene ({}). Restart with the scene that wrote it{}?", path,
+                        printable(difference, 500), other_remedy(sim.scene(), difference)));  // its bytes are of a file
     std::vector<Key> keys;
     std::vector<std::int64_t> counts;
     for (const BlockRow& row : file.blocks()) keys.push_back(row.key), counts.push_back(row.count);

@@ -7,6 +7,7 @@
 #include "io/json_text.hpp"
 #include "records/processor_name.hpp"
 #include "records/run_health.hpp"
+#include "records/scene_change_record.hpp"
 #include "records/structure_record.hpp"
 #include "records/time_report.hpp"
 #include "records/time_series.hpp"
@@ -165,10 +166,20 @@ std::vector<double> list_of(const std::array<double, Dim>& v) {
     return {v.begin(), v.end()};
 }
 
-/// Binned state only. Collective.
+/// What only some runs have.
+template <class Real, int Dim>
+void add_where_there(Json::Named& summary, Simulation<Real, Dim>& sim, const TimeSeriesRow<Dim>& last,
+                     const RunCounts& counts, const std::string& changes) {
+    if (sim.scene().sleep.on) summary.emplace_back("sleep", sleep_in_summary(last, counts));
+    if (!changes.empty()) summary.emplace_back("changes", changes_in_summary(changes));
+    if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
+}
+
+/// changes: of scene_change_record.hpp. Binned state only. Collective.
 template <class Real, int Dim>
 Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& times, double stepping,
-               const RunHealth<Dim>& health, const std::vector<std::string>& warnings, const std::string& ended_by) {
+               const RunHealth<Dim>& health, const std::vector<std::string>& warnings, const std::string& ended_by,
+               const std::string& changes) {
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
     const std::vector<std::int64_t> sums = sums_of(counts, comm);
@@ -213,8 +224,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"over_filling", health.over_filling()},
         {"warnings", warnings_in_summary(health, warnings)},
     };
-    if (sim.scene().sleep.on) summary.emplace_back("sleep", sleep_in_summary(last, counts));
-    if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
+    add_where_there(summary, sim, last, counts, changes);
     return summary;
 }
 

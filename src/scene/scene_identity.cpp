@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <map>
+#include <algorithm>
 #include <span>
 #include <sstream>
 
@@ -198,17 +198,23 @@ std::string in_words(const std::string& key, const std::string& value) {
     return value;
 }
 
-std::string first_difference(const Scene& scene, const std::string& stored) {
-    std::map<std::string, std::string> before;
-    std::istringstream lines(stored);
+std::map<std::string, std::string> entries_of(const std::string& identity) {
+    std::map<std::string, std::string> entries;
+    std::istringstream lines(identity);
     for (std::string line; std::getline(lines, line);) {
         const std::size_t at = line.find(" = ");
-        if (at != std::string::npos) before[line.substr(0, at)] = line.substr(at + 3);
+        if (at != std::string::npos) entries[line.substr(0, at)] = line.substr(at + 3);
     }
+    return entries;
+}
+
+std::string first_difference(const Scene& scene, const std::string& stored, const std::vector<std::string>& allowed) {
+    std::map<std::string, std::string> before = entries_of(stored);
     for (const auto& [key, value] : scene_identity(scene)) {
         const auto it = before.find(key);
         if (it == before.end()) return key + " is new";
-        if (it->second != value)
+        const bool is_free = std::find(allowed.begin(), allowed.end(), key) != allowed.end();
+        if (it->second != value && !is_free)
             return fmt::format("{} is {} and was {}", key, in_words(key, value), in_words(key, it->second));
         before.erase(it);
     }

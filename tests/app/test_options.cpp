@@ -40,6 +40,14 @@ TEST_CASE("run takes a scene and its options, in any order") {
     CHECK(o.quiet);
 }
 
+TEST_CASE("a restart may be allowed to change keys, a run from the start not") {
+    const Options o = parse({"run", "s.toml", "--restart", "c.h5", "--allow-change", "numerics.damping",
+                             "--allow-change=material.clay.su"});
+    CHECK(o.allow_changes == std::vector<std::string>{"numerics.damping", "material.clay.su"});
+    CHECK(said_of({"run", "s.toml", "--allow-change", "numerics.damping"})
+              .starts_with("--allow-change without --restart"));
+}
+
 TEST_CASE("what is not said is automatic") {
     const Options o = parse({"run", "s.toml"});
     CHECK(o.output.empty());
