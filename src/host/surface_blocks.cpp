@@ -62,6 +62,7 @@ void SurfaceBlocks<Real, Dim>::make(const EpochTables<Dim>& tables) {
     tiles.resize((ghosts + blocks.size()) * tile_nodes * node_reals);
     const std::size_t near = near_nodes.size() * cells;
     sums.resize(near * node_reals);
+    if (counts_energy) motions.resize(near);
 }
 
 /// Whether a block may have a cell or a node that a surface is near: by the distance of its middle.

@@ -8,6 +8,7 @@
 #include "blocks/contact_pairs.hpp"
 #include "blocks/patch.hpp"
 #include "comm/halo.hpp"
+#include "core/nodes/node_energy.hpp"
 #include "core/surfaces/surface_elements.hpp"
 #include "core/transfer/method.hpp"
 
@@ -52,7 +53,8 @@ struct SurfaceBlocks {
 
     const Method<Host, Real, Dim>& method;
     Patch<Host, Real, Dim>& patch;
-    double h;  ///< [m]
+    double h;            ///< [m]
+    bool counts_energy;  ///< the scene has an energy budget
     SurfaceScene<Real, Dim> scene{};
     Halo<Real, Dim>* halo = nullptr;
     const ContactPairs<Dim>* pairs = nullptr;
@@ -66,6 +68,7 @@ struct SurfaceBlocks {
     std::vector<std::vector<SurfaceElement<Dim>>> elements{};         ///< [block]
     std::vector<RingElement<Dim>> ring{};                             ///< [block][cell of the ring]
     Host::Array<Real> tiles{}, sums{};
+    Host::Array<SurfaceMotion<Real, Dim>> motions{};  ///< with an energy budget: of this round [near node block][node]
 
     /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
     void find(const ContactField<Dim>& field, bool moves);

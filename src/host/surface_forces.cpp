@@ -2,6 +2,8 @@
 
 #include "host/surface_forces.hpp"
 
+#include "core/nodes/surface_energy.hpp"
+
 namespace moraine {
 
 template <class Real, int Dim>
@@ -114,11 +116,11 @@ void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
         for (const SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)])
             if (e.touches) act_on(k, e, time, damping, tile);
     });
-    apply();
+    apply(&SurfaceMotion<Real, Dim>::elements);
     on_.pass([&](int k, Real* tile) {
         for (int c = 0; c < cells; ++c) close_slave(k, c, tile);
     });
-    apply();
+    apply(&SurfaceMotion<Real, Dim>::slaves);
 }
 
 template <class Real, int Dim>
@@ -230,9 +232,9 @@ void SurfaceForces<Real, Dim>::close_slave(int k, int c, Real* tile) {
     });
 }
 
-/// Impulses to velocities, and walls again.
+/// Impulses to velocities, and walls again. by: who gave them.
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::apply() {
+void SurfaceForces<Real, Dim>::apply(Taken by) {
     const BlockTable<Dim> table = on_.patch.table();
     Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
         const std::int32_t c = on_.near_nodes[static_cast<std::size_t>(j)];
@@ -250,10 +252,34 @@ void SurfaceForces<Real, Dim>::apply() {
                 on_.method.context.walls.constrain(at, end);
                 count_walls(c, n, double(node[quad - 1]), v, end);
             }
+            if (on_.counts_energy) note(static_cast<std::size_t>(j * cells + n), by, node, v, end);
             for (int a = 0; a < Dim; ++a) {
                 node[quad + a] += end[a] - node[a];
                 node[a] = end[a];
             }
+        }
+    });
+}
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v,
+                                    const Vec<Real, Dim>& end) {
+    SurfaceMotion<Real, Dim>& motion = on_.motions[near];
+    motion.end = end;
+    for (int a = 0; a < Dim; ++a) (motion.*by)[a] += node[a] - v[a], motion.walls[a] += v[a] - end[a];
+}
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::count_energy(const NodeRound<Real, Dim>& round, NodeEnergy* energy) {
+    const BlockTable<Dim> table = on_.patch.table();
+    Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
+        const std::int32_t c = on_.near_nodes[static_cast<std::size_t>(j)];
+        for (int n = 0; on_.stored(j * cells) >= 0 && n < cells; ++n) {
+            int at[Dim];
+            for (int a = 0; a < Dim; ++a)
+                at[a] = 4 * table.node_position[c][a] - on_.method.stencil.origin + cell_coordinate<Dim>(n, a);
+            add_surface_energy(round, on_.method.context.walls, table.node_border[c] ? at : nullptr,
+                               on_.motions[static_cast<std::size_t>(j * cells + n)], on_.scene.quantum, energy[c]);
         }
     });
 }

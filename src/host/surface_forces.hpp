@@ -15,6 +15,8 @@ class SurfaceForces {
     void begin_step();
     /// Acts on the velocities of the nodes. Collective over peers.
     void act(const ContactTime& time, double damping);
+    /// What the round and they did to the energy of nodes [node block]; the scene has an energy budget.
+    void count_energy(const NodeRound<Real, Dim>& round, NodeEnergy* energy);
 
   private:
     using Blocks = SurfaceBlocks<Real, Dim>;
@@ -38,7 +40,9 @@ class SurfaceForces {
     void close_slave(int k, int c, Real* tile);
     template <class Share>
     double row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const;
-    void apply();
+    using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;
+    void apply(Taken by);
+    void note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v, const Vec<Real, Dim>& end);
     void count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
     SurfaceShares<Dim> shares_at(std::int32_t near) const;
 

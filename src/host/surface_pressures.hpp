@@ -23,6 +23,8 @@ class SurfacePressures {
     void update(const Substep& substep);
     /// N_e: what a block's cell presses on its surface [Pa]; none where pressures are the particles'.
     double pressure_on_surface(int k, int c, double damping) const;
+    /// What they took since it was last called; the scene has an energy budget.
+    void take_energy(EnergyAccount& account);
 
   private:
     using Blocks = SurfaceBlocks<Real, Dim>;
@@ -46,10 +48,18 @@ class SurfacePressures {
     void fill_hole(int k, int c);
     int root_node(int k, int c) const;
     void give_cells();
+    void count_taken(int k, int c, const Substep& substep);
+    double given_to_particles(int block, int c) const;
+
+    /// Of the cells of a block [J].
+    struct Energy {
+        ExactSum cells, structures;  ///< taken from nodes: by the cells, and by structures that move
+    };
 
     SurfaceBlocks<Real, Dim>& on_;
     std::vector<OpenCell<Real, Dim>> cells_;    ///< [block][cell]
     std::vector<Vec<Real, Dim>> acceleration_;  ///< HeldNode's, without cells [near node block][node]
+    std::vector<Energy> energy_;                ///< with an energy budget [block]
 };
 
 }  // namespace moraine

@@ -17,8 +17,6 @@ void check_bed(const Scene& scene, const Places& places) {
                     "Use stress_update = \"usl\" and no fmpm?");
     if (scene.sleep.on)
         refuse_with("numerics.sleep = \"on\"", "surfaces act on all that moves", "Use bed = \"nodes\"?");
-    if (scene.output.energy_budget)
-        refuse_with("output.energy_budget = \"on\"", "what surfaces take has no column yet", "Use bed = \"nodes\"?");
 }
 
 }  // namespace moraine
