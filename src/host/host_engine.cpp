@@ -39,7 +39,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     migration_.reset();
     patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
-    if (surfaces_) surfaces_->blocks.made = false;
+    if (surfaces_) surfaces_->blocks.made.in_epoch = false;
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,

@@ -26,6 +26,7 @@ struct HostSurfaces {
     /// The step's masses are at the nodes. Collective over peers.
     void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs) {
         blocks.scene = scene, blocks.halo = &halo, blocks.pairs = &pairs;
+        blocks.begin_step();
         forces.begin_step();
     }
 };
