@@ -189,7 +189,7 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
     solve(node_round(round.nodes, step.dt, step), step);
     if (!surfaces_) return;
     surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), held_.data(),
-                           nullptr, report_.felt.data(), impulse_.data()},
+                           nullptr, report_.felt.data()},
                           *halo_, pairs_);
     if (round.nodes == NodeTask::hold) return;
     surfaces_->forces.act({step.dt, step.dt}, 0);
@@ -212,7 +212,8 @@ template <bool Contact>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact) {
     if (!sleepers_ || round.task != NodeTask::solve) return solve<Contact>(round, step, contact, patch_.node_blocks());
-    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr)) {
+    const std::span<const std::int32_t> near = surfaces_ ? surfaces_->near_nodes() : std::span<const std::int32_t>{};
+    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr, near)) {
         NodeRound<Real, Dim> second = round;
         second.dt = Real(1);
         solve<false>(second, step, {}, sleepers_->still_nodes());
@@ -317,6 +318,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         buried_ = {};
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
+    if (surfaces_) surfaces_->forces.take_impulse(report_.budget.impulse);
     record_energy(quantum, moved);
 }
 

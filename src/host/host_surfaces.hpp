@@ -23,6 +23,9 @@ struct HostSurfaces {
         return {blocks.motions.data(), blocks.near_of.data()};
     }
 
+    /// By node block, not negative: a surface is near.
+    std::span<const std::int32_t> near_nodes() const { return blocks.near_of; }
+
     /// The step's masses are at the nodes. Collective over peers.
     void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs) {
         blocks.scene = scene, blocks.halo = &halo, blocks.pairs = &pairs;

@@ -28,7 +28,6 @@ struct SurfaceScene {
     HeldNode<Real, Dim>* held;  ///< null: pressures are the particles'
     CellPressure<Real>* cells;  ///< of occupied blocks, as PressureContext's
     StructureSums<Dim>* felt;   ///< by structure
-    ExactSum* impulse;          ///< of walls, by node block and axis
 };
 
 /// A cell of a block near a surface, by place alone.

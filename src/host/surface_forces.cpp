@@ -8,6 +8,7 @@ namespace moraine {
 
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::begin_step() {
+    impulse_.assign(on_.near_nodes.size(), {});
     find_gaps(*on_.pairs);
     weigh();
     find_slaves();
@@ -324,7 +325,7 @@ void SurfaceForces<Real, Dim>::apply(Taken by) {
                 for (int a = 0; a < Dim; ++a)
                     at[a] = 4 * table.node_position[c][a] - on_.method.stencil.origin + cell_coordinate<Dim>(n, a);
                 on_.method.context.walls.constrain(at, end);
-                count_walls(c, n, double(node[quad - 1]), v, end);
+                count_walls(j, n, double(node[quad - 1]), v, end);
             }
             if (on_.counts_energy) note(static_cast<std::size_t>(j * cells + n), by, node, v, end);
             for (int a = 0; a < Dim; ++a) {
@@ -333,6 +334,12 @@ void SurfaceForces<Real, Dim>::apply(Taken by) {
             }
         }
     });
+}
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::take_impulse(std::array<ExactSum, Dim>& impulse) {
+    for (const auto& sums : impulse_)
+        for (std::size_t a = 0; a < Dim; ++a) impulse[a].add(sums[a]);
 }
 
 template <class Real, int Dim>
@@ -360,14 +367,16 @@ void SurfaceForces<Real, Dim>::count_energy(const NodeRound<Real, Dim>& round, N
 
 /// What walls gave a node that this rank counts.
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before,
+void SurfaceForces<Real, Dim>::count_walls(int j, int n, double mass, const Vec<Real, Dim>& before,
                                            const Vec<Real, Dim>& after) {
     const BlockTable<Dim> table = on_.patch.table();
+    const std::int32_t c = on_.near_nodes[static_cast<std::size_t>(j)];
     for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
         const std::int32_t source = table.source[c * Block<Dim>::corners + delta];
         if (source < 0 || on_.patch.tile_of()[source] < 0 || tile_node<Dim>(n, delta, width) < 0) continue;
         for (int a = 0; source < table.own && a < Dim; ++a)
-            on_.scene.impulse[c * Dim + a].add(on_.scene.quantum.of(mass * (double(after[a]) - double(before[a]))));
+            impulse_[static_cast<std::size_t>(j)][static_cast<std::size_t>(a)].add(
+                on_.scene.quantum.of(mass * (double(after[a]) - double(before[a]))));
         return;
     }
 }

@@ -1,6 +1,8 @@
 #pragma once
 // Contact on surfaces on the host (core/surfaces/surface_elements.hpp).
 
+#include <array>
+
 #include "host/surface_pressures.hpp"
 
 namespace moraine {
@@ -15,6 +17,8 @@ class SurfaceForces {
     void begin_step();
     /// Acts on the velocities of the nodes. Collective over peers.
     void act(const ContactTime& time, double damping);
+    /// What walls gave besides, in this step.
+    void take_impulse(std::array<ExactSum, Dim>& impulse);
     /// What the round and they did to the energy of nodes [node block]; the scene has an energy budget.
     void count_energy(const NodeRound<Real, Dim>& round, NodeEnergy* energy);
 
@@ -64,12 +68,13 @@ class SurfaceForces {
     using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;
     void apply(Taken by);
     void note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v, const Vec<Real, Dim>& end);
-    void count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
+    void count_walls(int j, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
     SurfaceShares<Dim> shares_at(std::int32_t near) const;
 
     SurfaceBlocks<Real, Dim>& on_;
     const SurfacePressures<Real, Dim>& pressures_;
-    NodeSums<Real> shares_;  ///< W_i
+    std::vector<std::array<ExactSum, Dim>> impulse_;  ///< of walls [near node block]
+    NodeSums<Real> shares_;                           ///< W_i
     Host::Array<NodeGap> gap_tiles_;
     std::int64_t known_ = 0;                                     ///< the blocks' `made` that the next is of
     std::vector<std::vector<Slave>> slaves_;                     ///< [block]
