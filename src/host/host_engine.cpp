@@ -20,7 +20,7 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       patch_(method.needs, method.stencil.width) {
     whole_cell(method.context.inverse_cell, whole_cell_.data());
     if (scene.bed == Bed::surface && !scene.structures.empty())
-        surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell);
+        surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell, scene.output.energy_budget);
     if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
 }
 
@@ -39,7 +39,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     migration_.reset();
     patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
-    if (surfaces_) surfaces_->blocks.made = false;
+    if (surfaces_) surfaces_->blocks.made.in_epoch = false;
     pairs_.forget();
     ground_.clear();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
@@ -189,9 +189,12 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
     solve(node_round(round.nodes, step.dt, step), step);
     if (!surfaces_) return;
     surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), held_.data(),
-                           nullptr, report_.felt.data(), impulse_.data()},
+                           nullptr, report_.felt.data()},
                           *halo_, pairs_);
-    if (round.nodes != NodeTask::hold) surfaces_->forces.act({step.dt, step.dt}, 0);
+    if (round.nodes == NodeTask::hold) return;
+    surfaces_->forces.act({step.dt, step.dt}, 0);
+    if (scene_.output.energy_budget)
+        surfaces_->forces.count_energy(node_round(round.nodes, step.dt, step), energy_.data());
 }
 
 template <class Real, int Dim>
@@ -209,7 +212,8 @@ template <bool Contact>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
                                   const ContactField<Dim>& contact) {
     if (!sleepers_ || round.task != NodeTask::solve) return solve<Contact>(round, step, contact, patch_.node_blocks());
-    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr)) {
+    const std::span<const std::int32_t> near = surfaces_ ? surfaces_->near_nodes() : std::span<const std::int32_t>{};
+    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr, near)) {
         NodeRound<Real, Dim> second = round;
         second.dt = Real(1);
         solve<false>(second, step, {}, sleepers_->still_nodes());
@@ -234,19 +238,21 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
                                   const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
     impulse_.resize(nodes.size() * Dim);
     if (Energy) energy_.resize(nodes.size());
-    const SolveNodes<Real, Dim, Contact, Energy> kernel{method_.context.walls,
-                                                        patch_.table(),
-                                                        patch_.grid(),
-                                                        nodes.data(),
-                                                        method_.stencil.width,
-                                                        method_.stencil.origin,
-                                                        round,
-                                                        step.quantum,
-                                                        impulse_.data(),
-                                                        contact,
-                                                        {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
-                                                        {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
-                                                        energy_.data()};
+    const SolveNodes<Real, Dim, Contact, Energy> kernel{
+        method_.context.walls,
+        patch_.table(),
+        patch_.grid(),
+        nodes.data(),
+        method_.stencil.width,
+        method_.stencil.origin,
+        round,
+        step.quantum,
+        impulse_.data(),
+        contact,
+        {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
+        {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
+        energy_.data(),
+        Energy && surfaces_ ? surfaces_->motions() : SurfaceMotions<Real, Dim>{}};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 
@@ -312,6 +318,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         buried_ = {};
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
+    if (surfaces_) surfaces_->forces.take_impulse(report_.budget.impulse);
     record_energy(quantum, moved);
 }
 

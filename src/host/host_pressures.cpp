@@ -66,6 +66,9 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
                                                   static_cast<Real>(substep.dt),
                                                   static_cast<Real>(0.5 * (substep.number + 0.5) * substep.dt)});
     if (surfaces_) surfaces_->cells.update(substep);
+    if (!surfaces_ || !scene_.output.energy_budget) return;
+    surfaces_->forces.count_energy(round, energy_.data());
+    surfaces_->cells.take_energy(report_.budget.energy);
 }
 
 template class HostEngine<float, 2>;

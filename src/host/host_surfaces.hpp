@@ -13,13 +13,23 @@ struct HostSurfaces {
     SurfacePressures<Real, Dim> cells{blocks};
     SurfaceForces<Real, Dim> forces{blocks, cells};
 
-    HostSurfaces(const Method<Host, Real, Dim>& method, Patch<Host, Real, Dim>& patch, double cell)
-        : blocks{method, patch, cell} {}
+    HostSurfaces(const Method<Host, Real, Dim>& method, Patch<Host, Real, Dim>& patch, double cell, bool counts_energy)
+        : blocks{method, patch, cell, counts_energy} {}
     HostSurfaces(const HostSurfaces&) = delete;
+
+    /// Where a round leaves what surfaces shall count; nowhere without an energy budget.
+    SurfaceMotions<Real, Dim> motions() {
+        if (!blocks.counts_energy) return {};
+        return {blocks.motions.data(), blocks.near_of.data()};
+    }
+
+    /// By node block, not negative: a surface is near.
+    std::span<const std::int32_t> near_nodes() const { return blocks.near_of; }
 
     /// The step's masses are at the nodes. Collective over peers.
     void begin_step(const SurfaceScene<Real, Dim>& scene, Halo<Real, Dim>& halo, const ContactPairs<Dim>& pairs) {
         blocks.scene = scene, blocks.halo = &halo, blocks.pairs = &pairs;
+        blocks.begin_step();
         forces.begin_step();
     }
 };

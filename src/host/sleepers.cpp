@@ -193,11 +193,12 @@ void Sleepers<Real, Dim>::keep_masses() {
 
 /// What sleeps now has done so since the last sleep check at least, or these are found anew.
 template <class Real, int Dim>
-bool Sleepers<Real, Dim>::find_still_nodes(Structures structures) {
+bool Sleepers<Real, Dim>::find_still_nodes(Structures structures, std::span<const std::int32_t> near_of) {
     const auto count = static_cast<std::size_t>(share_.table().node_blocks);
     std::vector<std::uint8_t> now(count);
     Host::launch(static_cast<std::int64_t>(count), [&](int c) {
         now[static_cast<std::size_t>(c)] =
+            (near_of.empty() || near_of[static_cast<std::size_t>(c)] < 0) &&
             has_tiles_of_sleepers_alone(share_.table(), share_.tile_of(), asleep_.data(), c) &&
             (!structures ||
              is_free_of_structures(*structures, method_.stencil.origin, share_.table().node_position[c]));

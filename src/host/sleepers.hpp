@@ -45,9 +45,9 @@ class Sleepers {
     void forget_tiles() { ++forgotten_; }
 
     /// Once ghosts have told whether they sleep: splits the node blocks into those whose tiles are all of sleepers,
-    /// which are not solved, and the others; near structures none is still. Returns whether keep_still_nodes() has to
-    /// follow. Not collective.
-    bool find_still_nodes(Structures structures);
+    /// which are not solved, and the others; near structures none is still, nor where near_of (empty: nowhere) is not
+    /// negative. Returns whether keep_still_nodes() has to follow. Not collective.
+    bool find_still_nodes(Structures structures, std::span<const std::int32_t> near_of);
     std::span<const std::int32_t> still_nodes() const { return still_; }
     std::span<const std::int32_t> other_nodes() const { return other_; }
     /// The still nodes hold what a step of 1 s makes of them, impulses too: all is in proportion to dt, since they have

@@ -36,11 +36,26 @@ Vec<std::int32_t, Dim> first_of(const Vec<std::int32_t, Dim>& block) {
     return node;
 }
 
+/// f(n, tile_node(n, delta, width)) of the nodes that a tile has.
+template <int Dim, class F>
+void each_tile_node(int delta, int width, const F& f) {
+    int count[3] = {1, 1, 1}, first = 0;
+    for (int a = 0, stride = 1; a < Dim; ++a, stride *= tile_side(width)) {
+        const bool upper = Block<Dim>::corner(delta, a) != 0;
+        count[a] = upper ? width - 1 : 4;
+        first += upper ? 4 * stride : 0;
+    }
+    const int side = tile_side(width);
+    for (int z = 0; z < count[2]; ++z)
+        for (int y = 0; y < count[1]; ++y)
+            for (int x = 0; x < count[0]; ++x) f(x + 4 * (y + 4 * z), first + x + side * (y + side * z));
+}
+
 }  // namespace
 
 template <class Real, int Dim>
 void SurfaceBlocks<Real, Dim>::find(const ContactField<Dim>& field, bool moves) {
-    if (made && !moves) return;
+    if (made.in_epoch && !moves) return;
     scene.field = field;
     geometry.begin(field, doubled(method.context.walls), doubled(method.capacity));
     if (moves) geometry.forget();
@@ -48,7 +63,7 @@ void SurfaceBlocks<Real, Dim>::find(const ContactField<Dim>& field, bool moves) 
     std::vector<std::uint8_t> needed(near_of.size());
     for (std::size_t c = 0; c < needed.size(); ++c) needed[c] = near_of[c] >= 0;
     patch.keep_nodes(std::move(needed));
-    made = true;
+    made.in_epoch = true, ++made.times;
 }
 
 template <class Real, int Dim>
@@ -57,11 +72,16 @@ void SurfaceBlocks<Real, Dim>::make(const EpochTables<Dim>& tables) {
     find_nodes(tables);
     place_of.assign(blocks.size() * cells, {});
     ring.assign(blocks.size() * tile_nodes, {});
+    around.first.assign(1, 0);
+    around.ring.clear();
     elements.assign(blocks.size(), {});
     for (int k = 0; k < static_cast<int>(blocks.size()); ++k) find_block(k);
     tiles.resize((ghosts + blocks.size()) * tile_nodes * node_reals);
+    std::fill_n(tiles.data(), tiles.size(), Real(0));
     const std::size_t near = near_nodes.size() * cells;
-    sums.resize(near * node_reals);
+    sums.known.assign(near_nodes.size(), 0);
+    sums.value.resize(near * node_reals);
+    if (counts_energy) motions.resize(near);
 }
 
 /// Whether a block may have a cell or a node that a surface is near: by the distance of its middle.
@@ -86,7 +106,6 @@ void SurfaceBlocks<Real, Dim>::list_blocks(const EpochTables<Dim>& tables) {
     for (std::size_t b = 0; b < own; ++b) {
         if (!is_near(tables.position[b])) continue;
         bed_of[b] = static_cast<std::int32_t>(blocks.size());
-        tile_index[b] = static_cast<std::int32_t>(ghosts + blocks.size());
         blocks.push_back(static_cast<std::int32_t>(b));
     }
     for (std::size_t g = 0; g < ghosts; ++g) {
@@ -153,6 +172,11 @@ void SurfaceBlocks<Real, Dim>::find_block(int k) {
         for (int a = 0; a < Dim; ++a) e.place[a] = node[a] - first[a] + cut.centre[a];
     }
     for (int c = 0; c < cells; ++c) {
+        each_node<Dim, 3>([&](int at, int, int, int) {
+            const RingElement<Dim>& e = ring[static_cast<std::size_t>(k * tile_nodes + tile_offset<Dim, 3>(c) + at)];
+            if (e.area > 0) around.ring.push_back(static_cast<std::uint16_t>(tile_offset<Dim, 3>(c) + at));
+        });
+        around.first.push_back(static_cast<std::uint32_t>(around.ring.size()));
         SurfaceCell<Dim>& cell = place_of[static_cast<std::size_t>(k * cells + c)];
         const Place node = cell_node(k, c);
         cell = {geometry.part(node), false, nullptr, false, {}};
@@ -222,23 +246,50 @@ void SurfaceBlocks<Real, Dim>::add_element(int k, int c, const CutCell<Dim>& cut
     elements[static_cast<std::size_t>(k)].push_back(e);
 }
 
-/// A node is +0 plus its tiles by offset, as in tile_sums.hpp.
 template <class Real, int Dim>
-void SurfaceBlocks<Real, Dim>::sum_nodes(int j) {
-    const BlockTable<Dim> table = patch.table();
+void SurfaceBlocks<Real, Dim>::begin_step() {
+    const TileView<Real> grid = patch.grid();
+    node_values.resize(near_nodes.size());
+    for (std::size_t j = 0; j < near_nodes.size(); ++j) {
+        const std::int32_t block = grid.node_of[near_nodes[j]];
+        node_values[j] = block < 0 ? nullptr : grid.nodes + std::ptrdiff_t(block) * cells * node_reals;
+    }
+}
+
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::share(std::span<const std::int32_t> givers, const GapShare<Dim>& gaps) {
+    travel(givers, &gaps);
+}
+
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps) {
+    std::fill(tile_index.begin(), tile_index.end(), -1);
+    for (const std::int32_t k : givers)
+        tile_index[static_cast<std::size_t>(blocks[static_cast<std::size_t>(k)])] =
+            static_cast<std::int32_t>(ghosts) + k;
+    const TileView<Real> view{tile_index.data(), tiles.data(), nullptr, nullptr};
+    halo->start(view, gaps);
+    halo->finish(view, tile_index.data(), gaps);
+}
+
+/// A node is +0 plus its tiles by offset, as in tile_sums.hpp; where no block gives there are no sums.
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::sum_nodes(int j, int quads) {
     const std::int32_t c = near_nodes[static_cast<std::size_t>(j)];
-    Real* to = sums.data() + static_cast<std::size_t>(j) * cells * node_reals;
-    std::fill_n(to, cells * node_reals, Real(0));
+    const std::int32_t* source = patch.table().source + std::ptrdiff_t(c) * Block<Dim>::corners;
+    const int reals = quads * quad;
+    Real* to = sums.value.data() + static_cast<std::size_t>(j) * cells * node_reals;
+    std::uint8_t& known = sums.known[static_cast<std::size_t>(j)];
+    known = 0;
     for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
-        const std::int32_t source = table.source[c * Block<Dim>::corners + delta];
-        const std::int32_t tile = source < 0 ? -1 : tile_index[static_cast<std::size_t>(source)];
-        for (int n = 0; tile >= 0 && n < cells; ++n) {
-            const int at = tile_node<Dim>(n, delta, width);
-            if (at < 0) continue;
-            const Real* from =
-                tiles.data() + (static_cast<std::size_t>(tile) * tile_nodes + std::size_t(at)) * node_reals;
-            for (int q = 0; q < node_reals; ++q) to[n * node_reals + q] += from[q];
-        }
+        const std::int32_t tile = source[delta] < 0 ? -1 : tile_index[static_cast<std::size_t>(source[delta])];
+        if (tile < 0) continue;
+        if (!known) std::fill_n(to, cells * node_reals, Real(0));
+        known = 1;
+        const Real* from = tiles.data() + static_cast<std::size_t>(tile) * tile_nodes * node_reals;
+        each_tile_node<Dim>(delta, width, [&](int n, int at) {
+            for (int q = 0; q < reals; ++q) to[n * node_reals + q] += from[at * node_reals + q];
+        });
     }
 }
 
@@ -246,13 +297,6 @@ template <class Real, int Dim>
 std::ptrdiff_t SurfaceBlocks<Real, Dim>::stored(std::int32_t near) const {
     const std::int32_t block = patch.grid().node_of[near_nodes[static_cast<std::size_t>(near / cells)]];
     return block < 0 ? -1 : std::ptrdiff_t(block) * cells + near % cells;
-}
-
-template <class Real, int Dim>
-Real* SurfaceBlocks<Real, Dim>::values(std::int32_t near) const {
-    const std::ptrdiff_t at = stored(near);
-    Real* node = at < 0 ? nullptr : patch.grid().nodes + at * node_reals;
-    return node && node[quad - 1] > scene.mass_cutoff ? node : nullptr;
 }
 
 template <class Real, int Dim>

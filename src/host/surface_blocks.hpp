@@ -4,10 +4,16 @@
 // Blocks near a surface have a tile of their own each, empty ones too, as a cut cell may lie in a block beside its
 // soil. What cells and elements give goes to those tiles, travels in the halo, and is summed by the nodes by offset: a
 // pass. All of it follows from places, the same on both sides of a message, so that one answer holds on any ranks.
+//
+// Most of these blocks give nothing in most passes: they have no surface that soil touches. A pass is of those that
+// give; an absent tile and one of zeros are the same, so that no answer knows which there are.
+
+#include <span>
 
 #include "blocks/contact_pairs.hpp"
 #include "blocks/patch.hpp"
 #include "comm/halo.hpp"
+#include "core/nodes/node_energy.hpp"
 #include "core/surfaces/surface_elements.hpp"
 #include "core/transfer/method.hpp"
 
@@ -22,7 +28,6 @@ struct SurfaceScene {
     HeldNode<Real, Dim>* held;  ///< null: pressures are the particles'
     CellPressure<Real>* cells;  ///< of occupied blocks, as PressureContext's
     StructureSums<Dim>* felt;   ///< by structure
-    ExactSum* impulse;          ///< of walls, by node block and axis
 };
 
 /// A cell of a block near a surface, by place alone.
@@ -43,6 +48,19 @@ struct RingElement {
     Vec<double, Dim> normal, place;  ///< [cells, from the block's first cell]
 };
 
+/// By own block and cell: who of the ring has an element and is the cell or beside it.
+struct RingLists {
+    std::vector<std::uint32_t> first;  ///< of `ring`, and their end
+    std::vector<std::uint16_t> ring;
+};
+
+/// What a pass gave to the nodes near surfaces.
+template <class Real>
+struct NodeSums {
+    Host::Array<Real> value;          ///< [near node block][node][real]; nothing where nobody gave
+    std::vector<std::uint8_t> known;  ///< [near node block] somebody gave
+};
+
 template <class Real, int Dim>
 struct SurfaceBlocks {
     static constexpr int width = 3, cells = Block<Dim>::cells, nodes = power<Dim>(3);
@@ -52,11 +70,15 @@ struct SurfaceBlocks {
 
     const Method<Host, Real, Dim>& method;
     Patch<Host, Real, Dim>& patch;
-    double h;  ///< [m]
+    double h;            ///< [m]
+    bool counts_energy;  ///< the scene has an energy budget
     SurfaceScene<Real, Dim> scene{};
     Halo<Real, Dim>* halo = nullptr;
     const ContactPairs<Dim>* pairs = nullptr;
-    bool made = false;  ///< in this epoch
+    struct {
+        bool in_epoch = false;
+        std::int64_t times = 0;
+    } made{};
     SurfaceGeometry<Dim> geometry{};
     std::size_t ghosts = 0;
     std::vector<std::int32_t> blocks{}, bed_of{}, tile_index{};       ///< own; by own and ghost block
@@ -65,20 +87,45 @@ struct SurfaceBlocks {
     std::vector<SurfaceCell<Dim>> place_of{};                         ///< [block][cell]
     std::vector<std::vector<SurfaceElement<Dim>>> elements{};         ///< [block]
     std::vector<RingElement<Dim>> ring{};                             ///< [block][cell of the ring]
-    Host::Array<Real> tiles{}, sums{};
+    RingLists around{};
+    std::vector<Real*> node_values{};  ///< of this step [near node block]; null: no soil is near
+    Host::Array<Real> tiles{};
+    NodeSums<Real> sums{};                            ///< of the last pass
+    Host::Array<SurfaceMotion<Real, Dim>> motions{};  ///< with an energy budget: of this round [near node block][node]
 
     /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
     void find(const ContactField<Dim>& field, bool moves);
-    /// write(k, tile): what block k gives to the nodes; their sums are then in `sums`. Collective over peers.
+    /// The step's nodes are known. Not collective.
+    void begin_step();
+    /// write(k, tile): what block k of `givers`, ascending, gives to the nodes in the first `quads` of a node's two;
+    /// their sums are then in `sums`. Collective over peers.
     template <class Write>
-    void pass(const Write& write, const GapShare<Dim>* gaps = nullptr);
+    void pass(std::span<const std::int32_t> givers, int quads, const Write& write);
+    /// Brings the gap tiles of those. Collective over peers.
+    void share(std::span<const std::int32_t> givers, const GapShare<Dim>& gaps);
+    /// Of those of our blocks for which it holds.
+    template <class Gives>
+    void list(std::vector<std::int32_t>& givers, const Gives& gives) const {
+        givers.clear();
+        for (int k = 0; k < static_cast<int>(blocks.size()); ++k)
+            if (gives(k)) givers.push_back(k);
+    }
 
     Place cell_node(int k, int c) const;
     static int lane(int n) { return Dim == 2 ? (n < 3 ? n : n < 5 ? n + 1 : 7) : n; }
     std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
-    const Real* sum_at(int k, int n) const { return sums.data() + std::size_t(node_at(k, n)) * node_reals; }
+    const Real* sum_of(std::int32_t near) const {
+        static constexpr Real nothing[node_reals] = {};
+        return sums.known[std::size_t(near) / cells] ? sums.value.data() + std::size_t(near) * node_reals : nothing;
+    }
+    const Real* sum_at(int k, int n) const { return sum_of(node_at(k, n)); }
     /// Values of a node; null: it holds no soil.
-    Real* values(std::int32_t near) const;
+    Real* values(std::int32_t near) const {
+        Real* node = node_values[std::size_t(near) / cells];
+        if (!node) return nullptr;
+        node += std::size_t(near) % cells * node_reals;
+        return node[quad - 1] > scene.mass_cutoff ? node : nullptr;
+    }
     std::ptrdiff_t stored(std::int32_t near) const;
     /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg].
     void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
@@ -92,21 +139,21 @@ struct SurfaceBlocks {
     void find_root(const Place& node, SurfaceCell<Dim>& cell);
     void add_element(int k, int c, const CutCell<Dim>& cut);
     bool is_near(const Place& block) const;
-    void sum_nodes(int j);
+    void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
+    void sum_nodes(int j, int quads);
 };
 
 template <class Real, int Dim>
 template <class Write>
-void SurfaceBlocks<Real, Dim>::pass(const Write& write, const GapShare<Dim>* gaps) {
-    Host::launch(static_cast<std::int64_t>(blocks.size()), [&](int k) {
+void SurfaceBlocks<Real, Dim>::pass(std::span<const std::int32_t> givers, int quads, const Write& write) {
+    Host::launch(static_cast<std::int64_t>(givers.size()), [&](int i) {
+        const std::int32_t k = givers[static_cast<std::size_t>(i)];
         Real* tile = tiles.data() + (ghosts + static_cast<std::size_t>(k)) * tile_nodes * node_reals;
         std::fill_n(tile, tile_nodes * node_reals, Real(0));
         write(k, tile);
     });
-    const TileView<Real> view{tile_index.data(), tiles.data(), nullptr, nullptr};
-    halo->start(view, gaps);
-    halo->finish(view, tile_index.data(), gaps);
-    Host::launch(static_cast<std::int64_t>(near_nodes.size()), [&](int j) { sum_nodes(j); });
+    travel(givers, nullptr);
+    Host::launch(static_cast<std::int64_t>(near_nodes.size()), [&](int j) { sum_nodes(j, quads); });
 }
 
 }  // namespace moraine

@@ -1,6 +1,8 @@
 #pragma once
 // Contact on surfaces on the host (core/surfaces/surface_elements.hpp).
 
+#include <array>
+
 #include "host/surface_pressures.hpp"
 
 namespace moraine {
@@ -15,6 +17,10 @@ class SurfaceForces {
     void begin_step();
     /// Acts on the velocities of the nodes. Collective over peers.
     void act(const ContactTime& time, double damping);
+    /// What walls gave besides, in this step.
+    void take_impulse(std::array<ExactSum, Dim>& impulse);
+    /// What the round and they did to the energy of nodes [node block]; the scene has an energy budget.
+    void count_energy(const NodeRound<Real, Dim>& round, NodeEnergy* energy);
 
   private:
     using Blocks = SurfaceBlocks<Real, Dim>;
@@ -30,22 +36,51 @@ class SurfaceForces {
 
     void find_gaps(const ContactPairs<Dim>& pairs);
     void tell_elements(const ContactPair& pair);
+    /// Particles that may be near a surface, before it is known how near.
+    struct MayBeNear {
+        static constexpr int most = 64;
+        std::uint32_t slot[most];
+        int cell[most], count = 0;  ///< cell: of ours
+        Vec<double, Dim> place[most];
+    };
+    void tell_elements(const ContactPair& pair, MayBeNear& near);
+    void tell_element(const ContactPair& pair, int cell, std::uint32_t slot, const ParticleGap& own);
+    template <class F>
+    void each_touching(int k, const F& f) const {
+        const auto i = static_cast<std::size_t>(k);
+        for (const std::int32_t e : touching_[i]) f(on_.elements[i][static_cast<std::size_t>(e)]);
+    }
     void weigh();
+    void find_slaves();
     Slip slip_of(int k, const SurfaceElement<Dim>& e) const;
     double push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing, Vec<double, Dim>& follows) const;
     Vec<double, Dim> slow(int k, const SurfaceElement<Dim>& e, const Slip& slip, const Pressing& by, double dt) const;
     void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
-    void close_slave(int k, int c, Real* tile);
+    /// A slave of a block, by nodes of its tile: it follows `one` and `two`.
+    struct Slave {
+        int own, one, two;
+    };
+    void list_slaves(int k, int c);
+    bool acts(int k, const Slave& slave) const;
+    void close_slave(int k, const Slave& slave, Real* tile) const;
     template <class Share>
     double row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const;
-    void apply();
-    void count_walls(std::int32_t c, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
+    using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;
+    void apply(Taken by);
+    void note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v, const Vec<Real, Dim>& end);
+    void count_walls(int j, int n, double mass, const Vec<Real, Dim>& before, const Vec<Real, Dim>& after);
     SurfaceShares<Dim> shares_at(std::int32_t near) const;
 
     SurfaceBlocks<Real, Dim>& on_;
     const SurfacePressures<Real, Dim>& pressures_;
-    Host::Array<Real> shares_;
+    std::vector<std::array<ExactSum, Dim>> impulse_;  ///< of walls [near node block]
+    NodeSums<Real> shares_;                           ///< W_i
     Host::Array<NodeGap> gap_tiles_;
+    std::int64_t known_ = 0;                                     ///< the blocks' `made` that the next is of
+    std::vector<std::vector<Slave>> slaves_;                     ///< [block]
+    std::vector<std::vector<Slave>> followers_;                  ///< of those, who acts in this step
+    std::vector<std::vector<std::int32_t>> touching_;            ///< [block] elements that act in this step
+    std::vector<std::int32_t> givers_, occupied_, with_slaves_;  ///< blocks: with such, with soil, with followers
 };
 
 }  // namespace moraine

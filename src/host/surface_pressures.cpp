@@ -13,49 +13,94 @@ enum RootLane { root_pressure, root_bulk, root_volume, root_source };
 
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::find(const Substep& first) {
-    cells_.assign(on_.blocks.size() * cells, {});
-    acceleration_.resize(on_.near_nodes.size() * cells);
-    Host::launch(static_cast<std::int64_t>(acceleration_.size()), [&](int j) {
-        const std::ptrdiff_t at = on_.stored(j);
-        if (at >= 0) acceleration_[static_cast<std::size_t>(j)] = on_.scene.held[at].acceleration;
-    });
-    on_.pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) {
-            find_cell(k, c, first);
-            const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-            if (!cell.child) continue;
+    keep_accelerations();
+    find_cells(first);
+    on_.list(givers_, [&](int k) { return on_cells_[static_cast<std::size_t>(k)].has_children; });
+    on_.pass(givers_, 2, [&](int k, Real* tile) {
+        each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
+            if (!cell.child) return;
             Real* root = tile + root_node(k, c) * node_reals;
             root[lane(child_pressure)] += cell.state.pressure, root[lane(child_particles)] += cell.particles;
             root[lane(child_bulk)] += cell.state.bulk, root[lane(child_volume)] += cell.state.volume;
             root[lane(child_weight)] += cell.weight, root[lane(child_cross)] += cell.state.head;
+        });
+    });
+    each_block([&](int k) { each_on(k, [&](int c, const OpenCell<Real, Dim>&) { close_cell(k, c, first); }); });
+    const ListView<Dim> list = on_.patch.list();
+    on_.list(givers_, [&](int k) { return list.count(on_.blocks[static_cast<std::size_t>(k)]) > 0; });
+    on_.pass(givers_, 1, [&](int k, Real* tile) {
+        for (int c = 0; c < cells; ++c) tell_holes(k, c, tile);
+    });
+    each_block([&](int k) { each_on(k, [&](int c, const OpenCell<Real, Dim>&) { fill_hole(k, c); }); });
+    tell_children();
+    on_.list(givers_, [&](int k) { return !on_cells_[static_cast<std::size_t>(k)].cell.empty(); });
+    on_.list(sharers_, [&](int k) {
+        const OnCells& on = on_cells_[static_cast<std::size_t>(k)];
+        return on.has_children || on.has_roots;
+    });
+}
+
+/// Those of nodes without cells' forces.
+template <class Real, int Dim>
+void SurfacePressures<Real, Dim>::keep_accelerations() {
+    acceleration_.resize(on_.near_nodes.size() * cells);
+    Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
+        const std::ptrdiff_t at = on_.stored(j * cells);
+        for (int n = 0; at >= 0 && n < cells; ++n)
+            acceleration_[static_cast<std::size_t>(j * cells + n)] = on_.scene.held[at + n].acceleration;
+    });
+}
+
+template <class Real, int Dim>
+void SurfacePressures<Real, Dim>::find_cells(const Substep& first) {
+    cells_.resize(on_.blocks.size() * cells);
+    on_cells_.resize(on_.blocks.size());
+    if (on_.counts_energy) energy_.assign(on_.blocks.size(), {});
+    each_block([&](int k) {
+        OnCells& on = on_cells_[static_cast<std::size_t>(k)];
+        on.cell.clear();
+        on.has_children = on.has_roots = false;
+        for (int c = 0; c < cells; ++c) {
+            OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
+            cell.on = cell.child = false;
+            if (!on_.place_of[static_cast<std::size_t>(k * cells + c)].near) continue;
+            cell = {};
+            find_cell(k, c, first);
+            if (cell.on) on.cell.push_back(c);
+            on.has_children = on.has_children || cell.child;
         }
     });
-    on_.pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) {
-            close_cell(k, c, first);
-            tell_holes(k, c, tile);
-        }
+}
+
+/// What roots have become, to those who share with them.
+template <class Real, int Dim>
+void SurfacePressures<Real, Dim>::tell_children() {
+    each_block([&](int k) {
+        each_on(k, [&](int, const OpenCell<Real, Dim>& cell) {
+            OnCells& on = on_cells_[static_cast<std::size_t>(k)];
+            on.has_roots = on.has_roots || (cell.on && !cell.child && cell.mixed);
+        });
     });
-    on_.pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) fill_hole(k, c);
-        for (int c = 0; c < cells; ++c) {
-            const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-            if (!cell.on || cell.child) continue;
+    on_.list(givers_, [&](int k) { return on_cells_[static_cast<std::size_t>(k)].has_roots; });
+    on_.pass(givers_, 2, [&](int k, Real* tile) {
+        each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
+            if (!cell.on || cell.child || !cell.mixed) return;
             Real* own = tile + (tile_offset<Dim, 3>(c) + to_middle) * node_reals;
             own[lane(root_pressure)] = cell.state.pressure;
             own[lane(root_bulk)] = cell.state.loose ? -cell.state.bulk : cell.state.bulk;
             own[lane(root_volume)] = cell.state.volume, own[lane(root_source)] = cell.state.source;
-        }
+        });
     });
-    Host::launch(static_cast<std::int64_t>(cells_.size()), [&](int i) {
-        OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(i)];
-        if (!cell.child) return;
-        const Real* root = on_.sum_at(i / cells, root_node(i / cells, i % cells));
-        const Real bulk = root[lane(root_bulk)];
-        cell.on = root[lane(root_volume)] > Real(0);
-        cell.state.pressure = root[lane(root_pressure)], cell.state.bulk = bulk < Real(0) ? -bulk : bulk;
-        cell.state.volume = root[lane(root_volume)], cell.state.source = root[lane(root_source)];
-        cell.state.loose = bulk < Real(0);
+    each_block([&](int k) {
+        each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
+            if (!cell.child) return;
+            const Real* root = on_.sum_at(k, root_node(k, c));
+            const Real bulk = root[lane(root_bulk)];
+            cell.on = root[lane(root_volume)] > Real(0);
+            cell.state.pressure = root[lane(root_pressure)], cell.state.bulk = bulk < Real(0) ? -bulk : bulk;
+            cell.state.volume = root[lane(root_volume)], cell.state.source = root[lane(root_source)];
+            cell.state.loose = bulk < Real(0);
+        });
     });
 }
 
@@ -289,10 +334,9 @@ void SurfacePressures<Real, Dim>::fill_hole(int k, int c) {
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::press(const Substep& substep) {
     const Real damping = static_cast<Real>(substep.damping());
-    on_.pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) {
-            const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-            if (!cell.on) continue;
+    on_.pass(givers_, 1, [&](int k, Real* tile) {
+        each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
+            if (!cell.on) return;
             const Real force = cell.state.pressure + damping * cell.state.change;
             int n = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
@@ -301,16 +345,18 @@ void SurfacePressures<Real, Dim>::press(const Substep& substep) {
                 ++n;
             });
             tell_pressure(k, c, double(force) * substep.dt);
-        }
+        });
     });
-    Host::launch(static_cast<std::int64_t>(acceleration_.size()), [&](int j) {
-        const std::ptrdiff_t at = on_.stored(j);
-        if (at < 0) return;
-        const Real* node = on_.values(j);
-        Vec<Real, Dim>& held = on_.scene.held[at].acceleration;
-        held = acceleration_[static_cast<std::size_t>(j)];
-        for (int a = 0; node && a < Dim; ++a)
-            held[a] += on_.sums[std::size_t(j) * node_reals + std::size_t(a)] / node[quad - 1];
+    Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
+        const std::ptrdiff_t at = on_.stored(j * cells);
+        if (at < 0 || !on_.sums.known[static_cast<std::size_t>(j)]) return;
+        for (int n = 0; n < cells; ++n) {
+            const Real* node = on_.values(j * cells + n);
+            const Real* sum = on_.sum_of(j * cells + n);
+            Vec<Real, Dim>& held = on_.scene.held[at + n].acceleration;
+            held = acceleration_[static_cast<std::size_t>(j * cells + n)];
+            for (int a = 0; node && a < Dim; ++a) held[a] += sum[a] / node[quad - 1];
+        }
     });
 }
 
@@ -339,33 +385,45 @@ int SurfacePressures<Real, Dim>::structure_of(int k, int c) const {
 
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::update(const Substep& substep) {
-    on_.pass([&](int k, Real* tile) {
-        for (int c = 0; c < cells; ++c) {
-            const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-            if (!cell.on) continue;
-            const Structure<Dim>& s = on_.scene.field.structure[structure_of(k, c)];
-            Real flux = Real(0);
-            for (int a = 0; a < Dim; ++a) flux -= cell.bed[a] * static_cast<Real>(s.velocity[a]);
-            int n = 0;
-            each_node<Dim, 3>([&](int at, int, int, int) {
-                const CellNode<Real, Dim>& g = cell.factor[n++];
-                const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(c) + at));
-                for (int a = 0; v && a < Dim; ++a) flux += g.gradient[a] * v[a];
-            });
-            tile[root_node(k, c) * node_reals] += flux;
-        }
+    each_block([&](int k) {
+        each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
+            if (!cell.on) return;
+            cell.flux = flux_of(k, c, cell);
+            if (on_.counts_energy) count_taken(k, c, substep);
+        });
+    });
+    on_.pass(sharers_, 1, [&](int k, Real* tile) {
+        each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
+            if (cell.on && (cell.child || cell.mixed)) tile[root_node(k, c) * node_reals] += cell.flux;
+        });
     });
     const Real dt = static_cast<Real>(substep.dt), time = static_cast<Real>(0.5 * (substep.number + 0.5) * substep.dt);
-    Host::launch(static_cast<std::int64_t>(cells_.size()), [&](int i) {
-        OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(i)];
-        if (!cell.on) return;
-        const Real flux = on_.sum_at(i / cells, root_node(i / cells, i % cells))[0];
-        const Real step = dt * (flux / cell.state.volume - time * cell.state.source);
-        cell.state.change = cell.state.bulk * step;
-        cell.state.pressure += cell.state.change;
-        cell.state.increment += step;
+    each_block([&](int k) {
+        each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
+            if (!cell.on) return;
+            const Real flux = cell.child || cell.mixed ? on_.sum_at(k, root_node(k, c))[0] : cell.flux;
+            const Real step = dt * (flux / cell.state.volume - time * cell.state.source);
+            cell.state.change = cell.state.bulk * step;
+            cell.state.pressure += cell.state.change;
+            cell.state.increment += step;
+        });
     });
     if (substep.is_last()) give_cells();
+}
+
+/// sum_i G_ic . v_i - S_c . V.
+template <class Real, int Dim>
+Real SurfacePressures<Real, Dim>::flux_of(int k, int c, const OpenCell<Real, Dim>& cell) const {
+    const Structure<Dim>& s = on_.scene.field.structure[structure_of(k, c)];
+    Real flux = Real(0);
+    for (int a = 0; a < Dim; ++a) flux -= cell.bed[a] * static_cast<Real>(s.velocity[a]);
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        const CellNode<Real, Dim>& g = cell.factor[n++];
+        const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(c) + at));
+        for (int a = 0; v && a < Dim; ++a) flux += g.gradient[a] * v[a];
+    });
+    return flux;
 }
 
 /// To the gather, which knows cells of occupied blocks.
@@ -380,6 +438,8 @@ void SurfacePressures<Real, Dim>::give_cells() {
             const Real head = to.head;
             to = cell.state;
             to.head = head;
+            if (!on_.counts_energy) continue;
+            energy_[k].cells.add(on_.scene.quantum.of(-given_to_particles(on_.blocks[k], c)));
         }
     }
 }

@@ -23,6 +23,8 @@ class SurfacePressures {
     void update(const Substep& substep);
     /// N_e: what a block's cell presses on its surface [Pa]; none where pressures are the particles'.
     double pressure_on_surface(int k, int c, double damping) const;
+    /// What they took since it was last called; the scene has an energy budget.
+    void take_energy(EnergyAccount& account);
 
   private:
     using Blocks = SurfaceBlocks<Real, Dim>;
@@ -31,6 +33,26 @@ class SurfacePressures {
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
 
+    /// Cells of a block that take part in this step.
+    struct OnCells {
+        std::vector<int> cell;
+        bool has_children = false, has_roots = false;  ///< roots: with children
+    };
+
+    template <class F>
+    void each_block(const F& f) const {
+        Host::launch(static_cast<std::int64_t>(on_.blocks.size()), f);
+    }
+    /// f(c, cell) of those.
+    template <class F>
+    void each_on(int k, const F& f) {
+        for (const int c : on_cells_[static_cast<std::size_t>(k)].cell)
+            f(c, cells_[static_cast<std::size_t>(k * cells + c)]);
+    }
+    void keep_accelerations();
+    void find_cells(const Substep& first);
+    void tell_children();
+    Real flux_of(int k, int c, const OpenCell<Real, Dim>& cell) const;
     void find_cell(int k, int c, const Substep& first);
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
     void faces_of(const Place& node, const CutCell<Dim>* cut, CellNode<Real, Dim>* face) const;
@@ -46,10 +68,20 @@ class SurfacePressures {
     void fill_hole(int k, int c);
     int root_node(int k, int c) const;
     void give_cells();
+    void count_taken(int k, int c, const Substep& substep);
+    double given_to_particles(int block, int c) const;
+
+    /// Of the cells of a block [J].
+    struct Energy {
+        ExactSum cells, structures;  ///< taken from nodes: by the cells, and by structures that move
+    };
 
     SurfaceBlocks<Real, Dim>& on_;
-    std::vector<OpenCell<Real, Dim>> cells_;    ///< [block][cell]
-    std::vector<Vec<Real, Dim>> acceleration_;  ///< HeldNode's, without cells [near node block][node]
+    std::vector<OpenCell<Real, Dim>> cells_;      ///< [block][cell]
+    std::vector<OnCells> on_cells_;               ///< [block]
+    std::vector<std::int32_t> givers_, sharers_;  ///< blocks with such; with children or roots
+    std::vector<Vec<Real, Dim>> acceleration_;    ///< HeldNode's, without cells [near node block][node]
+    std::vector<Energy> energy_;                  ///< with an energy budget [block]
 };
 
 }  // namespace moraine

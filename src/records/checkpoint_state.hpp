@@ -77,9 +77,9 @@ void each_sleep_entry(Budget<Dim>& budget, const F& f) {
     for (std::size_t a = 0; a < Dim; ++a) f("slept_momentum_" + std::string(1, "xyz"[a]), budget.slept_momentum[a]);
 }
 
-/// The same of the energy budget; only in scenes that want it.
+/// The same of the energy budget; only in scenes that want it. has_surfaces: they act where they are.
 template <int Dim, class F>
-void each_energy_entry(Budget<Dim>& budget, const F& f) {
+void each_energy_entry(Budget<Dim>& budget, bool has_surfaces, const F& f) {
     EnergyAccount& energy = budget.energy;
     f("energy_gain", energy.nodes.gain);
     f("energy_fall", energy.nodes.fall);
@@ -89,6 +89,9 @@ void each_energy_entry(Budget<Dim>& budget, const F& f) {
     f("energy_put_out", energy.put_out);
     f("energy_lost_kinetic", energy.lost_kinetic);
     f("energy_lost_potential", energy.lost_potential);
+    if (!has_surfaces) return;
+    f("energy_slaves", energy.nodes.slaves);
+    f("energy_pressures", energy.pressures);
 }
 
 /// Names of the sums of all structures, and the sums.
@@ -274,7 +277,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         header["sleep_step"] = sim.clock().sleep_step;
     }
     if (sim.scene().output.energy_budget) {
-        each_energy_entry(budget, store);
+        each_energy_entry(budget, sim.scene().bed == Bed::surface, store);
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
 
@@ -370,7 +373,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
                 fmt::format("{} has no energy budget (output.energy_budget was off in its run). Turn it off, or run "
                             "from the start?",
                             path));
-        each_energy_entry(budget, take);
+        each_energy_entry(budget, sim.scene().bed == Bed::surface, take);
         take_start_potential(file, clock);
     }
     std::vector<std::int64_t> state;

@@ -18,11 +18,19 @@ struct EnergyBudget {
     double shift = 0;     ///< by places that changed without a velocity: particle shifting; it lifts mass
     double wall = 0, contact = 0, damping = 0;  ///< contact: less the work on structures, with what is put out of them
     double lost = 0;                            ///< left through open ends, kinetic and potential
+    bool has_surfaces = false;                  ///< surfaces act where they are, and the next two are known
+    double slave = 0, pressure = 0;             ///< nodes deep in a surface; pressures of cells beside surfaces
 
-    static std::vector<std::string> columns() {
-        return {"transfer_J", "shift_J", "wall_J", "contact_J", "damping_J", "lost_J"};
+    static std::vector<std::string> columns(bool has_surfaces) {
+        std::vector<std::string> names{"transfer_J", "shift_J", "wall_J", "contact_J", "damping_J", "lost_J"};
+        if (has_surfaces) names.insert(names.end(), {"slave_J", "pressure_J"});
+        return names;
     }
-    std::array<double, 6> values() const { return {transfer, shift, wall, contact, damping, lost}; }
+    std::vector<double> values() const {
+        std::vector<double> v{transfer, shift, wall, contact, damping, lost};
+        if (has_surfaces) v.insert(v.end(), {slave, pressure});
+        return v;
+    }
 };
 
 /// Numbers of one output time, in the order of their columns.
@@ -64,7 +72,7 @@ struct TimeSeriesRow {
         names.push_back("over_filling");
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
         if (scene.output.energy_budget) {
-            const std::vector<std::string> more = EnergyBudget::columns();
+            const std::vector<std::string> more = EnergyBudget::columns(scene.bed == Bed::surface);
             names.insert(names.end(), more.begin(), more.end());
         }
         return names;
@@ -134,6 +142,8 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     energy.contact = value(account.nodes.contact) - work + put_out;
     energy.damping = value(account.nodes.damping);
     energy.lost = lost_kinetic + lost_potential;
+    energy.slave = value(account.nodes.slaves);
+    energy.pressure = value(account.pressures);
     return energy;
 }
 
@@ -182,7 +192,10 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         row.unaccounted -= value(s.sum[StructureSums<Dim>::work]);
         work += value(s.sum[StructureSums<Dim>::work]);
     }
-    if (scene.output.energy_budget) row.energy = energy_budget_of(row, clock, sim.quantum(), budget.energy, work);
+    if (scene.output.energy_budget) {
+        row.energy = energy_budget_of(row, clock, sim.quantum(), budget.energy, work);
+        row.energy->has_surfaces = scene.bed == Bed::surface;
+    }
     return row;
 }
 

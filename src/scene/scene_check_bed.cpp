@@ -4,7 +4,7 @@
 
 namespace moraine {
 
-/// What acts on surfaces has quadratic weights, one round of forces in a step, and nobody who sleeps.
+/// What acts on surfaces has quadratic weights and one round of forces in a step.
 void check_bed(const Scene& scene, const Places& places) {
     if (scene.bed == Bed::nodes) return;
     const auto refuse_with = [&](const char* what, const char* why, const char* help) {
@@ -15,10 +15,6 @@ void check_bed(const Scene& scene, const Places& places) {
     if (scene.stress_update != StressUpdate::usl || scene.transfer == Transfer::fmpm)
         refuse_with("this stress_update or transfer", "surfaces act once in a step",
                     "Use stress_update = \"usl\" and no fmpm?");
-    if (scene.sleep.on)
-        refuse_with("numerics.sleep = \"on\"", "surfaces act on all that moves", "Use bed = \"nodes\"?");
-    if (scene.output.energy_budget)
-        refuse_with("output.energy_budget = \"on\"", "what surfaces take has no column yet", "Use bed = \"nodes\"?");
 }
 
 }  // namespace moraine

@@ -58,6 +58,7 @@ def weight(g):
 
 
 COLUMN = weight(9.81) + HEAD + FLUID + body("fluid", (0.0, 0.0), (1.0, 1.5)) + wall("x-min", "free-slip") + wall("x-max", "free-slip") + wall("y-min", "no-slip")
+SURFACE = sets(numerics__bed="surface")
 CURED = sets(material__fluid__volumetric="grid", numerics__substeps=10, material__fluid__pressure_smoothing=0.22, material__fluid__particle_shifting=0.2)
 
 
@@ -182,6 +183,43 @@ class EnergyBudget(moraine.ProgramTest):
         first, *_, last = self.history(falls + floor, *sets(time__end=0.6))
         self.assertAlmostEqual(last["shift_J"] / moved(last, first), 0, delta=1e-10)
         self.assertLess(abs(rest(last)), 0.01 * moved(last, first))
+
+    def test_a_surface_takes_the_motion_that_it_stops(self):
+        """A post whose face cuts cells in the middle."""
+        for words in ("", "motion = { kind = \"velocity\", velocity = [1.0, 0.0] }\n"):
+            with self.subTest(motion=words):
+                block = HEAD + SOFT + body("soft", (1.0, 0.5), (1.5, 1.0), "" if words else "velocity = [-2.0, 0.0]\n")
+                post = '[[structure]]\nname = "post"\nshape = "box"\nmin = [0.25, -1.0]\nmax = [0.97, 3.0]\n' + words
+                first, *_, last = self.history(block + post, *SURFACE, *sets(time__dt=1e-3, time__end=0.1), output="moves" if words else "stands")
+                work = -summary(self.folder / ("moves" if words else "stands"))["structures"]["post"]["work_J"]
+                took = first["kinetic_J"] + work - last["kinetic_J"]
+                self.assertGreater(took, 1)
+                self.assertGreater(last["contact_J"], 0.1 * took)
+                self.assertAlmostEqual((last["contact_J"] + last["slave_J"] + last["transfer_J"]) / took, 1, delta=1e-9)
+
+    def test_a_surface_takes_what_friction_does_along_the_way(self):
+        """A slab that slides on a plane between nodes: mu times its weight, times its way."""
+        gel = GEL.replace("2.0e5", "2.0e6")
+        bed = '[[structure]]\nname = "bed"\nshape = "plane"\npoint = [0.0, 0.33]\nnormal = [0.0, 1.0]\ncontact = { law = "coulomb", friction = 0.2 }\n'
+        slides = weight(9.81) + HEAD + gel + body("gel", (0.5, 0.33), (1.5, 0.83), "velocity = [3.0, 0.0]\ngeostatic = { surface = 0.83, k0 = 0.4 }\n") + bed
+        first, *_, last = self.history(slides, *SURFACE, *sets(time__end=0.4))
+        way = last["centre_x_m"] - first["centre_x_m"]
+        due = 0.2 * last["mass_kg"] * 9.81 * way
+        self.assertAlmostEqual(last["contact_J"] / due, 1, delta=0.03)
+        self.assertLess(abs(rest(last)), 0.01 * due)
+
+    def test_the_budget_closes_beside_surfaces_as_it_does_at_walls(self):
+        """A column that falls apart on a smooth bed between nodes, with pressures on cells: what is left of the unaccounted energy."""
+        fluid = weight(9.81) + HEAD + FLUID + wall("x-min", "free-slip") + wall("x-max", "free-slip")
+        keys = sets(material__fluid__volumetric="grid", numerics__substeps=10, time__end=0.6)
+        bed = '[[structure]]\nname = "bed"\nshape = "plane"\npoint = [0.0, 0.33]\nnormal = [0.0, 1.0]\ncontact = { law = "smooth" }\n'
+        left = {}
+        for name, text, words in (("wall", body("fluid", (0.0, 0.0), (1.0, 1.5)) + wall("y-min", "free-slip"), ()),
+                                  ("surface", body("fluid", (0.0, 0.33), (1.0, 1.83)) + bed, SURFACE)):
+            first, *_, last = self.history(fluid + text, *keys, *words, output=name)
+            left[name] = rest(last) / moved(last, first)
+        self.assertLess(abs(left["surface"]), abs(left["wall"]) + 0.002, left)
+        self.assertNotEqual(last["pressure_J"], 0)
 
     def test_what_leaves_takes_its_motion_and_its_height(self):
         rain = weight(10.0) + HEAD + SOFT + body("soft", (1.0, 0.25), (2.0, 0.75), "velocity = [0.5, -2.0]\n") + wall("y-min", "open")

@@ -187,6 +187,33 @@ class Sleep(moraine.ProgramTest):
         for asleep, other in zip(*forces):
             self.assertAlmostEqual(asleep, other, delta=0.1 * max(map(abs, forces[1])))
 
+    def test_a_bed_that_acts_on_its_surface_bears_sleepers(self):
+        """A rough plane between nodes in place of the wall; a stone falls on the bed and wakes it."""
+        plane = '[[structure]]\nname = "ground"\nshape = "plane"\npoint = [0.0, 0.03]\nnormal = [0.0, 1.0]\ncontact = { law = "rough" }\n'
+        text = BED.replace('[[wall]]\nface = "y-min"\nkind = "no-slip"\n', plane).replace('sleep = "on"', 'sleep = "on"\nbed = "surface"')
+        text = text.replace("min = [0.0, 0.0]\nmax = [5.0, 0.6]\ngeostatic = { surface = 0.6,", "min = [0.0, 0.03]\nmax = [5.0, 0.63]\ngeostatic = { surface = 0.63,")
+        scene = self.write(text)
+        alone = self.run_scene(scene, "alone", *sets(output__checkpoint_interval=0.25))
+        asleep = [int(float(row["asleep"])) for row in rows(alone)]
+        self.assertGreater(max(asleep), asleep[-1] + 100, asleep)  # some woke
+        self.assertGreater(asleep[-1], 50)
+        every = sets(balance__trigger="every", balance__interval=10)
+        for ranks, words in ((2, ("--partitioner", "shuffle")), (3, ("--partitioner", "shuffle")), (4, ("--partitioner", "rcb"))):
+            with self.subTest(ranks=ranks):
+                found = self.run_scene(scene, f"on-{ranks}", *words, *every, ranks=ranks)
+                self.assertEqual(summary(found)["state_hash"], summary(alone)["state_hash"])
+                self.assertEqual((found / "history.csv").read_text(), (alone / "history.csv").read_text())
+        again = self.run_scene(scene, "again", "--restart", checkpoints(alone)[0], ranks=2)
+        self.assertEqual(summary(again)["state_hash"], summary(alone)["state_hash"])
+        for row in rows(alone):
+            for axis in "xy":
+                self.assertLess(abs(float(row[f"momentum_error_{axis}_kg_m_s"])), 1e-8)
+        awake = self.run_scene(scene, "awake", *sets(numerics__sleep="off"))
+        a, b = summary(alone), summary(awake)
+        self.assertGreater(a["sleep"]["share_of_particle_steps"], 0.15)
+        self.assertAlmostEqual(a["front_m"], b["front_m"], delta=0.1)
+        self.assertAlmostEqual(a["energies_J"]["potential"], b["energies_J"]["potential"], delta=1e-3 * b["energies_J"]["potential"])
+
     def test_a_structure_that_moves_is_borne_as_by_ground_that_is_awake(self):
         scene = self.write(BED.replace("[[body]]\nname = \"block\"", "[[body]]\nname = \"stone\"").replace("min = [0.8, 1.0]\nmax = [1.1, 1.3]", "min = [4.4, 0.6]\nmax = [4.7, 0.7]").replace("wake = 4.0", "wake = 2.0") + PLATE)
         self.assertIn("sleep      blocks may: less than 0.0005048 m in", call("check", scene).out)  # the plate is slow

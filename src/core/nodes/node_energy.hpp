@@ -18,6 +18,9 @@
 // that change otherwise than by v' (shifts) make the difference between the potential energy and the falls. With the
 // grid's pressure (grid_pressure.hpp) a step has a gain per substep and one fall, by the velocity of its end.
 
+#include <cstddef>
+#include <cstdint>
+
 #include "core/data/exact_sum.hpp"
 #include "core/data/vec.hpp"
 
@@ -26,9 +29,11 @@ namespace moraine {
 /// Sums over nodes and steps [J]. Fall: potential energy set free.
 struct NodeEnergy {
     ExactSum gain, fall, contact, damping, walls;
+    ExactSum slaves;  ///< of contact on surfaces (SurfaceMotion): what slaves' impulses take
 
     MORAINE_HD void add(const NodeEnergy& o) {
         gain.add(o.gain), fall.add(o.fall), contact.add(o.contact), damping.add(o.damping), walls.add(o.walls);
+        slaves.add(o.slaves);
     }
 };
 
@@ -41,22 +46,51 @@ MORAINE_HD double energy_taken(Real mass, const Vec<Real, Dim>& from, const Vec<
     return 0.5 * double(mass) * sum;
 }
 
-/// Velocity after the blow of structures: of their impulse m (after - trial), without what holds against the forces'.
+/// Of the impulse of structures, m (after - trial), the share that holds against the forces'.
 template <class Real, int Dim>
-MORAINE_HD Vec<Real, Dim> stopped_by(const Vec<Real, Dim>& start, const Vec<Real, Dim>& trial,
-                                     const Vec<Real, Dim>& after) {
+MORAINE_HD Real share_that_holds(const Vec<Real, Dim>& start, const Vec<Real, Dim>& trial,
+                                 const Vec<Real, Dim>& after) {
     Real square = Real(0), against = Real(0);
     for (int a = 0; a < Dim; ++a) {
         const Real given = after[a] - trial[a];
         square += given * given;
         against -= given * (trial[a] - start[a]);
     }
-    Real share = square > Real(0) ? against / square : Real(0);  // that holds
-    share = share < Real(0) ? Real(0) : share > Real(1) ? Real(1) : share;
+    const Real share = square > Real(0) ? against / square : Real(0);
+    return share < Real(0) ? Real(0) : share > Real(1) ? Real(1) : share;
+}
+
+/// Velocity after the blow of structures: of their impulse m (after - trial), without what holds.
+template <class Real, int Dim>
+MORAINE_HD Vec<Real, Dim> stopped_by(const Vec<Real, Dim>& start, const Vec<Real, Dim>& trial,
+                                     const Vec<Real, Dim>& after) {
+    const Real share = share_that_holds(start, trial, after);
     Vec<Real, Dim> v = start;
     for (int a = 0; a < Dim; ++a) v[a] += (Real(1) - share) * (after[a] - trial[a]);
     return v;
 }
+
+/// What a round and the surfaces behind it do to a node beside surfaces that act where they are (numerics.bed). Changes
+/// of its velocity are what is taken [m/s].
+template <class Real, int Dim>
+struct SurfaceMotion {
+    Real mass;                         ///< [kg]; 0: this rank does not count the node
+    Vec<Real, Dim> start, trial, end;  ///< before, by forces alone, and now
+    Vec<Real, Dim> damping, walls;     ///< taken
+    Vec<Real, Dim> elements, slaves;   ///< likewise, by what acts on surfaces
+};
+
+/// Where a round leaves those, by node block; motion: null where it counts all nodes itself.
+template <class Real, int Dim>
+struct SurfaceMotions {
+    SurfaceMotion<Real, Dim>* motion = nullptr;  ///< [near node block][node]
+    const std::int32_t* near_of = nullptr;       ///< by node block; -1: no surface is near
+
+    MORAINE_HD SurfaceMotion<Real, Dim>* of(int c, int n, int nodes) const {
+        return motion && near_of[c] >= 0 ? motion + std::size_t(near_of[c]) * std::size_t(nodes) + std::size_t(n)
+                                         : nullptr;
+    }
+};
 
 /// m g . v [W].
 template <class Real, int Dim>
@@ -69,11 +103,13 @@ MORAINE_HD double power_of_weight(Real mass, const Vec<Real, Dim>& gravity, cons
 /// Accounts of the energy that grow step by step, on each rank for what it did (core/transfer/totals.hpp) [J].
 struct EnergyAccount {
     NodeEnergy nodes;
+    ExactSum pressures;                     ///< taken by those of cells beside surfaces: from nodes, less to particles
     ExactSum put_out;                       ///< potential energy set free where soil is put out of structures
     ExactSum lost_kinetic, lost_potential;  ///< of what left through open ends
 
     void add(const EnergyAccount& o) {
         nodes.add(o.nodes);
+        pressures.add(o.pressures);
         put_out.add(o.put_out), lost_kinetic.add(o.lost_kinetic), lost_potential.add(o.lost_potential);
     }
 };

@@ -190,6 +190,24 @@ MORAINE_HD void add_energy(const NodeRound<Real, Dim>& round, const Walls<Real, 
     energy.walls.add(quantum.of(taken(blow, held, blow, held) + taken(wall, none, held, end)));
 }
 
+/// What a round that has forces did to a node, before surfaces act on it.
+template <class Real, int Dim>
+MORAINE_HD SurfaceMotion<Real, Dim> motion_before_surfaces(const NodeRound<Real, Dim>& round, const Quad<Real>& sums,
+                                                           const Quad<Real>& force, const NodeMotion<Real, Dim>& motion,
+                                                           bool counted) {
+    SurfaceMotion<Real, Dim> m{};
+    m.start = motion.start, m.trial = motion.trial, m.end = motion.end;
+    if (!(sums[0] > round.mass_cutoff)) return m;
+    if (counted) m.mass = sums[0];
+    Vec<Real, Dim> damped = motion.trial;
+    if (round.damping > Real(0)) damp_node(round, force, Real(1) / sums[0], damped);
+    for (int a = 0; a < Dim; ++a) {
+        m.damping[a] = motion.trial[a] - damped[a];
+        m.walls[a] = damped[a] - motion.end[a];
+    }
+    return m;
+}
+
 /// One instance for scenes with structures, one for the others; each with the energy budget and without.
 template <class Real, int Dim, bool Contact = false, bool Energy = false>
 struct SolveNodes {
@@ -207,7 +225,8 @@ struct SolveNodes {
     ContactField<Dim> contact = {};
     GapTiles gaps = {};
     HeldNodes<Real, Dim> held = {};
-    NodeEnergy* energy = nullptr;  ///< node blocks, with an energy budget: of this step
+    NodeEnergy* energy = nullptr;             ///< node blocks, with an energy budget: of this step
+    SurfaceMotions<Real, Dim> surfaces = {};  ///< of nodes whose energy is counted behind surfaces
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -275,6 +294,16 @@ struct SolveNodes {
         force = Quad<Real>::scaled(Real(1), total) + Quad<Real>::of(Real(0), Real(0), Real(0), mean * m);
     }
 
+    MORAINE_HD void count_energy(int c, int item, int n, const int* node, bool counted,
+                                 const NodeMotion<Real, Dim>& motion, const Contacted& left, Scratch& scratch) const {
+        const Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
+        SurfaceMotion<Real, Dim>* beside = surfaces.of(c, n, Block<Dim>::cells);
+        if (beside)
+            *beside = motion_before_surfaces(round, sums, force, motion, counted);
+        else if (counted)
+            add_energy(round, walls, node, sums, force, motion, left.velocity, left.touched, quantum, energy[item]);
+    }
+
     MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
         Real* out = grid.nodes + stored(c, n) * node_reals;
         if (round.task == NodeTask::substep) take_held(c, n, scratch, out);
@@ -313,10 +342,11 @@ struct SolveNodes {
                 if constexpr (Contact) impulse_of_node += given[a];
                 impulse[item * Dim + a].add(quantum.of(impulse_of_node));
             }
-        if constexpr (Energy)
-            if (counted && solves(round.task))
-                add_energy(round, walls, border ? node : nullptr, sums, scratch.sums[2 * n + 1], motion,
-                           Contact ? contacted.velocity : motion.trial, contacted.touched, quantum, energy[item]);
+        if constexpr (Energy) {
+            const Vec<Real, Dim> after = Contact ? contacted.velocity : motion.trial;
+            if (solves(round.task))
+                count_energy(c, item, n, border ? node : nullptr, counted, motion, {after, contacted.touched}, scratch);
+        }
         const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);

@@ -37,6 +37,7 @@ struct OpenCell {
     Real share = Real(0);                 ///< x
     Real bears = Real(0);                 ///< of the surface: (1 - x) phi + x
     Real particles = Real(0);             ///< sum V_p [m^d]
+    Real flux = Real(0);                  ///< of this substep, without children's [m^d/s]
     Real weight = Real(0);                ///< sum_i |G_ic|^2 / m_i
     Vec<Real, Dim> bed{};                 ///< S_c [m^(d-1)]
     CellNode<Real, Dim> factor[nodes]{};  ///< G_ic

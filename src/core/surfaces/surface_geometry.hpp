@@ -42,7 +42,7 @@ class SurfaceGeometry {
     void begin(const ContactField<Dim>& field, const Walls<double, Dim>& walls, const NodeCapacity<double, Dim>& ends) {
         field_ = field, walls_ = walls, ends_ = ends;
     }
-    void forget() { part_.clear(), cut_.clear(), capacity_.clear(); }
+    void forget() { part_.clear(), cut_.clear(), capacity_.clear(), node_.clear(); }
 
     CellPart part(const Place& node) { return state_of(node).part; }
     /// Of a cell that is cut.
@@ -60,16 +60,8 @@ class SurfaceGeometry {
     }
 
     SurfaceNode<Dim> node(const Place& place) {
-        SurfaceNode<Dim> n{};
-        Vec<double, Dim> at;
-        for (int a = 0; a < Dim; ++a) at[a] = place[a];
-        const Surface<Dim> s = beside(at, &n.structure);
-        n.distance = s.distance / field_.cell;
-        n.normal = s.normal;
-        n.capacity = capacity(place);
-        if (n.distance > 0 || n.distance < -free_depth || n.capacity >= slave_capacity) return n;
-        find_master(place, n);
-        return n;
+        const auto found = node_.find(place);
+        return found != node_.end() ? found->second : node_[place] = find_node(place);
     }
 
     CellBox<Dim> box(const Place& node) const {
@@ -118,6 +110,19 @@ class SurfaceGeometry {
             if (nearest) *nearest = k;
         }
         return least;
+    }
+
+    SurfaceNode<Dim> find_node(const Place& place) {
+        SurfaceNode<Dim> n{};
+        Vec<double, Dim> at;
+        for (int a = 0; a < Dim; ++a) at[a] = place[a];
+        const Surface<Dim> s = beside(at, &n.structure);
+        n.distance = s.distance / field_.cell;
+        n.normal = s.normal;
+        n.capacity = capacity(place);
+        if (n.distance > 0 || n.distance < -free_depth || n.capacity >= slave_capacity) return n;
+        find_master(place, n);
+        return n;
     }
 
     bool is_outside(const Place& node) const {
@@ -229,6 +234,7 @@ class SurfaceGeometry {
     CellCutter<Dim> cutter_;
     Map<State> part_;
     Map<double> capacity_;
+    Map<SurfaceNode<Dim>> node_;
     std::deque<CutCell<Dim>> cut_;  // who is cut stays in place
 };
 
