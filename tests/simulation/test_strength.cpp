@@ -22,15 +22,6 @@ void vary(Scene& scene, std::size_t material, std::size_t parameter, double surf
     set_profile(scene.materials[material], parameter, profile);
 }
 
-/// Sand whose cohesion and clay whose strength grow with depth; they slide and yield.
-Scene soils(int dimensions) {
-    Scene scene = test::soils(dimensions, 2);
-    scene.materials[1].parameters[7] = 4;  // sensitivity
-    vary(scene, 0, 4, 0, 80);
-    vary(scene, 1, 2, 300, 150);
-    return scene;
-}
-
 /// The strength of each particle at the start, by its id.
 std::map<std::uint64_t, double> strengths_of(const Scene& scene) {
     std::map<std::uint64_t, double> all;
@@ -78,7 +69,7 @@ Ended run(const Scene& scene, const Comm& comm, int steps, const std::string& le
 template <class Real, int Dim>
 void same_on_all_ranks() {
     const Comm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
-    Scene scene = soils(Dim);
+    Scene scene = test::soils_over_depth(Dim, 4);
     scene.balance.trigger = Trigger::never;
     const Ended alone = run<Real, Dim>(scene, self, 25);
     CHECK(alone.plastic > 0.01);
@@ -100,7 +91,7 @@ TEST_CASE("strengths over depth give one answer on any ranks") {
 
 TEST_CASE("a particle keeps the strength of the place where it began") {
     const Comm all(MPI_COMM_WORLD);
-    Scene scene = soils(2);
+    Scene scene = test::soils_over_depth(2, 4);
     scene.balance.partitioner = "shuffle";
     scene.balance.trigger = Trigger::every;
     scene.balance.interval = 5;
