@@ -2,6 +2,7 @@
 // Scenes of several materials, for who treats blocks of one material and blocks of several apart.
 
 #include "sample_scenes.hpp"
+#include "seeding/strength_profile.hpp"
 
 namespace moraine::test {
 
@@ -40,6 +41,18 @@ inline Scene soils(int dimensions, int materials) {
     put(16, 1, 2, 2, 2, other);
     put(5.75, 9.75, 0.5, 0.5, 0.5, other);
     for (BodySpec& b : s.bodies) b.velocity = {b.material == 1 ? 2.0 : 0.5, 0, 0}, b.velocity[up] = -1;
+    return s;
+}
+
+/// soils() of two materials, of a cohesion and an undrained strength that grow with depth.
+inline Scene soils_over_depth(int dimensions, double sensitivity) {
+    Scene s = soils(dimensions, 2);
+    s.materials[1].parameters[7] = sensitivity;
+    StrengthSpec cohesion, su;
+    cohesion.gradient = 80;
+    su.surface = 300, su.gradient = 150;
+    set_profile(s.materials[0], 4, cohesion);
+    set_profile(s.materials[1], 2, su);
     return s;
 }
 

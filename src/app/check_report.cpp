@@ -15,9 +15,11 @@
 #include "predict/prediction.hpp"
 #include "predict/scene_warnings.hpp"
 #include "predict/step_speed.hpp"
+#include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
 #include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"
+#include "seeding/strength_profile.hpp"
 
 namespace moraine {
 namespace {
@@ -107,6 +109,21 @@ std::string law_lines(const Scene& scene) {
     return text;
 }
 
+/// "strength   body.slope: su from 313.4 to 9715 Pa"
+std::string strength_lines(const Scene& scene) {
+    std::string text;
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+        const BodySpec& b = scene.bodies[k];
+        const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
+        if (!m.has_profile()) continue;
+        const StrengthRange range = strength_range(scene, static_cast<int>(k));
+        const Parameter& parameter = find_law(m.law)->parameters[static_cast<std::size_t>(m.strength.parameter)];
+        text += fmt::format("strength   {}: {} from {:.4g} to {:.4g} {}\n", path_of(b), parameter.key, range.least,
+                            range.most, parameter.unit);
+    }
+    return text;
+}
+
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"
 std::string steps_line(const Scene& scene, const Prediction& p) {
     if (scene.substeps == 1) return fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
@@ -127,6 +144,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);
     for (const std::string& warning : scene_warnings(scene)) text += fmt::format("warning    {}\n", warning);
     text += law_lines(scene);
+    text += strength_lines(scene);
     text += structure_lines(scene);
     text += release_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");

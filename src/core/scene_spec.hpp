@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,20 @@ struct WallSpec {
     double friction = 0;             ///< Coulomb coefficient [-]
 };
 
+/// A parameter of a law over depth or place, instead of one number (seeding/strength_profile.hpp).
+struct StrengthSpec {
+    int parameter = -1;                    ///< of the law's; -1: none
+    int scalar = 0;                        ///< of the law's, that holds it
+    double surface = 0;                    ///< at no depth [the parameter's unit]
+    double gradient = 0;                   ///< [its unit / m]
+    std::vector<double> depth, value;      ///< a table in place of both, linear between its rows [m, its unit]
+    std::optional<double> from;            ///< height at which depth begins [m]; none: the body's own surface
+    std::string file;                      ///< raster in place of `surface`
+    std::shared_ptr<const Ground> raster;  ///< of the file, where heights would be
+
+    bool counts_depth() const { return gradient != 0 || !depth.empty(); }
+};
+
 struct MaterialSpec {
     std::string name;
     std::string law;                               ///< a name of core/material/laws.hpp
@@ -32,6 +47,9 @@ struct MaterialSpec {
     Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure (core/grid/volumetric.hpp)
     double pressure_smoothing = 0;                 ///< k of core/fluid/pressure_smoothing.hpp [-]
     double particle_shifting = 0;                  ///< gamma of core/fluid/particle_shifting.hpp [-]
+    StrengthSpec strength;
+
+    bool has_profile() const { return strength.parameter >= 0; }
 };
 
 /// Whether its particles take anything of core/fluid/pressure_smoothing.hpp and particle_shifting.hpp.

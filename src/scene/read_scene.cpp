@@ -16,8 +16,10 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_strength.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
+#include "seeding/strength_profile.hpp"
 
 namespace moraine {
 namespace {
@@ -76,6 +78,7 @@ class Reader {
             load_inflow(scene_, body, places_);
             scene_.bodies.push_back(std::move(body));
         });
+        load_profiles(scene_, places_);
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
@@ -167,10 +170,19 @@ class Reader {
         MaterialSpec material;
         read_table(&table, "material", path, material_rows(), material);
         const LawInfo& law = *find_law(material.law);
-        for (const Parameter& parameter : law.parameters)
-            material.parameters.push_back(read_key(parameter_key(law, parameter), &table, path, material.law)->real);
+        StrengthSpec profile;
+        for (const Parameter& parameter : law.parameters) {
+            const SceneKey key = parameter_key(law, parameter);
+            const std::string inner = path + "." + key.name;
+            const toml::table* nested = key.type == KeyType::real_or_profile ? section_table(table, key.name) : nullptr;
+            if (nested) read_table(nested, "material.su", inner, strength_rows(), profile);
+            const int position = static_cast<int>(material.parameters.size());
+            material.parameters.push_back(nested ? check_profile(profile, position, key, inner, places_)
+                                                 : read_key(key, &table, path, material.law)->real);
+        }
         if (const char* problem = law.problem(material.parameters.data()))
             throw InputError(fmt::format("{}: {}: {}", place_of(table, file_), path, problem));
+        if (profile.parameter >= 0) set_profile(material, static_cast<std::size_t>(profile.parameter), profile);
         scene_.materials.push_back(std::move(material));
     }
 

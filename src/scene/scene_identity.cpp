@@ -66,6 +66,21 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "seed", s.seed);
 }
 
+template <class T>
+std::uint64_t hash_of(const std::vector<T>& list) {
+    const auto bytes = std::as_bytes(std::span(list));
+    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
+}
+
+void add_profile(Entries& all, const std::string& key, const StrengthSpec& profile) {
+    add(all, key + ".surface", profile.surface);
+    add(all, key + ".gradient", profile.gradient);
+    add(all, key + ".depth", profile.depth);
+    add(all, key + ".value", profile.value);
+    if (profile.from) add(all, key + ".from", *profile.from);
+    if (profile.raster) add(all, key + ".surface.raster", hash_of(profile.raster->height));
+}
+
 void add_materials(Entries& all, const Scene& s) {
     for (const MaterialSpec& m : s.materials) {
         const std::string key = "material." + m.name;
@@ -76,14 +91,11 @@ void add_materials(Entries& all, const Scene& s) {
         if (m.particle_shifting > 0) add(all, key + ".particle_shifting", m.particle_shifting);
         const LawInfo& law = *find_law(m.law);
         for (std::size_t p = 0; p < m.parameters.size(); ++p)
-            add(all, key + "." + law.parameters[p].key, m.parameters[p]);
+            if (m.strength.parameter == static_cast<int>(p))
+                add_profile(all, key + "." + law.parameters[p].key, m.strength);
+            else
+                add(all, key + "." + law.parameters[p].key, m.parameters[p]);
     }
-}
-
-template <class T>
-std::uint64_t hash_of(const std::vector<T>& list) {
-    const auto bytes = std::as_bytes(std::span(list));
-    return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
 }
 
 void add_bodies(Entries& all, const Scene& s) {

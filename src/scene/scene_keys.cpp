@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <string_view>
 
 #include "io/input_error.hpp"
 
@@ -33,6 +34,9 @@ Triple KeyValue::triple() const {
 
 SceneKey parameter_key(const LawInfo& law, const Parameter& parameter) {
     SceneKey key{.table = "material", .name = parameter.key, .unit = parameter.unit};
+    for (std::size_t k = 0; k < law.parameters.size(); ++k)
+        if (std::string_view(law.parameters[k].key) == parameter.key && find_law_over_depth(law, k))
+            key.type = KeyType::real_or_profile;
     if (!std::isnan(parameter.standard)) key.standard = shortest(parameter.standard);
     key.range = {parameter.lower, parameter.upper, parameter.open, parameter.open};
     key.only = {law.name};
@@ -51,6 +55,7 @@ std::vector<SceneKey> all_scene_keys() {
         const LawInfo& law = *find_law(name);
         for (const Parameter& parameter : law.parameters) keys.push_back(parameter_key(law, parameter));
     }
+    append(keys, strength_rows());
     append(keys, body_rows());
     append(keys, wall_rows());
     append(keys, terrain_rows());
@@ -62,6 +67,7 @@ std::vector<SceneKey> all_scene_keys() {
 }
 
 std::string table_of_keys(const std::string& table) {
+    if (table == "material.cohesion") return "material.su";
     return table == "terrain.contact" ? "structure.contact" : table;
 }
 
@@ -107,6 +113,8 @@ std::string type_text(const SceneKey& key) {
             return "a number" + unit;
         case KeyType::real_or_text:
             return "a number" + unit + " or a string";
+        case KeyType::real_or_profile:
+            return "a number or a profile" + unit;
         case KeyType::integer:
             return "a whole number" + unit;
         case KeyType::integer_or_choice:

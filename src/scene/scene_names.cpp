@@ -39,7 +39,7 @@ std::vector<std::string> valid_names(const toml::table& table, const std::string
     for (const SceneKey& key : all_scene_keys()) {
         if (key.table == table_of_keys(section) && is_used(key, table)) add(key.name);
         const std::string prefix = section.empty() ? "" : section + ".";
-        if (key.table != section && key.table.starts_with(prefix))
+        if (section != "material" && key.table != section && key.table.starts_with(prefix))
             add(key.table.substr(prefix.size(), key.table.find('.', prefix.size()) - prefix.size()));
     }
     if (const LawInfo* law = section == "material" ? law_of(table) : nullptr)
@@ -89,7 +89,7 @@ class NameCheck {
             const std::string inner = section.empty() ? name : fmt::format("{}.{}", section, name);
             if (path.empty() && !label_of_list(name).empty())
                 list(node, name);
-            else if (is_table(inner))
+            else if (is_table(inner) && (node.is_table() || !may_be_number(inner)))
                 nested(node, inner, full);
         }
     }
@@ -100,6 +100,9 @@ class NameCheck {
         return std::any_of(keys.begin(), keys.end(),
                            [&](const SceneKey& key) { return key.table == table_of_keys(section); });
     }
+
+    /// A strength, whose table stands for a number.
+    static bool may_be_number(const std::string& section) { return table_of_keys(section) == "material.su"; }
 
     void nested(const toml::node& node, const std::string& section, const std::string& path) const {
         if (!node.is_table())

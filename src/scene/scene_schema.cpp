@@ -44,7 +44,12 @@ Named list_of(Json items, int least, int most = 0) {
 std::vector<std::string> choices_of(const SceneKey& key) {
     if (key.table != "output" || key.name != "fields") return key.choices;
     Scene all;
-    for (const std::string& law : law_names()) all.materials.emplace_back().law = law;
+    for (const std::string& name : law_names()) {
+        const LawInfo& law = *find_law(name);
+        all.materials.emplace_back().law = name;
+        for (std::size_t p = 0; p < law.parameters.size(); ++p)
+            if (const LawInfo* over = find_law_over_depth(law, p)) all.materials.emplace_back().law = over->name;
+    }
     return output_field_names(all);
 }
 
@@ -53,6 +58,8 @@ Named strings_of(const std::vector<std::string>& choices) {
     if (!choices.empty()) out.emplace_back("enum", choices);
     return out;
 }
+
+Named schema_of_strength();
 
 Named type_of(const SceneKey& key) {
     const Named number = number_of("number", key.range);
@@ -67,6 +74,8 @@ Named type_of(const SceneKey& key) {
             return number;
         case KeyType::real_or_text:
             return {{"anyOf", List{number, Named{{"type", "string"}}}}};
+        case KeyType::real_or_profile:
+            return {{"anyOf", List{number, schema_of_strength()}}};
         case KeyType::integer:
             return number_of("integer", key.range);
         case KeyType::integer_or_choice:
@@ -183,12 +192,19 @@ class Table {
     List required_, conditions_;
 };
 
+constexpr const char* strength_section = "material.su";
+
+Named schema_of_strength() {
+    return Table(strength_section).schema();
+}
+
 /// Tables of the scene, by the dots of their names: those within another one follow it.
 std::vector<std::string> sections_in(const std::string& outer) {
     const std::string prefix = outer.empty() ? "" : outer + ".";
     std::vector<std::string> names;
     for (const SceneKey& key : all_scene_keys()) {
         if (key.table == outer || key.table.empty() || !key.table.starts_with(prefix)) continue;
+        if (key.table == strength_section) continue;  // within the keys that it may stand for
         const std::string name = key.table.substr(0, key.table.find('.', prefix.size()));
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }

@@ -203,10 +203,8 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
     KeyValue value;
     switch (c.key.type) {
         case KeyType::text:
-            value.text = string(node, c);
-            break;
         case KeyType::name:
-            value.text = name(node, c);
+            value.text = c.key.type == KeyType::name ? name(node, c) : string(node, c);
             break;
         case KeyType::choice:
             value.choice = choice(node, c, c.key.choices);
@@ -214,6 +212,7 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             break;
         case KeyType::real:
         case KeyType::real_or_text:
+        case KeyType::real_or_profile:
             real_or_text(node, c, value);
             break;
         case KeyType::integer:

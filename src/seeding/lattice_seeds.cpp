@@ -139,7 +139,7 @@ bool is_lattice(const Scene& scene) {
     for (const StructureSpec& structure : scene.structures)
         if (structure.clear) return false;
     for (const MaterialSpec& material : scene.materials)
-        if (find_law(material.law)->has_initial_state) return false;
+        if (find_law(material.law)->has_initial_state || material.has_profile()) return false;
     return std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& body) {
         if (body.shape != BodyShape::box || body.seeding != Seeding::lattice) return false;
         const Lattice lattice = lattice_of(scene, body);

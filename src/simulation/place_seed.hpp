@@ -3,6 +3,7 @@
 
 #include "blocks/topology.hpp"
 #include "seeding/seed_state.hpp"
+#include "seeding/strength_profile.hpp"
 
 namespace moraine {
 
@@ -43,6 +44,8 @@ Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const 
     for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
     clear_rest(p, slot);
     method.law_of(seed.body).begin(body.start, p, slot);
+    if (const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)]; m.has_profile())
+        p.history[m.strength.scalar][slot] = static_cast<Real>(strength_at(scene, body, seed.x));
     return Morton<Dim>::encode(block);
 }
 

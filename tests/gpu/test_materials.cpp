@@ -209,6 +209,17 @@ TEST_CASE("so they do with means of cells of one of them, with hats, and in sing
     compare(single, 30, 1e-4);
 }
 
+TEST_CASE("strengths over depth give the host's answer, also on lattices, which begin on the host") {
+    for (int dimensions : {2, 3})
+        for (Seeding seeding : {Seeding::jittered, Seeding::lattice}) {
+            Scene scene = test::soils_over_depth(dimensions, 1);
+            for (BodySpec& body : scene.bodies) body.seeding = seeding;
+            CAPTURE(dimensions);
+            CAPTURE(int(seeding));
+            compare(scene, dimensions == 2 ? 60 : 30, 1e-9);
+        }
+}
+
 TEST_CASE("a restart of a scene of three materials goes on with the same bits") {
     Scene scene = test::soils(2, 3);
     scene.transfer = Transfer::apic;

@@ -58,6 +58,18 @@ class Schema(PackageTest):
         self.assertNotEqual(list(check.iter_errors(good)), [])
 
     @unittest.skipIf(jsonschema is None, "no jsonschema")
+    def test_a_strength_is_a_number_or_a_profile(self):
+        check, good = jsonschema.Draft7Validator(schema()), moraine.read_scene(INPUTS / "reference.toml")
+        silt = next(material for material in good["material"] if material["name"] == "silt")
+        good["output"]["fields"] = ["su", "cohesion"]
+        for su in (2.0e3, {"surface": 1.0}, {"surface": "su.tif", "from": 2.0}, {"depth": [0.0, 1.0], "value": [1.0, 2.0]}):
+            silt["su"] = su
+            self.assertTrue(check.is_valid(good), su)
+        for su in (0.0, "2e3", {"surface": 1.0, "slope": 2.0}, {"surface": -1.0}):
+            silt["su"] = su
+            self.assertFalse(check.is_valid(good), su)
+
+    @unittest.skipIf(jsonschema is None, "no jsonschema")
     def test_what_the_reader_refuses_is_not_valid(self):
         check, good = jsonschema.Draft7Validator(schema()), moraine.read_scene(INPUTS / "reference.toml")
         faults = {

@@ -76,8 +76,9 @@ TEST_CASE("a word that is none of the choices names the nearest") {
 }
 
 TEST_CASE("a missing key is named, with the table that needs it") {
-    CHECK(said_of("su = 2.0e3\n", "") ==
-          "scene.toml:13: material.clay.su is missing (must be a number [Pa]). Add su = ... to this table?");
+    CHECK(
+        said_of("su = 2.0e3\n", "") ==
+        "scene.toml:13: material.clay.su is missing (must be a number or a profile [Pa]). Add su = ... to this table?");
     CHECK(said_of("dimensions = 2\n", "").starts_with("scene.toml: dimensions is missing"));
     CHECK(said_of("cell = 0.1\n", "").starts_with("scene.toml:4: domain.cell is missing"));
     CHECK(said_of("friction = 0.3\n", "").starts_with("scene.toml:32: wall.y-min.friction is missing"));

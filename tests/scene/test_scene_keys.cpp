@@ -72,7 +72,8 @@ class Reference {
 
 /// What stands for another key that the scene has, or would run code.
 bool shown_as_comment(const SceneKey& key) {
-    return key.name == "source" || key.name == "dt" || key.name == "profile" || key.name == "crop";
+    return key.name == "source" || key.name == "dt" || key.name == "profile" || key.name == "crop" ||
+           (key.table == "material.su" && (key.name == "depth" || key.name == "value"));
 }
 
 }  // namespace

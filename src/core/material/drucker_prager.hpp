@@ -36,10 +36,11 @@ struct DruckerPrager {
         {"matching", "-", 0, 0, 1, false, "0: as Mohr-Coulomb in plane strain; 1: in triaxial compression"}};
 
     Hypoelastic<Real> elastic;
-    Real friction;  ///< eta [-]
-    Real dilation;  ///< etab [-]
-    Real strength;  ///< k cohesion [Pa]
-    Real apex;      ///< mean stress at s = 0 [Pa]
+    Real friction;               ///< eta [-]
+    Real dilation;               ///< etab [-]
+    Real strength;               ///< k cohesion [Pa]
+    Real apex;                   ///< mean stress at s = 0 [Pa]
+    Real sine, cosine, divisor;  ///< sin phi, cos phi, cos phi / k [-]
 
     explicit DruckerPrager(const double* values) : elastic(values[0], values[1]) {
         const double degree = 0.017453292519943295;
@@ -57,6 +58,15 @@ struct DruckerPrager {
         dilation = Real(etab);
         strength = Real(values[4] * cos_phi / d);
         apex = sin_phi > 0 ? Real(values[4] * cos_phi / sin_phi) : std::numeric_limits<Real>::max();
+        sine = Real(sin_phi), cosine = Real(cos_phi), divisor = Real(d);
+    }
+
+    /// The same of another cohesion [Pa] (over_depth.hpp).
+    MORAINE_HD DruckerPrager of(Real cohesion) const {
+        DruckerPrager law = *this;
+        law.strength = cohesion * cosine / divisor;
+        if (sine > Real(0)) law.apex = cohesion * cosine / sine;
+        return law;
     }
 
     static const char* problem(const double* values) {

@@ -46,6 +46,8 @@ struct LawInfo {
     bool flows;                    ///< point.hpp
     LawCalls calls;
     LawFile file = {};
+    const char* uniform = nullptr;  ///< the law with one number where this one has its last scalar (over_depth.hpp)
+    int varying = -1;               ///< that parameter
 
     bool of_file() const { return position < 0; }
 
@@ -103,6 +105,7 @@ LawInfo describe(int position) {
         static_assert(std::size(L::history_names) == L::history);
         info.history_names = L::history_names;
     }
+    if constexpr (requires { typename L::Uniform; }) info.uniform = L::Uniform::name, info.varying = L::varying;
     return info;
 }
 

@@ -8,6 +8,7 @@
 #include "core/material/modified_cam_clay.hpp"
 #include "core/material/mu_i.hpp"
 #include "core/material/neo_hookean.hpp"
+#include "core/material/over_depth.hpp"
 #include "core/material/tresca.hpp"
 #include "core/material/von_mises.hpp"
 
@@ -16,7 +17,8 @@ namespace moraine {
 template <template <class> class... Law>
 struct LawList {};
 
-using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay>;
+using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay,
+                     VonMisesOverDepth, TrescaOverDepth, DruckerPragerOverDepth>;
 
 namespace detail {
 

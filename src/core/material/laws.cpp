@@ -68,8 +68,16 @@ void add_law(const LawInfo& law) {
 
 std::vector<std::string> law_names() {
     std::vector<std::string> names;
-    for (const LawInfo& info : table()) names.emplace_back(info.name);
+    for (const LawInfo& info : table())
+        if (!info.uniform) names.emplace_back(info.name);
     return names;
+}
+
+const LawInfo* find_law_over_depth(const LawInfo& law, std::size_t parameter) {
+    for (const LawInfo& info : table())
+        if (info.uniform && std::string_view(info.uniform) == law.name && info.varying == static_cast<int>(parameter))
+            return &info;
+    return nullptr;
 }
 
 double LawInfo::wave_modulus(const double* values, const BodyStart& start, const Vec<double, 3>& stress) const {

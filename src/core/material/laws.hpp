@@ -20,7 +20,11 @@ namespace moraine {
 /// nullptr when there is no such law.
 const LawInfo* find_law(const std::string& name);
 
-/// Those of the program, in the order of the list.
+/// The law that keeps a parameter of another one, by its position, per particle (over_depth.hpp); nullptr: there is
+/// none.
+const LawInfo* find_law_over_depth(const LawInfo& law, std::size_t parameter);
+
+/// Those of the program that a scene may name, in the order of the list.
 std::vector<std::string> law_names();
 
 /// A law in a file, which find_law() knows from now on, until the end: its name says its content, and what it points to

@@ -30,6 +30,13 @@ struct Tresca {
 
     explicit Tresca(const double* values) : elastic(values[0], values[1]), strength(values) {}
 
+    /// The same of another su [Pa] (over_depth.hpp).
+    MORAINE_HD Tresca of(Real su) const {
+        Tresca law = *this;
+        law.strength = strength.of(su);
+        return law;
+    }
+
     template <int Dim>
     MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {
         state.stress = elastic.trial(step, state.stress);

@@ -42,6 +42,7 @@ struct UndrainedStrength {
     Real rate_inverse;   ///< 1 / gd_ref [s]
     Real remoulded;      ///< d [-]
     Real decay;          ///< 3 / xi95 [-]
+    Real sensitivity;    ///< 1 / d [-]
     bool depends_on_rate;
     bool softens;
 
@@ -54,6 +55,7 @@ struct UndrainedStrength {
           rate_inverse(Real(values[4] > 0 ? 1 / values[4] : 0)),
           remoulded(Real(1 / values[7])),
           decay(Real(3 / values[8])),
+          sensitivity(Real(values[7])),
           depends_on_rate(values[3] > 0 || values[5] > 0),
           softens(values[7] > 1) {}
 
@@ -63,6 +65,14 @@ struct UndrainedStrength {
         if ((values[3] > 0 || values[5] > 0) && !(values[4] > 0))
             return "rate_reference is missing (the rate effect needs it). Give rate_reference in 1/s?";
         return nullptr;
+    }
+
+    /// The same of another su [Pa].
+    MORAINE_HD UndrainedStrength of(Real other) const {
+        UndrainedStrength strength = *this;
+        strength.su = other;
+        strength.lowest = softens ? other / sensitivity : other;
+        return strength;
     }
 
     /// r(gd), at least 1; shear_rate in 1/s.

@@ -1,0 +1,136 @@
+#include "seeding/strength_profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/material/laws.hpp"
+#include "core/structures/ground.hpp"
+#include "core/structures/structure.hpp"
+#include "seeding/seed.hpp"
+#include "seeding/seed_layer.hpp"
+#include "seeding/seed_state.hpp"
+
+namespace moraine {
+namespace {
+
+/// Up, and the axis that is nearest to it.
+struct Upward {
+    Triple direction{};  ///< of length 1
+    std::size_t axis;
+};
+
+/// Against gravity; without it along the last axis.
+Upward upward(const Scene& scene) {
+    const Triple& g = scene.gravity;
+    const double size = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    if (size > 0) return {{-g[0] / size, -g[1] / size, -g[2] / size}, static_cast<std::size_t>(up_axis(scene))};
+    Upward up{{}, static_cast<std::size_t>(scene.dimensions - 1)};
+    up.direction[up.axis] = 1;
+    return up;
+}
+
+/// Way along `up` from x to the last edge of the polygon that it crosses; up has a part in the polygon's plane.
+double way_out_of_polygon(const BodySpec& body, const Triple& up, const Triple& x) {
+    const double square = up[0] * up[0] + up[1] * up[1];
+    double way = 0;
+    const std::size_t n = body.points.size();
+    for (std::size_t i = 0, j = n - 1; i < n; j = i++) {
+        const double ax = body.points[j][0] - x[0], ay = body.points[j][1] - x[1];
+        const double bx = body.points[i][0] - x[0], by = body.points[i][1] - x[1];
+        const double a = up[0] * ay - up[1] * ax, b = up[0] * by - up[1] * bx;  // to the left of the line
+        if ((a > 0) == (b > 0)) continue;
+        const double t = a / (a - b);
+        way = std::max(way, ((ax + t * (bx - ax)) * up[0] + (ay + t * (by - ay)) * up[1]) / square);
+    }
+    return way;
+}
+
+double way_out_of_sphere(const BodySpec& body, int dimensions, const Triple& up, const Triple& x) {
+    double along = 0, square = 0;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(dimensions); ++a) {
+        const double d = body.center[a] - x[a];
+        along += d * up[a], square += d * d;
+    }
+    return along + std::sqrt(std::max(0.0, along * along + body.radius * body.radius - square));
+}
+
+double way_out_of_layer(const BodySpec& body, const Triple& up, const Triple& place) {
+    const Vec<double, 3> x{{place[0], place[1], place[2]}};
+    const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
+    const double thickness = layer_thickness(body, x[0] - s.distance * s.normal[0], x[1] - s.distance * s.normal[1]);
+    const double rise = s.normal[0] * up[0] + s.normal[1] * up[1] + s.normal[2] * up[2];
+    return (thickness - s.distance) / rise;
+}
+
+double table_value(const std::vector<double>& depths, const std::vector<double>& values, double depth) {
+    const auto below = std::upper_bound(depths.begin(), depths.end(), depth);
+    if (below == depths.begin()) return values.front();
+    if (below == depths.end()) return values.back();
+    const auto k = static_cast<std::size_t>(below - depths.begin());
+    const double t = (depth - depths[k - 1]) / (depths[k] - depths[k - 1]);
+    return values[k - 1] + t * (values[k] - values[k - 1]);
+}
+
+}  // namespace
+
+void set_profile(MaterialSpec& material, std::size_t parameter, StrengthSpec profile) {
+    const LawInfo* law = find_law_over_depth(*find_law(material.law), parameter);
+    if (!law) throw std::logic_error("no law keeps this parameter per particle");
+    profile.parameter = static_cast<int>(parameter);
+    profile.scalar = law->history - 1;
+    material.law = law->name;
+    material.strength = std::move(profile);
+}
+
+bool has_surface(const BodySpec& body) {
+    return body.shape != BodyShape::table && body.shape != BodyShape::inflow;
+}
+
+double depth_at(const Scene& scene, const BodySpec& body, const StrengthSpec& profile, const Triple& x) {
+    const auto [up, axis] = upward(scene);
+    const auto below = [&, up = up, axis = axis](double height) {
+        return std::max(0.0, (height - x[axis]) / up[axis]);
+    };
+    if (profile.from) return below(*profile.from);
+    switch (body.shape) {
+        case BodyShape::sphere:
+            return way_out_of_sphere(body, scene.dimensions, up, x);
+        case BodyShape::layer:
+            return std::max(0.0, way_out_of_layer(body, up, x));
+        case BodyShape::polygon:
+            if (axis < 2) return way_out_of_polygon(body, up, x);
+            break;
+        default:
+            break;
+    }
+    return below(up[axis] > 0 ? body.max[axis] : body.min[axis]);
+}
+
+double strength_at(const Scene& scene, const BodySpec& body, const Triple& x) {
+    const StrengthSpec& profile = scene.materials[static_cast<std::size_t>(body.material)].strength;
+    const double depth = profile.counts_depth() ? depth_at(scene, body, profile, x) : 0;
+    if (!profile.depth.empty()) return table_value(profile.depth, profile.value, depth);
+    return (profile.raster ? raster_value(*profile.raster, x[0], x[1]) : profile.surface) + profile.gradient * depth;
+}
+
+StrengthRange strength_range(const Scene& scene, int body) {
+    const BodySeeds all(scene, body);
+    StrengthRange range{HUGE_VAL, -HUGE_VAL};
+    std::vector<Seed> seeds;
+    for (std::int64_t row = 0; row < all.rows(); ++row) {
+        seeds.clear();
+        all.fill(row, row + 1, 1, seeds);
+        for (const Seed& seed : seeds) {
+            const double s = strength_at(scene, scene.bodies[static_cast<std::size_t>(body)], seed.x);
+            if (std::isnan(s)) return {s, s, seed.x};
+            if (s < range.least) range.least = s, range.where = seed.x;
+            range.most = std::max(range.most, s);
+        }
+    }
+    return range;
+}
+
+}  // namespace moraine

@@ -1,0 +1,163 @@
+"""Strength over depth: a slope in which all depths yield at once, a footing on soil that gets stronger, and what is refused."""
+import math
+
+import bearing
+import moraine
+import valley
+from moraine import call, checkpoints, sets, summary, table
+
+BETA, GAMMA = math.radians(10), 1600 * 9.81
+SLOPE = f"""\
+dimensions = 2
+gravity = [{9.81 * math.sin(BETA)}, {-9.81 * math.cos(BETA)}]
+[domain]
+min = [0.0, 0.0]
+max = [1.0, 4.5]
+cell = 0.25
+periodic = ["x"]
+[time]
+end = 4.0
+[output]
+interval = 0.5
+fields = ["velocity", "su"]
+checkpoint_interval = 1.0
+[[material]]
+name = "clay"
+law = "tresca"
+density = 1600.0
+young = 1.0e6
+poisson = 0.45
+su = {{ surface = 0.0, gradient = GRADIENT }}
+[[body]]
+name = "slope"
+material = "clay"
+shape = "box"
+min = [0.0, 0.0]
+max = [1.0, 4.0]
+geostatic = {{ surface = 4.0 }}
+[[wall]]
+face = "y-min"
+kind = "no-slip"
+"""
+SAND = 'law = "drucker-prager"\ndensity = 1600.0\nyoung = 1.0e6\npoisson = 0.3\nfriction_angle = PHI\ncohesion = '
+
+
+def slope(factor=1.0):
+    """Of this factor of safety, 2 k / (gamma sin 2 beta)."""
+    return SLOPE.replace("GRADIENT", f"{factor * GAMMA * math.sin(2 * BETA) / 2:.6f}")
+
+
+class Strength(moraine.ProgramTest):
+    def speeds(self, factor, end):
+        """Times and root mean square speeds; the load comes at once, so that every slope first slides."""
+        rows = table(self.run_scene(self.write(slope(factor)), f"slope-{factor}", *sets(time__end=end)), "history.csv")
+        return [(row["time_s"], math.sqrt(2 * row["kinetic_J"] / (1600 * 4.0))) for row in rows]
+
+    def test_an_infinite_slope_stands_just_above_and_runs_just_below_its_factor(self):
+        stands = [speed for _, speed in self.speeds(1.03, 8)]
+        self.assertEqual(stands[1:], sorted(stands[1:], reverse=True))
+        self.assertGreater(stands[1], 0.2)
+        self.assertLess(stands[-1], 0.005)
+        for factor in (0.97, 0.9):
+            runs = self.speeds(factor, 4)
+            (t0, v0), (t1, v1) = runs[2], runs[-1]
+            found = 1 - (v1 - v0) / (t1 - t0) / (9.81 * math.sin(BETA))
+            self.assertAlmostEqual(found, factor, delta=0.01)
+
+    def footing(self, cells, *words):
+        """Load over B su0 of a stiff, smooth footing with so many cells over B, in the mean over settlements of 0.0075 B and more."""
+        stiff = sets(domain__cell=1 / cells, domain__max="[4,1]", time__end=0.9, material__clay__young=1e7, material__clay__volumetric='"cell"',
+                     structure__footing__contact='{law="smooth"}', output__interval=0)
+        run = self.run_scene(moraine.INPUTS / "strip_footing.toml", "footing", "--overwrite", *stiff, *words)
+        loads = [2 * row["force_y_N"] / 1000 for row in table(run, "structures.csv") if -row["displacement_y_m"] > 0.0075]
+        return sum(loads) / len(loads)
+
+    def test_a_footing_on_soil_that_gets_stronger_bears_what_davis_and_booker_say(self):
+        """With four times su0 more at a depth of B the load is 18 % too high at B/8 and 8.7 % at B/16."""
+        self.assertAlmostEqual(self.footing(8) / bearing.bearing_pressure(1, 0, 1), 1, delta=0.03)
+        exact = bearing.bearing_pressure(1, 4, 1)
+        coarse, fine = (self.footing(cells, *sets(material__clay__su="{surface=1e3,gradient=4e3}")) / exact - 1 for cells in (8, 16))
+        self.assertLess(fine, 0.10)
+        self.assertLess(fine, 0.6 * coarse)
+
+    def test_check_says_what_the_strength_is(self):
+        ended = call("check", self.write(slope(1).replace("surface = 0.0", "surface = 500.0").replace(", gradient", ", from = 2.0, gradient")))
+        deepest = 500 + (2 - 0.0625) / math.cos(BETA) * GAMMA * math.sin(2 * BETA) / 2
+        self.assertIn(f"strength   body.slope: su from 500 to {deepest:.4g} Pa\n", ended.out)
+
+    def hash_of(self, output, *words, ranks=1, scene=None):
+        directory = self.run_scene(scene or self.scene, output, *words, ranks=ranks)
+        return summary(directory)["state_hash"]
+
+    def test_ranks_and_restarts_give_the_same_bits(self):
+        self.scene = self.write(slope(0.9))
+        short = sets(time__end=2)
+        expected = self.hash_of("whole", *short)
+        for ranks in (2, 3, 4):
+            self.assertEqual(self.hash_of(f"on-{ranks}", *short, *sets(balance__partitioner="shuffle"), ranks=ranks), expected)
+        first = checkpoints(self.folder / "whole")[0]
+        self.assertEqual(self.hash_of("again", *short, "--restart", first, ranks=2), expected)
+        line = self.assert_one_problem(call("run", self.scene, "--output", self.folder / "other", "--restart", first,
+                                            *sets(material__clay__su__gradient=3000)))
+        self.assertRegex(line, r"material\.clay\.su\.gradient is 3000(\.0)? and was 24")
+        self.assertFalse((self.folder / "other").exists())
+
+    def test_what_is_one_number_everywhere_is_that_number(self):
+        self.scene = self.write(slope())
+        short = sets(time__end=0.5, output__fields='["velocity"]')
+        expected = self.hash_of("number", *short, *sets(material__clay__su=2000))
+        for profile in ("{surface=2000}", "{surface=2000,gradient=0,from=2}", "{depth=[0,3],value=[2000,2000]}"):
+            self.assertEqual(self.hash_of("profile", "--overwrite", *short, *sets(material__clay__su=profile)), expected)
+        column = self.hash_of("column", *short, *sets(material__clay__su="{depth=[0,8,9],value=[2000,2000,9000]}"))
+        self.assertNotEqual(column, expected)  # it has the column
+        rows = [table(self.folder / name, "history.csv") for name in ("number", "column")]
+        self.assertEqual(*rows)
+
+    def refused(self, text, *words):
+        ended = call("check", self.write(text), *words)
+        return self.assert_one_problem(ended)
+
+    def test_profiles_that_are_wrong_are_refused(self):
+        text = slope()
+
+        def su(profile, *words):
+            return self.refused(text, "--set", f"material.clay.su={profile}", *words)
+
+        self.assertIn("material.clay.su is -", su("{surface=2000,gradient=-600}"))
+        self.assertIn("(must be > 0)", su("{surface=2000,gradient=-600}"))
+        self.assertIn("material.clay.su is 0 Pa at (", su("{surface=0,gradient=600,from=3}"))
+        self.assertIn("material.clay.su.surface = 0 (must be > 0 where nothing is added with depth)", su("{surface=0}"))
+        self.assertIn("material.clay.su.surface is missing", su("{gradient=600}"))
+        self.assertIn("material.clay.su.surface = -1 (must be >= 0)", su("{surface=-1}"))
+        self.assertIn("material.clay.su.slope is not a key", su("{surface=1,slope=2}"))
+        self.assertIn("are both given (a profile is a line or a table)", su("{surface=1,depth=[0,1],value=[1,2]}"))
+        self.assertIn("has 2 numbers and value 1", su("{depth=[0,1],value=[1]}"))
+        self.assertIn("material.clay.su.depth does not rise", su("{depth=[0,1,1],value=[1,2,3]}"))
+        self.assertIn("material.clay.su.value = 0 (must be > 0)", su("{depth=[0,1],value=[0,3]}"))
+        self.assertIn("is a raster (rasters are over terrain in 3-D)", su('{surface="su.asc"}'))
+        self.assertIn("material.clay.young is a table", self.refused(text, "--set", "material.clay.young={surface=1e6}"))
+        self.assertIn("material.clay.cohesion is not used", self.refused(text, "--set", "material.clay.cohesion={surface=1}"))
+        sand = text[:text.index('law = "tresca"')] + SAND + "{ surface = 0.0, gradient = 10.0, from = 2.0 }\n" + text[text.index("[[body]]"):]
+        sand = sand.replace('"su"', '"cohesion"')
+        self.assertEqual(call("check", self.write(sand.replace("PHI", "30.0"))).code, 0)
+        self.assertIn("no strength at all", self.refused(sand.replace("PHI", "0.0")))
+        self.write("x,y\n0.5,0.5\n0.6,0.7\n", "points.csv")
+        loose = text[:text.index('shape = "box"')] + 'shape = "table"\nfile = "points.csv"\n' + text[text.index("[[wall]]"):]
+        self.assertIn("counts depth from the surface of body.slope (a table of particles", self.refused(loose))
+
+    def test_rasters_of_strength_cover_what_they_are_for(self):
+        scene = valley.SCENE.replace('law = "drucker-prager"', 'law = "tresca"').replace("friction_angle = 25.0", 'su = { surface = "su.asc", gradient = 500.0 }')
+        self.write(valley.grid(), "valley.asc")
+        self.write(valley.AREA, "area.csv")
+        self.write(valley.grid(at=lambda x, y: 1000 + 100 * y), "su.asc")
+        run = self.run_scene(self.write(scene), "raster", *sets(time__end=0.1, output__fields='["su"]'))
+        self.assertEqual(summary(run)["ended_by"], "end")
+        self.write(valley.grid(at=lambda x, y: 1000 if y > 5 else -9999), "su.asc")
+        self.assertRegex(self.refused(scene), r"material\.debris\.su is not known at \(.*\) in release\.scar \(the raster has no data there\)")
+        self.write(valley.grid(at=lambda x, y: 1000 * (y - 6)), "su.asc")
+        self.assertRegex(self.refused(scene), r"material\.debris\.su is -.* in release\.scar \(must be > 0\)")
+        self.assertIn("no such file", self.refused(scene.replace("su.asc", "none.asc")))
+
+
+if __name__ == "__main__":
+    moraine.main()
