@@ -120,8 +120,8 @@ std::string steps_line(const Scene& scene, const Prediction& p) {
 std::string check_report(const Scene& scene, const CheckedRun& run) {
     const Prediction p = predict(scene);
     const int ranks = run.ranks;
-    std::string text = fmt::format("{}: good\n", scene.path);
-    if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
+    std::string text = fmt::format("{}: good\n", scene.source.path);
+    if (!scene.source.title.empty()) text += fmt::format("title      {}\n", scene.source.title);
     text += fmt::format("particles  {}\n", p.particles);
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);

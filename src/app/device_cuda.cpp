@@ -97,7 +97,7 @@ std::string compile_kernels(const Scene& scene, const std::string& folder, const
     const gpu::Program program = gpu::merged(gpu::programs_of(key));
     for (const int architecture : architectures.empty() ? std::vector<int>{MORAINE_ARCHITECTURE} : architectures)
         gpu::compile_to_disk(cache, program, architecture, say);
-    return fmt::format("{}: {} kernels in {} ({})\n", scene.path, program.kernels.size(), cache.folder().string(),
+    return fmt::format("{}: {} kernels in {} ({})\n", scene.source.path, program.kernels.size(), cache.folder().string(),
                        key.text());
 }
 

@@ -187,10 +187,15 @@ struct BalanceSpec {
     int axis = 0;             ///< of slabs
 };
 
-struct Scene {
-    std::string name;  ///< file name without .toml
+/// What a scene says of itself, and where.
+struct SceneSource {
     std::string title;
     std::string path;  ///< of the file
+};
+
+struct Scene {
+    std::string name;  ///< file name without .toml
+    SceneSource source;
     int dimensions = 3;
     Triple min{}, max{};  ///< domain [m]
     double cell = 0;      ///< h [m]

@@ -177,7 +177,7 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"version", version_text},
         {"commit", commit_text},
         {"scene", sim.scene().name},
-        {"title", sim.scene().title},
+        {"title", sim.scene().source.title},
         {"machine", processor_name(comm)},
         {"device", sim.engine().device().name},
         {"kernel_compiler", sim.engine().device().compiler},

@@ -43,7 +43,7 @@ class Reader {
 
     Scene read(const std::function<void(const Scene&)>& admit) {
         refuse_unknown_keys(root_, file_);
-        scene_.path = file_;
+        scene_.source.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
         for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
             const std::string name = section;

@@ -18,7 +18,7 @@ constexpr KeyRange share{0, 1, false, false};
 const std::vector<KeyRow<Scene>> rows{
 
     {{.name = "title", .type = text, .standard = "\"\"", .meaning = "Free text."},
-     [](S& s, const V& v) { s.title = v.text; }},
+     [](S& s, const V& v) { s.source.title = v.text; }},
     {{.name = "dimensions",
       .type = integer,
       .range = {2, 3},
