@@ -24,7 +24,7 @@ inline Json vector(const Scene& scene, const Triple& v) {
 }
 
 inline Json walls(const Scene& scene) {
-    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic"};
+    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic", "law"};
     std::vector<Json> list;
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         for (std::size_t side = 0; side < 2; ++side)
