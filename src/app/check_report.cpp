@@ -107,6 +107,21 @@ std::string law_lines(const Scene& scene) {
     return text;
 }
 
+/// What changes over time, and whether rest is looked for.
+std::string course_lines(const Scene& scene) {
+    const CourseSpec& course = scene.course;
+    std::string text;
+    if (const TimeTable& t = course.gravity; !t.empty())
+        text +=
+            fmt::format("gravity    by a table: {:.4g} of it until {:.4g} s, {:.4g} from {:.4g} s on, at most {:.4g}\n",
+                        t.values.front(), t.times.front(), t.values.back(), t.end(), t.largest());
+    if (scene.rest.stops)
+        text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
+                            100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
+                            rest_interval(scene));
+    return text;
+}
+
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"
 std::string steps_line(const Scene& scene, const Prediction& p) {
     if (scene.substeps == 1) return fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
@@ -139,10 +154,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     text += fmt::format("time       {}\n", run.timing.empty() ? run_time_text(scene, p, ranks, run.on_devices) +
                                                                     " (--time measures it here)"
                                                               : run.timing);
-    if (scene.rest.stops)
-        text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
-                            100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
-                            rest_interval(scene));
+    text += course_lines(scene);
     if (scene.sleep.on)
         text +=
             fmt::format("sleep      blocks may: less than {:.4g} m in {:.4g} s, and {:.4g} Pa of a density of 1000\n",

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/data/scene_choices.hpp"
+#include "core/data/time_table.hpp"
 #include "core/material/point.hpp"
 
 namespace moraine {
@@ -83,14 +84,13 @@ struct BodySpec {
 /// How a structure moves (core/structures/structure_motion.hpp).
 struct MotionSpec {
     StructureMotion kind = StructureMotion::fixed;
-    Triple velocity{};            ///< velocity, table: its direction and unit; free: at the start [m/s]
-    double ramp = 0;              ///< velocity: time of the rise [s]
-    Triple amplitude{};           ///< sinusoid [m]
-    double period = 0;            ///< sinusoid [s]
-    std::vector<double> times;    ///< table [s]
-    std::vector<double> factors;  ///< table: of the velocity at these times
-    double mass = 0;              ///< free [kg]
-    Triple force{};               ///< free: besides gravity and contact [N]
+    Triple velocity{};   ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;     ///< velocity: time of the rise [s]
+    Triple amplitude{};  ///< sinusoid [m]
+    double period = 0;   ///< sinusoid [s]
+    TimeTable factor;    ///< table: of the velocity
+    double mass = 0;     ///< free [kg]
+    Triple force{};      ///< free: besides gravity and contact [N]
 };
 
 struct StructureSpec {
@@ -187,6 +187,11 @@ struct BalanceSpec {
     int axis = 0;             ///< of slabs
 };
 
+/// What of a scene changes over time.
+struct CourseSpec {
+    TimeTable gravity;  ///< factor of Scene::gravity; empty: 1
+};
+
 /// What a scene says of itself, and where.
 struct SceneSource {
     std::string title;
@@ -216,6 +221,7 @@ struct Scene {
     bool limits_light_nodes = true;  ///< core/grid/light_nodes.hpp
     bool boundary_spline = true;     ///< fold ghost nodes at closed walls by linear extrapolation
     Triple gravity{};                ///< [m/s2]
+    CourseSpec course;
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;

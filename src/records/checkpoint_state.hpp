@@ -89,6 +89,32 @@ void each_energy_entry(Budget<Dim>& budget, const F& f) {
     f("energy_lost_potential", energy.lost_potential);
 }
 
+/// A sum over ranks, as a checkpoint holds it.
+inline std::vector<std::int64_t> stored_sum(const ExactSum& sum) {
+    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
+}
+inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
+    const auto& words = file.get<std::vector<std::int64_t>>(name);
+    if (words.size() != 2) file.refuse(fmt::format("header/{} is no sum", name));
+    return {words[0], std::bit_cast<std::uint64_t>(words[1])};
+}
+
+/// Gravity of the last step and the work of its changes; only in scenes in which it changes.
+template <int Dim>
+void save_gravity(const RunClock<Dim>& clock, Budget<Dim>& budget, CheckpointHeader& header) {
+    header["gravity"] = std::vector<double>(clock.gravity.begin(), clock.gravity.end());
+    header["gravity_work"] = stored_sum(budget.gravity_work);
+}
+template <int Dim>
+void take_gravity(const CheckpointReader& file, RunClock<Dim>& clock, Budget<Dim>& budget) {
+    const auto& gravity = file.get<std::vector<double>>("gravity");
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (gravity.size() != Dim || !std::all_of(gravity.begin(), gravity.end(), finite))
+        file.refuse("no run has such a gravity");
+    std::copy(gravity.begin(), gravity.end(), clock.gravity.begin());
+    budget.gravity_work = sum_of_stored(file, "gravity_work");
+}
+
 /// Names of the sums of all structures, and the sums.
 template <int Dim, class F>
 void each_structure_sum(StructureSet<Dim>& set, const F& f) {
@@ -174,16 +200,6 @@ void take_start_potential(const CheckpointReader& file, RunClock<Dim>& clock) {
     const auto& potential = file.get<std::vector<double>>("start_potential");
     if (potential.size() != 1 || !std::isfinite(potential[0])) file.refuse("no run has such a potential energy");
     clock.start_potential = potential[0];
-}
-
-/// A sum over ranks, as a checkpoint holds it.
-inline std::vector<std::int64_t> stored_sum(const ExactSum& sum) {
-    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
-}
-inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
-    const auto& words = file.get<std::vector<std::int64_t>>(name);
-    if (words.size() != 2) file.refuse(fmt::format("header/{} is no sum", name));
-    return {words[0], std::bit_cast<std::uint64_t>(words[1])};
 }
 
 /// Collective.
@@ -273,6 +289,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         each_energy_entry(budget, store);
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
+    if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
 
     save_structures(sim, comm, header);
 
@@ -346,6 +363,8 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     const auto take = [&](const std::string& name, ExactSum& entry) { entry = sum_of_stored(file, "ledger_" + name); };
     each_budget_entry(budget, take);
     RunClock<Dim> clock = clock_of<Dim>(file);
+    clock.gravity = sim.clock().gravity;  // of the start
+    if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);
         take_sleep_check(file, clock);

@@ -34,10 +34,12 @@ struct TimeSeriesRow {
     double potential = 0;      ///< -sum m g . (x - domain.min) [J]
     bool falls_round = false;  ///< gravity along a periodic axis: the potential energy jumps where particles come round
     double dissipated = 0;     ///< work of the stresses less what is stored [J]
-    double unaccounted =
-        0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
-    double front = 0;  ///< see front_of [m]
+    double unaccounted = 0;    ///< start energy, with the work of changing gravity, less all of the above and work on
+                               ///< structures: transfer, friction on walls, what left [J]
+    double front = 0;          ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
+    double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
+    bool gravity_changes = false;
     double slept = 0;  ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
@@ -63,6 +65,7 @@ struct TimeSeriesRow {
         per_axis("momentum_error", "kg_m_s");
         names.push_back("over_filling");
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
+        if (!scene.course.gravity.empty()) names.emplace_back("gravity_work_J");
         if (scene.output.energy_budget) {
             const std::vector<std::string> more = EnergyBudget::columns();
             names.insert(names.end(), more.begin(), more.end());
@@ -85,6 +88,7 @@ struct TimeSeriesRow {
         add(momentum_error);
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
+        if (gravity_changes) v.push_back(gravity_work);
         if (energy) {
             const auto more = energy->values();
             v.insert(v.end(), more.begin(), more.end());
@@ -129,7 +133,8 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     const double put_out = value(account.put_out);
     EnergyBudget energy;
     energy.transfer = start_kinetic + value(account.nodes.gain) - row.totals.kinetic - lost_kinetic;
-    energy.shift = clock.start_potential - row.potential - lost_potential - value(account.nodes.fall) - put_out;
+    energy.shift =
+        clock.start_potential + row.gravity_work - row.potential - lost_potential - value(account.nodes.fall) - put_out;
     energy.wall = value(account.nodes.walls);
     energy.contact = value(account.nodes.contact) - work + put_out;
     energy.damping = value(account.nodes.damping);
@@ -158,7 +163,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.lost_particles = budget.lost_count;
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);
-    row.potential = potential_energy(scene, row.totals);
+    row.potential = potential_energy(scene, clock.gravity, row.totals);
     for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && scene.gravity[a] != 0;
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
@@ -171,7 +176,10 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
         if (scene.sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
     }
+    row.gravity_work = value(budget.gravity_work);
+    row.gravity_changes = !scene.course.gravity.empty();
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
+    if (row.gravity_changes) row.unaccounted += row.gravity_work;
     if (scene.sleep.on) {
         row.asleep = all.asleep;
         row.slept = value(budget.slept_kinetic);

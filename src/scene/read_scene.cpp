@@ -16,6 +16,7 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
 
@@ -45,11 +46,7 @@ class Reader {
         refuse_unknown_keys(root_, file_);
         scene_.source.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
-        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
-            const std::string name = section;
-            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
-            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
-        }
+        read_sections();
         check_domain_is_said();
         if (places_.has("time.cfl") && places_.has("time.dt"))
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
@@ -57,6 +54,7 @@ class Reader {
         if (!places_.has("numerics.transfer")) scene_.transfer = standard_transfer(scene_.shape);
         if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
+        read_time_tables();
         each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
         each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
@@ -84,12 +82,25 @@ class Reader {
         if (admit) admit(scene_);
         check_particles(scene_, places_);
         check_structures(scene_, places_);
-        for (std::size_t a = 0; a < 3; ++a)
-            if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+        close_periodic_axes();
         return scene_;
     }
 
   private:
+    /// Tables that are written once.
+    void read_sections() {
+        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
+            const std::string name = section;
+            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
+            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
+        }
+    }
+
+    void close_periodic_axes() {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+    }
+
     const toml::table* section_table(const toml::table& parent, const std::string& name) {
         const toml::node* node = parent.get(name);
         return node ? node->as_table() : nullptr;  // refuse_unknown_keys has seen to the type
@@ -174,6 +185,21 @@ class Reader {
         scene_.materials.push_back(std::move(material));
     }
 
+    void read_time_tables() {
+        each_of("table", [&](const toml::table& table, const std::string& path) {
+            TableSpec spec;
+            read_table(&table, "table", path, table_rows(), spec);
+            spec.rows = complete_table(scene_, spec, path, places_);
+            tables_.push_back(std::move(spec));
+        });
+        if (places_.has("gravity_table")) scene_.course.gravity = table_of(root_, "gravity_table", "gravity_table");
+    }
+
+    /// The rows of the table of time that a key of a table names.
+    const TimeTable& table_of(const toml::table& table, const std::string& key, const std::string& path) const {
+        return table_named(tables_, table.get(key)->as_string()->get(), path, places_);
+    }
+
     /// Position of the material that a body or release names.
     int material_of(const toml::table& table, const std::string& path) {
         const std::string wanted = table.get("material")->as_string()->get();
@@ -219,6 +245,13 @@ class Reader {
             if (const toml::table* nested = section_table(table, part))
                 read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
         complete_law(scene_, structure, path + ".contact", places_);
+        if (const std::string key = path + ".motion.table"; places_.has(key)) {
+            for (const char* other : {".motion.times", ".motion.factors"})
+                if (places_.has(path + other))
+                    refuse(places_.of(path + other), fmt::format("{}{} beside {}", path, other, key),
+                           "its rows are in the table", "Remove one of them?");
+            structure.motion.factor = table_of(*section_table(table, "motion"), "table", key);
+        }
         scene_.structures.push_back(std::move(structure));
     }
 
@@ -266,6 +299,7 @@ class Reader {
     toml::table root_;
     Places places_;
     Scene scene_;
+    std::vector<TableSpec> tables_;
     std::vector<FacedWall> beds_;  ///< that have a law of structures
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/gravity.hpp"
 #include "core/material/laws.hpp"
 #include "core/transfer/method.hpp"
 #include "io/deflate.hpp"
@@ -178,12 +179,12 @@ void check_fields(const Scene& scene, const Places& places) {
 }
 
 void check_starts(const Scene& scene, const Places& places) {
-    const bool weightless = scene.gravity == Triple{};
+    const bool weightless = gravity_at(scene, 0) == Triple{};
     for (const BodySpec& body : scene.bodies) {
         const std::string path = path_of(body);
         if (body.geostatic && weightless)
-            refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero",
-                   "Set gravity?");
+            refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero at the start",
+                   "Set gravity, or a table that does not begin with 0?");
         if (body.wave.wavelength > 0 && body.wave.axis >= scene.dimensions)
             refuse(places.of(path + ".wave.axis"), path + ".wave.axis = \"z\"", "the scene has 2 dimensions",
                    "Did you mean \"x\"?");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/rest_interval.hpp"
 #include "core/transfer/method.hpp"
@@ -49,11 +50,32 @@ void check_rest(const Scene& scene, const Places& places) {
                    "what rests now will not when it comes", "Use time.stop = \"end\"?");
 }
 
+/// What takes gravity as it is for all of a run.
+std::optional<Hindrance> gravity_table_hindered_by(const Scene& scene) {
+    const auto smooths = [](const MaterialSpec& m) { return has_fluid_terms(m); };
+    if (scene.gravity == Triple{})
+        return Hindrance{"gravity_table", "without gravity", "its values are factors of gravity", "Set gravity?"};
+    if (scene.sleep.on || scene.output.sleep_forecast)
+        return Hindrance{"gravity_table", "with numerics.sleep or its forecast",
+                         "sleepers would not feel that gravity changes", "Leave one of them out?"};
+    if (std::any_of(scene.materials.begin(), scene.materials.end(), smooths))
+        return Hindrance{"gravity_table", "with pressure_smoothing or particle_shifting",
+                         "they go by the head of a gravity that stays", "Leave one of them out?"};
+    return std::nullopt;
+}
+
+void check_gravity(const Scene& scene, const Places& places) {
+    if (scene.course.gravity.empty()) return;
+    if (const std::optional<Hindrance> found = gravity_table_hindered_by(scene))
+        refuse(places.of(found->key), "gravity_table " + found->what, found->why, found->help);
+}
+
 }  // namespace
 
 void check_time(const Scene& scene, const Places& places) {
     check_courant(scene, places);
     check_rest(scene, places);
+    check_gravity(scene, places);
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
         const double wave = wave_speed(scene, body);

@@ -63,6 +63,10 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "time.cfl", s.cfl);  // behind what its default follows from: who compares names the first difference
     add(all, "time.dt", s.dt);
     add(all, "gravity", s.gravity);
+    if (!s.course.gravity.empty()) {
+        add(all, "gravity_table.times", s.course.gravity.times);
+        add(all, "gravity_table.values", s.course.gravity.values);
+    }
     add(all, "seed", s.seed);
 }
 
@@ -150,8 +154,8 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".motion.ramp", r.motion.ramp);
         add(all, key + ".motion.amplitude", r.motion.amplitude);
         add(all, key + ".motion.period", r.motion.period);
-        add(all, key + ".motion.times", r.motion.times);
-        add(all, key + ".motion.factors", r.motion.factors);
+        add(all, key + ".motion.times", r.motion.factor.times);
+        add(all, key + ".motion.factors", r.motion.factor.values);
         add(all, key + ".motion.mass", r.motion.mass);
         add(all, key + ".motion.force", r.motion.force);
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "io/input_error.hpp"
+#include "scene/scene_tables.hpp"
 
 namespace moraine {
 namespace {
@@ -46,6 +47,7 @@ std::vector<SceneKey> all_scene_keys() {
     std::vector<SceneKey> keys;
     append(keys, scene_rows());
     append(keys, time_rows());
+    append(keys, table_rows());
     append(keys, material_rows());
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);

@@ -100,6 +100,9 @@ const std::vector<KeyRow<StructureSpec>>& structure_rows();
 /// Of [[release]]: a body that is a layer.
 const std::vector<KeyRow<BodySpec>>& release_rows();
 const std::vector<KeyRow<BodySpec>>& inflow_rows();
+/// Of [[table]].
+struct TableSpec;
+const std::vector<KeyRow<TableSpec>>& table_rows();
 /// Of [hazard], and what hazard.maps may name.
 const std::vector<KeyRow<Scene>>& hazard_rows();
 const std::vector<std::string>& hazard_map_names();

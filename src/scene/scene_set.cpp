@@ -72,7 +72,8 @@ toml::table& listed_member(toml::table& root, const std::string& list, const std
 
 std::string label_of_list(const std::string& table) {
     if (table == "wall") return "face";
-    return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow"
+    return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow" ||
+                   table == "table"
                ? "name"
                : "";
 }

@@ -14,6 +14,7 @@ struct RunClock {
     double dt = 0;                              ///< of the last step [s]
     double signal = 0;                          ///< largest c + |v|, for the next step [m/s]
     double square_speed = 0;                    ///< largest |v|^2 likewise, with the grid's pressure [m2/s2]
+    std::array<double, Dim> gravity{};          ///< of the last step; before the first, that of the start [m/s2]
     std::array<double, Dim> gravity_impulse{};  ///< integral of gravity over time [m/s]
     double mass_cutoff = 0;                     ///< nodes below take no part [kg]
     double quantum_scale = 1;                   ///< of the exact sums

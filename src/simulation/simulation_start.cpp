@@ -8,6 +8,7 @@
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 #include "simulation/diagnostics.hpp"
+#include "simulation/gravity_step.hpp"
 #include "simulation/place_seed.hpp"
 
 namespace moraine {
@@ -108,6 +109,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
+    clock_.gravity = components<Dim>(gravity_at(scene, 0));
     in_place_ = engine_->device().leaves_host_free;
     make_epochs_async(in_place_);
 }
@@ -166,7 +168,7 @@ void Simulation<Real, Dim>::seed() {
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
     clock_.start_strain = start.strain;
-    clock_.start_potential = potential_energy(scene_, start);
+    clock_.start_potential = potential_energy(scene_, clock_.gravity, start);
     clock_.start_energy = start.kinetic + start.strain + clock_.start_potential;
 }
 

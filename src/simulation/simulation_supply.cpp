@@ -91,7 +91,7 @@ void Simulation<Real, Dim>::admit() {
                 const auto i = static_cast<std::size_t>(a);
                 const double v = static_cast<double>(p.velocity[slot][a]);
                 square += v * v;
-                const double weight = m * scene_.gravity[i] * (seed.x[i] - scene_.min[i]);
+                const double weight = m * clock_.gravity[i] * (seed.x[i] - scene_.min[i]);
                 energy += 0.5 * m * v * v - weight;
                 potential -= weight;
                 sums.momentum[a].add(quantum().of(m * (v - clock_.gravity_impulse[i])));
