@@ -35,6 +35,9 @@ struct MaterialSpec {
     double particle_shifting = 0;                  ///< gamma of core/fluid/particle_shifting.hpp [-]
 };
 
+/// By axis, and there the lower and the upper face.
+using WallSpecs = std::array<std::array<WallSpec, 2>, 3>;
+
 /// Whether its particles take anything of core/fluid/pressure_smoothing.hpp and particle_shifting.hpp.
 inline bool has_fluid_terms(const MaterialSpec& material) {
     return material.pressure_smoothing > 0 || material.particle_shifting > 0;
@@ -70,6 +73,7 @@ struct BodySpec {
     std::shared_ptr<const Ground> ground;          ///< layer, inflow
     std::shared_ptr<const Hydrograph> hydrograph;  ///< inflow
     double release_time = 0;                       ///< layer [s]
+    int stage = 0;                                 ///< as whose part it comes in: its place in CourseSpec::stages
     std::array<int, 3> particles_per_cell{2, 2, 2};
     Seeding seeding = Seeding::lattice;
     double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
@@ -187,9 +191,22 @@ struct BalanceSpec {
     int axis = 0;             ///< of slabs
 };
 
+/// A part of a run: what holds from the end of the stage before to its own (simulation/simulation_stages.cpp).
+struct StageSpec {
+    std::string name;
+    double until = 0;              ///< ends with the first step at or past it; of the last one, the end of the run [s]
+    bool until_rest = false;       ///< or sooner, once all has come to rest
+    double damping = 0;            ///< in place of Scene::damping
+    std::vector<std::string> set;  ///< KEY=VALUE, since the stage before
+    std::vector<MaterialSpec> materials;  ///< in place of Scene::materials
+    WallSpecs walls;                      ///< in place of Scene::walls
+    std::vector<int> removes;             ///< bodies that are taken away as it begins
+};
+
 /// What of a scene changes over time.
 struct CourseSpec {
-    TimeTable gravity;  ///< factor of Scene::gravity; empty: 1
+    TimeTable gravity;              ///< factor of Scene::gravity; empty: 1
+    std::vector<StageSpec> stages;  ///< in order; empty: the run is one
 };
 
 /// What a scene says of itself, and where.
@@ -205,10 +222,10 @@ struct Scene {
     Triple min{}, max{};  ///< domain [m]
     double cell = 0;      ///< h [m]
     std::array<bool, 3> periodic{};
-    std::array<std::array<WallSpec, 2>, 3> walls{};  ///< [axis][0 lower, 1 upper]
-    double end = 0;                                  ///< [s]
-    double cfl = 0.5;                                ///< dt = cfl h / (c + |v|)
-    double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
+    WallSpecs walls{};
+    double end = 0;    ///< [s]
+    double cfl = 0.5;  ///< dt = cfl h / (c + |v|)
+    double dt = 0;     ///< fixed time step [s]; 0: by cfl
     Shape shape = Shape::quadratic;
     Transfer transfer = Transfer::apic;
     double flip = 1;   ///< share of FLIP against PIC

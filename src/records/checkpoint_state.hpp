@@ -115,6 +115,29 @@ void take_gravity(const CheckpointReader& file, RunClock<Dim>& clock, Budget<Dim
     budget.gravity_work = sum_of_stored(file, "gravity_work");
 }
 
+/// Stages that have begun: what StageBegin holds of each; only in scenes that have stages.
+inline std::vector<double> stored_stages(const std::vector<StageBegin>& stages) {
+    std::vector<double> all;
+    for (const StageBegin& s : stages)
+        all.insert(all.end(), {s.time, static_cast<double>(s.step), s.removed_mass, s.removed_energy, s.added_mass});
+    return all;
+}
+template <int Dim>
+void take_stages(const CheckpointReader& file, std::size_t most, RunClock<Dim>& clock) {
+    constexpr std::size_t words = 5;
+    const auto& all = file.get<std::vector<double>>("stages");
+    if (all.empty() || all.size() % words != 0 || all.size() / words > most) file.refuse("no run has such stages");
+    double before = 0;
+    for (std::size_t k = 0; k < all.size(); k += words) {
+        const bool rises = all[k] >= before && all[k] <= clock.time;
+        const bool counts = all[k + 1] >= 0 && all[k + 1] <= static_cast<double>(clock.step);
+        if (!rises || !counts || !std::all_of(&all[k], &all[k] + words, [](double x) { return std::isfinite(x); }))
+            file.refuse("no run has such stages");
+        before = all[k];
+        clock.stages.push_back({all[k], static_cast<std::int64_t>(all[k + 1]), all[k + 2], all[k + 3], all[k + 4]});
+    }
+}
+
 /// Names of the sums of all structures, and the sums.
 template <int Dim, class F>
 void each_structure_sum(StructureSet<Dim>& set, const F& f) {
@@ -290,6 +313,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
     if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
+    if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
     save_structures(sim, comm, header);
 
@@ -365,6 +389,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     RunClock<Dim> clock = clock_of<Dim>(file);
     clock.gravity = sim.clock().gravity;  // of the start
     if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
+    if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);
         take_sleep_check(file, clock);

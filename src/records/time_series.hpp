@@ -40,7 +40,8 @@ struct TimeSeriesRow {
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
     double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
     bool gravity_changes = false;
-    double slept = 0;  ///< kinetic energy that sleep took [J]
+    std::size_t stage = 0;  ///< its number, from 1 on; 0: the scene has none
+    double slept = 0;       ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
@@ -65,6 +66,7 @@ struct TimeSeriesRow {
         per_axis("momentum_error", "kg_m_s");
         names.push_back("over_filling");
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
+        if (!scene.course.stages.empty()) names.emplace_back("stage");
         if (!scene.course.gravity.empty()) names.emplace_back("gravity_work_J");
         if (scene.output.energy_budget) {
             const std::vector<std::string> more = EnergyBudget::columns();
@@ -88,6 +90,7 @@ struct TimeSeriesRow {
         add(momentum_error);
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
+        if (stage > 0) v.push_back(static_cast<double>(stage));
         if (gravity_changes) v.push_back(gravity_work);
         if (energy) {
             const auto more = energy->values();
@@ -176,6 +179,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
         if (scene.sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
     }
+    row.stage = clock.stages.size();
     row.gravity_work = value(budget.gravity_work);
     row.gravity_changes = !scene.course.gravity.empty();
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;

@@ -16,6 +16,7 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_stages.hpp"
 #include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
@@ -75,6 +76,7 @@ class Reader {
             scene_.bodies.push_back(std::move(body));
         });
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        read_stages();
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
@@ -87,6 +89,9 @@ class Reader {
     }
 
   private:
+    /// Of a stage, whose keys are set in `root`.
+    Reader(const Reader& scene, toml::table root) : file_(scene.file_), root_(std::move(root)), places_(scene.file_) {}
+
     /// Tables that are written once.
     void read_sections() {
         for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
@@ -99,6 +104,51 @@ class Reader {
     void close_periodic_axes() {
         for (std::size_t a = 0; a < 3; ++a)
             if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+    }
+
+    /// What stages may change: materials and walls.
+    Scene read_strengths() {
+        refuse_unknown_keys(root_, file_);
+        read_sections();
+        each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
+        each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        if (root_.contains("terrain")) open_faces(scene_, places_);
+        close_periodic_axes();
+        return scene_;
+    }
+
+    /// A wall of a new kind has no keys of its former one.
+    static void forget_wall(toml::table& root, const std::string& setting) {
+        const std::size_t kind = setting.find(".kind=");
+        toml::array* walls = root.contains("wall") ? root.get("wall")->as_array() : nullptr;
+        if (!walls || !setting.starts_with("wall.") || kind == std::string::npos) return;
+        for (toml::node& wall : *walls)
+            if (wall.as_table()->get("face")->value_or(std::string()) == setting.substr(5, kind - 5))
+                for (const char* key : {"friction", "alpha", "su", "xi", "density"}) wall.as_table()->erase(key);
+    }
+
+    /// Each stage sets keys beside those that the ones before have set. Of the table only these are read from then on.
+    void read_stages() {
+        std::vector<StageText> texts;
+        each_of("stage", [&](const toml::table& table, const std::string& path) {
+            StageText text;
+            read_table(&table, "stage", path, stage_rows(), text);
+            texts.push_back(std::move(text));
+        });
+        complete_stages(scene_, texts, places_);
+        for (StageSpec& stage : scene_.course.stages) {
+            const std::string path = "stage." + stage.name + ".set";
+            for (const std::string& setting : stage.set) {
+                check_setting(scene_, setting, path, places_);
+                forget_wall(root_, setting);
+            }
+            for (const std::string& setting : stage.set) apply_set(root_, setting, path);
+            Reader in_stage(*this, std::move(root_));  // a copy of the table would not know its lines
+            const Scene changed = in_stage.read_strengths();
+            root_ = std::move(in_stage.root_);
+            stage.materials = changed.materials;
+            stage.walls = changed.walls;
+        }
     }
 
     const toml::table* section_table(const toml::table& parent, const std::string& name) {

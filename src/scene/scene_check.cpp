@@ -11,6 +11,7 @@
 #include "core/transfer/method.hpp"
 #include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
+#include "scene/scene_stages.hpp"
 
 namespace moraine {
 namespace {
@@ -210,6 +211,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_sleep(scene, places);
     check_energy_budget(scene, places);
     check_bed(scene, places);
+    check_stages(scene, places);
 }
 
 }  // namespace moraine

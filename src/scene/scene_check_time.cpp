@@ -39,15 +39,19 @@ void check_courant(const Scene& scene, const Places& places) {
 
 /// Rest is of what has no clock of its own.
 void check_rest(const Scene& scene, const Places& places) {
-    if (!scene.rest.stops) return;
-    const std::string what = "time.stop = \"rest\"";
+    std::string key = "time.stop", what = "time.stop = \"rest\"";
+    bool looks = scene.rest.stops;
+    for (const StageSpec& stage : scene.course.stages)
+        if (stage.until_rest) looks = true, key = "stage." + stage.name + ".until", what = key + " = \"rest\"";
+    if (!looks) return;
     if (rest_interval(scene) == 0)
-        refuse(places.of("time.stop"), what + " without gravity", "there is no time by which all should rest",
+        refuse(places.of(key), what + " without gravity", "there is no time by which all should rest",
                "Add rest.interval = ... [s]?");
     for (const StructureSpec& s : scene.structures)
         if (s.motion.kind != StructureMotion::fixed)
-            refuse(places.of("time.stop"), fmt::format("{} with structure.{}, which moves", what, s.name),
-                   "what rests now will not when it comes", "Use time.stop = \"end\"?");
+            refuse(places.of(key), fmt::format("{} with structure.{}, which moves", what, s.name),
+                   "what rests now will not when it comes",
+                   scene.rest.stops ? "Use time.stop = \"end\"?" : "Use a time?");
 }
 
 /// What takes gravity as it is for all of a run.

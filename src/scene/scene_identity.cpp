@@ -84,6 +84,17 @@ void add_materials(Entries& all, const Scene& s) {
     }
 }
 
+void add_stages(Entries& all, const Scene& s) {
+    for (const StageSpec& stage : s.course.stages) {
+        const std::string key = "stage." + stage.name;
+        add(all, key + ".until", stage.until);
+        add(all, key + ".rest", stage.until_rest);
+        add(all, key + ".damping", stage.damping);
+        add(all, key + ".set", stage.set);
+        add(all, key + ".remove", stage.removes);
+    }
+}
+
 template <class T>
 std::uint64_t hash_of(const std::vector<T>& list) {
     const auto bytes = std::as_bytes(std::span(list));
@@ -114,6 +125,7 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic.k0", b.geostatic_k0);
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
         if (b.release_time > 0) add(all, key + ".start", b.release_time);
+        if (b.stage > 0) add(all, key + ".stage", b.stage);
         if (b.hydrograph) {
             add(all, key + ".time", b.hydrograph->time);
             add(all, key + ".discharge", b.hydrograph->discharge);
@@ -169,6 +181,7 @@ Entries scene_identity(const Scene& scene) {
     add_numerics(all, scene);
     add_materials(all, scene);
     add_bodies(all, scene);
+    add_stages(all, scene);
     add_structures(all, scene);
     if (scene.hazard.cell > 0) add(all, "hazard.cell", scene.hazard.cell);
     if (scene.hazard.cell > 0) add(all, "hazard.threshold", scene.hazard.threshold);

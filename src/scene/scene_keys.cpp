@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "io/input_error.hpp"
+#include "scene/scene_stages.hpp"
 #include "scene/scene_tables.hpp"
 
 namespace moraine {
@@ -60,6 +61,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, release_rows());
     append(keys, inflow_rows());
     append(keys, structure_rows());
+    append(keys, stage_rows());
     return keys;
 }
 
@@ -131,6 +133,8 @@ std::string type_text(const SceneKey& key) {
             return "a list of numbers" + unit;
         case KeyType::truth:
             return "true or false";
+        case KeyType::settings:
+            return "a table of keys and values";
     }
     return "";
 }

@@ -106,6 +106,7 @@ void Simulation<Real, Dim>::admit() {
     begin_epoch(merged(share, here, placed));
     const SupplySums<Dim> all = comm_.exact_sum(sums);
     clock_.start_mass += quantum().value(all.mass);
+    if (stage()) clock_.stages.back().added_mass += quantum().value(all.mass);
     clock_.start_energy += quantum().value(all.energy);
     clock_.start_potential += quantum().value(all.potential);
     for (std::size_t a = 0; a < Dim; ++a) clock_.start_momentum[a] += quantum().value(all.momentum[a]);
