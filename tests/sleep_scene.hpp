@@ -46,7 +46,7 @@ inline Scene plate_over_bed(int dimensions) {
     plate.motion.kind = StructureMotion::table;
     plate.motion.velocity = {0, 0, 0};
     plate.motion.velocity[dimensions == 2 ? 1 : 2] = -0.2;
-    plate.motion.times = {0.25, 0.3}, plate.motion.factors = {0, 1};
+    plate.motion.factor = {{0.25, 0.3}, {0, 1}};
     scene.structures.push_back(plate);
     return scene;
 }

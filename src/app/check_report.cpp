@@ -124,6 +124,40 @@ std::string strength_lines(const Scene& scene) {
     return text;
 }
 
+/// "stage      1 settle: until rest, damping 0.7"
+std::string stage_lines(const Scene& scene) {
+    std::string text;
+    const std::vector<StageSpec>& stages = scene.course.stages;
+    for (std::size_t k = 0; k < stages.size(); ++k) {
+        const StageSpec& s = stages[k];
+        std::vector<std::string> changes = s.set;
+        for (const int b : s.removes) changes.push_back(scene.bodies[static_cast<std::size_t>(b)].name + " goes");
+        for (const BodySpec& b : scene.bodies)
+            if (b.stage == static_cast<int>(k) && k > 0) changes.push_back(b.name + " comes");
+        text +=
+            fmt::format("stage      {} {}: until {}{:.6g} s{}{}{}\n", k + 1, s.name, s.until_rest ? "rest, or " : "",
+                        s.until, s.damping > 0 ? fmt::format(", damping {:.4g}", s.damping) : "",
+                        changes.empty() ? "" : "; ", listed(changes));
+    }
+    return text;
+}
+
+/// What changes over time, and whether rest is looked for.
+std::string course_lines(const Scene& scene) {
+    const auto rests = [](const StageSpec& s) { return s.until_rest; };
+    const CourseSpec& course = scene.course;
+    std::string text = stage_lines(scene);
+    if (const TimeTable& t = course.gravity; !t.empty())
+        text +=
+            fmt::format("gravity    by a table: {:.4g} of it until {:.4g} s, {:.4g} from {:.4g} s on, at most {:.4g}\n",
+                        t.values.front(), t.times.front(), t.values.back(), t.end(), t.largest());
+    if (scene.rest.stops || std::any_of(course.stages.begin(), course.stages.end(), rests))
+        text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
+                            100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
+                            rest_interval(scene));
+    return text;
+}
+
 /// "steps      3634 of 6 substeps to t = 20 s; 21812 without, in about 2.5 times the time"
 std::string steps_line(const Scene& scene, const Prediction& p) {
     if (scene.substeps == 1) return fmt::format("steps      {:.0f} to t = {} s\n", p.steps, scene.end);
@@ -137,8 +171,8 @@ std::string steps_line(const Scene& scene, const Prediction& p) {
 std::string check_report(const Scene& scene, const CheckedRun& run) {
     const Prediction p = predict(scene);
     const int ranks = run.ranks;
-    std::string text = fmt::format("{}: good\n", scene.path);
-    if (!scene.title.empty()) text += fmt::format("title      {}\n", scene.title);
+    std::string text = fmt::format("{}: good\n", scene.source.path);
+    if (!scene.source.title.empty()) text += fmt::format("title      {}\n", scene.source.title);
     text += fmt::format("particles  {}\n", p.particles);
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);
@@ -157,10 +191,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     text += fmt::format("time       {}\n", run.timing.empty() ? run_time_text(scene, p, ranks, run.on_devices) +
                                                                     " (--time measures it here)"
                                                               : run.timing);
-    if (scene.rest.stops)
-        text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
-                            100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,
-                            rest_interval(scene));
+    text += course_lines(scene);
     if (scene.sleep.on)
         text +=
             fmt::format("sleep      blocks may: less than {:.4g} m in {:.4g} s, and {:.4g} Pa of a density of 1000\n",

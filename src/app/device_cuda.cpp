@@ -97,8 +97,8 @@ std::string compile_kernels(const Scene& scene, const std::string& folder, const
     const gpu::Program program = gpu::merged(gpu::programs_of(key));
     for (const int architecture : architectures.empty() ? std::vector<int>{MORAINE_ARCHITECTURE} : architectures)
         gpu::compile_to_disk(cache, program, architecture, say);
-    return fmt::format("{}: {} kernels in {} ({})\n", scene.path, program.kernels.size(), cache.folder().string(),
-                       key.text());
+    return fmt::format("{}: {} kernels in {} ({})\n", scene.source.path, program.kernels.size(),
+                       cache.folder().string(), key.text());
 }
 
 void check_device_memory(double bytes, const Comm& comm) {

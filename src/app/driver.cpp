@@ -66,7 +66,7 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
         sim_.hold_at_most(particles_in_memory(scene, {comm.size(), comm.on_this_machine().size, host_memory()}));
     if (scene.hazard.cell > 0) maps_ = std::make_unique<HazardMaps>(scene, comm);
     if (!scene.hazard.sections.empty()) flow_ = std::make_unique<SectionFlow>(scene, comm);
-    if (scene.rest.stops) rest_ = std::make_unique<RestWatch<Dim>>(scene, comm);
+    watch_rest();
 }
 
 template <class Real, int Dim>
@@ -98,6 +98,7 @@ void Driver<Real, Dim>::begin() {
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
         load(sim_, comm_, file, options_.restart, options_.allow_changes);
+        watch_rest();
         const SavedRecords records = saved_records(file);
         const auto changes = changes_from(scene_, file.get<std::string>("scene"), options_.allow_changes);
         changes_ = with_changes(records.changes, changes, sim_.clock().step, sim_.clock().time);
@@ -208,7 +209,7 @@ void Driver<Real, Dim>::run() {
     watchdog_->be_patient(false);
     try {
         if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
-        while (sim_.clock().time < scene_.end && !(rest_ && rest_->is_at_rest())) advance();
+        while (sim_.clock().time < scene_.end && !ends_at_rest()) advance();
         sim_.conclude();
         sample_maps();
         if (last_output_step_ != sim_.clock().step) output();
@@ -219,11 +220,39 @@ void Driver<Real, Dim>::run() {
         finish("fault");
         throw;
     }
-    finish(rest_ && rest_->is_at_rest() ? "rest" : "end");
+    finish(ends_at_rest() ? "rest" : "end");
+}
+
+template <class Real, int Dim>
+bool Driver<Real, Dim>::ends_at_rest() const {
+    return rest_ && rest_->is_at_rest() && sim_.is_last_stage();
+}
+
+/// Anew, where the run or its stage may end at rest.
+template <class Real, int Dim>
+void Driver<Real, Dim>::watch_rest() {
+    const bool looks = sim_.stage() ? sim_.stage()->until_rest : scene_.rest.stops;
+    rest_ = looks ? std::make_unique<RestWatch<Dim>>(scene_, comm_) : nullptr;
+}
+
+/// The stage before ends with a row of its own.
+template <class Real, int Dim>
+void Driver<Real, Dim>::begin_stage() {
+    sim_.conclude();
+    sample_maps();
+    if (last_output_step_ != sim_.clock().step) output();
+    const bool rests = rest_ && rest_->is_at_rest();
+    sim_.begin_stage();
+    watch_rest();
+    if (!comm_.is_root() || options_.quiet) return;
+    progress_->clear();
+    fmt::print(stderr, "Stage {} of {}, {}, begins at t = {:.6g} s{}\n", sim_.clock().stages.size(),
+               scene_.course.stages.size(), sim_.stage()->name, sim_.clock().time, rests ? ", at rest" : "");
 }
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::advance() {
+    if (sim_.stage_is_over(rest_ && rest_->is_at_rest())) begin_stage();
     if (stop_requested()) sim_.ask(ask_stop);
     const double due = scene_.output.checkpoint_wall_interval;
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
@@ -251,6 +280,7 @@ double Driver<Real, Dim>::next_look() const {
     if (structures_) look(scene_.output.structure_interval, next_structures_);
     if (maps_) next = std::min(next, maps_->next_look());
     if (rest_ && !sim_.expects_supply()) next = std::min(next, rest_->next_look());
+    if (sim_.stage()) next = std::min(next, sim_.stage()->until);
     return next;
 }
 

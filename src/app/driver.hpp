@@ -41,6 +41,9 @@ class Driver {
     void open_records(std::optional<ResumeAfter> resume, const std::vector<double>& path_rows);
     void find_written();
     void advance();
+    bool ends_at_rest() const;
+    void watch_rest();
+    void begin_stage();
     double next_look() const;
     void after_step();
     void output();
@@ -63,7 +66,7 @@ class Driver {
     std::unique_ptr<LoadRecord<Real, Dim>> loads_;                                ///< none unless the scene asks for it
     std::unique_ptr<HazardMaps> maps_;        ///< none unless the scene asks for them
     std::unique_ptr<SectionFlow> flow_;       ///< none unless the scene has sections
-    std::unique_ptr<RestWatch<Dim>> rest_;    ///< none unless the scene is to end at rest
+    std::unique_ptr<RestWatch<Dim>> rest_;    ///< none unless the run or its stage is to end at rest
     std::unique_ptr<ParticleSeries> series_;  ///< none: --no-particles
     std::unique_ptr<StructurePath> path_;     ///< none: no series, or no structure moves
     std::unique_ptr<Progress> progress_;

@@ -85,16 +85,18 @@ void check_device_scene(const Scene& scene) {
             throw InputError(fmt::format(
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
-                scene.path, m.name));
+                scene.source.path, m.name));
     if (scene.bed == Bed::surface)
-        throw InputError(
-            fmt::format("{}: numerics.bed = \"surface\" (devices do not have it). Use --device cpu?", scene.path));
+        throw InputError(fmt::format("{}: numerics.bed = \"surface\" (devices do not have it). Use --device cpu?",
+                                     scene.source.path));
+    if (!scene.course.stages.empty())
+        throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (scene.output.sleep_forecast)
         throw InputError(
-            fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.path));
+            fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));
     if (scene.output.energy_budget)
-        throw InputError(
-            fmt::format("{}: output.energy_budget = \"on\" (devices do not have it). Use --device cpu?", scene.path));
+        throw InputError(fmt::format("{}: output.energy_budget = \"on\" (devices do not have it). Use --device cpu?",
+                                     scene.source.path));
     if (scene.shape == Shape::linear || scene.shape == Shape::quadratic) return;
     const auto& all = scene.materials;
     if (std::none_of(all.begin(), all.end(), [](const MaterialSpec& m) { return has_fluid_terms(m); })) return;

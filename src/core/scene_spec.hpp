@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/data/scene_choices.hpp"
+#include "core/data/time_table.hpp"
 #include "core/material/point.hpp"
 
 namespace moraine {
@@ -52,6 +53,9 @@ struct MaterialSpec {
     bool has_profile() const { return strength.parameter >= 0; }
 };
 
+/// By axis, and there the lower and the upper face.
+using WallSpecs = std::array<std::array<WallSpec, 2>, 3>;
+
 /// Whether its particles take anything of core/fluid/pressure_smoothing.hpp and particle_shifting.hpp.
 inline bool has_fluid_terms(const MaterialSpec& material) {
     return material.pressure_smoothing > 0 || material.particle_shifting > 0;
@@ -87,6 +91,7 @@ struct BodySpec {
     std::shared_ptr<const Ground> ground;          ///< layer, inflow
     std::shared_ptr<const Hydrograph> hydrograph;  ///< inflow
     double release_time = 0;                       ///< layer [s]
+    int stage = 0;                                 ///< as whose part it comes in: its place in CourseSpec::stages
     std::array<int, 3> particles_per_cell{2, 2, 2};
     Seeding seeding = Seeding::lattice;
     double jitter = 0;  ///< largest offset, fraction of the particle spacing, 0 to 0.5
@@ -101,14 +106,13 @@ struct BodySpec {
 /// How a structure moves (core/structures/structure_motion.hpp).
 struct MotionSpec {
     StructureMotion kind = StructureMotion::fixed;
-    Triple velocity{};            ///< velocity, table: its direction and unit; free: at the start [m/s]
-    double ramp = 0;              ///< velocity: time of the rise [s]
-    Triple amplitude{};           ///< sinusoid [m]
-    double period = 0;            ///< sinusoid [s]
-    std::vector<double> times;    ///< table [s]
-    std::vector<double> factors;  ///< table: of the velocity at these times
-    double mass = 0;              ///< free [kg]
-    Triple force{};               ///< free: besides gravity and contact [N]
+    Triple velocity{};   ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;     ///< velocity: time of the rise [s]
+    Triple amplitude{};  ///< sinusoid [m]
+    double period = 0;   ///< sinusoid [s]
+    TimeTable factor;    ///< table: of the velocity
+    double mass = 0;     ///< free [kg]
+    Triple force{};      ///< free: besides gravity and contact [N]
 };
 
 struct StructureSpec {
@@ -205,18 +209,41 @@ struct BalanceSpec {
     int axis = 0;             ///< of slabs
 };
 
-struct Scene {
-    std::string name;  ///< file name without .toml
+/// A part of a run: what holds from the end of the stage before to its own (simulation/simulation_stages.cpp).
+struct StageSpec {
+    std::string name;
+    double until = 0;              ///< ends with the first step at or past it; of the last one, the end of the run [s]
+    bool until_rest = false;       ///< or sooner, once all has come to rest
+    double damping = 0;            ///< in place of Scene::damping
+    std::vector<std::string> set;  ///< KEY=VALUE, since the stage before
+    std::vector<MaterialSpec> materials;  ///< in place of Scene::materials
+    WallSpecs walls;                      ///< in place of Scene::walls
+    std::vector<int> removes;             ///< bodies that are taken away as it begins
+};
+
+/// What of a scene changes over time.
+struct CourseSpec {
+    TimeTable gravity;              ///< factor of Scene::gravity; empty: 1
+    std::vector<StageSpec> stages;  ///< in order; empty: the run is one
+};
+
+/// What a scene says of itself, and where.
+struct SceneSource {
     std::string title;
     std::string path;  ///< of the file
+};
+
+struct Scene {
+    std::string name;  ///< file name without .toml
+    SceneSource source;
     int dimensions = 3;
     Triple min{}, max{};  ///< domain [m]
     double cell = 0;      ///< h [m]
     std::array<bool, 3> periodic{};
-    std::array<std::array<WallSpec, 2>, 3> walls{};  ///< [axis][0 lower, 1 upper]
-    double end = 0;                                  ///< [s]
-    double cfl = 0.5;                                ///< dt = cfl h / (c + |v|)
-    double dt = 0;                                   ///< fixed time step [s]; 0: by cfl
+    WallSpecs walls{};
+    double end = 0;    ///< [s]
+    double cfl = 0.5;  ///< dt = cfl h / (c + |v|)
+    double dt = 0;     ///< fixed time step [s]; 0: by cfl
     Shape shape = Shape::quadratic;
     Transfer transfer = Transfer::apic;
     double flip = 1;   ///< share of FLIP against PIC
@@ -229,6 +256,7 @@ struct Scene {
     bool limits_light_nodes = true;  ///< core/grid/light_nodes.hpp
     bool boundary_spline = true;     ///< fold ghost nodes at closed walls by linear extrapolation
     Triple gravity{};                ///< [m/s2]
+    CourseSpec course;
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;

@@ -36,13 +36,21 @@ struct StepReport {
     std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };
 
+/// What holds for the sums of a step, whose dt is not known yet.
+template <int Dim>
+struct SumsOfStep {
+    NodeMean mean = NodeMean::none;     ///< that they find besides mass and momentum, for fluids
+    std::array<double, Dim> gravity{};  ///< of the step before [m/s2]
+};
+
 /// What holds for all particles of a step.
 template <int Dim>
 struct StepScales {
     double dt;                                      ///< [s]
     double mass_cutoff;                             ///< [kg]
     Quantum quantum;                                ///< of the exact sums
-    std::array<double, Dim> gravity_impulse;        ///< integral of gravity up to the end of the step [m/s]
+    std::array<double, Dim> gravity;                ///< of this step [m/s2]
+    std::array<double, Dim> gravity_impulse;        ///< its integral up to the end of the step [m/s]
     const StructureSet<Dim>* structures = nullptr;  ///< null: the scene has none
 };
 
@@ -144,9 +152,9 @@ class Engine {
 
     // The parts of a step, in this order. Collective over peers where they send or receive.
     virtual void bin() = 0;  ///< incoming particles; each block's list by cell
-    /// What the sums of this step find besides mass and momentum: a mean for fluids; in the next round also the gaps
-    /// to structures (null: the scene has none), which are kept for the step.
-    virtual void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) = 0;
+    /// In the next round the sums find also the gaps to structures (null: the scene has none), which are kept for the
+    /// step.
+    virtual void begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) = 0;
     virtual void sum(SharePart part) = 0;  ///< P2G: the boundary, and the interior after send_halo()
     virtual void send_halo() = 0;
     /// Before receive_halo(): no more particles leave than `bound`, the same on all ranks. Collective.

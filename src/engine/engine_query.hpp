@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/data/exact_sum.hpp"
 #include "core/data/plan_samples.hpp"
 #include "core/fluid/over_filling.hpp"
 
@@ -34,6 +35,16 @@ struct VolumeQuery {
     NodeVolumes volumes;  ///< answer
 };
 
+/// What a change of gravity works on the particles of this rank (core/gravity.hpp). Between binning and the gather of a
+/// step. Not collective.
+template <int Dim>
+struct GravityQuery {
+    PlanPlaces places;
+    std::array<double, Dim> change;  ///< [m/s2]
+    Quantum quantum;
+    ExactSum work;  ///< answer [J]
+};
+
 /// A particle that went wrong.
 template <int Dim>
 struct FaultRecord {
@@ -49,6 +60,7 @@ struct FaultQuery {
 };
 
 template <int Dim>
-using EngineQuery = std::variant<LayerQuery*, ColumnQuery*, LineQuery*, VolumeQuery*, FaultQuery<Dim>*>;
+using EngineQuery =
+    std::variant<LayerQuery*, ColumnQuery*, LineQuery*, VolumeQuery*, GravityQuery<Dim>*, FaultQuery<Dim>*>;
 
 }  // namespace moraine

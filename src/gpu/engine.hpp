@@ -48,6 +48,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void answer(const EngineQuery<Dim>& query) override {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
+    void find(GravityQuery<Dim>& query);
     Census census() const override { return census_; }
     BlockCounts block_counts(bool with_cells) override;
     Traffic traffic() const override;
@@ -63,7 +64,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
     void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
-    void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) override;
+    void begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) override;
     void sum(SharePart part) override;
     void send_halo() override;
     void expect_outgoing(const MigrationBound& bound) override;

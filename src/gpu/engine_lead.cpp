@@ -53,6 +53,7 @@ std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const Epo
     for (const void* p : {static_cast<const void*>(list.first), static_cast<const void*>(list.slot)})
         key.push_back(reinterpret_cast<std::uintptr_t>(p));
     for (double x : {step.mass_cutoff, step.quantum.scale}) key.push_back(std::bit_cast<std::uint64_t>(x));
+    for (double x : step.gravity) key.push_back(std::bit_cast<std::uint64_t>(x));
     key.insert(key.end(), {epoch.layout, epoch.tile_capacity});
     return key;
 }

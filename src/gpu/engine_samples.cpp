@@ -1,6 +1,7 @@
-// The engine's answers to hazard maps and sections (core/data/plan_samples.hpp): sums of columns and the particles near
-// a line go to the host, not the share.
+// The engine's answers to hazard maps, sections and changing gravity (core/data/plan_samples.hpp): sums of columns and
+// the particles near a line go to the host, not the share.
 
+#include <algorithm>
 #include <bit>
 
 #include "gpu/engine.hpp"
@@ -75,11 +76,23 @@ void DeviceEngine<Real, Dim>::find(LineQuery& query) {
     }
 }
 
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find(GravityQuery<Dim>& query) {
+    double change[Dim];
+    std::copy_n(query.change.begin(), Dim, change);
+    samples_.work.resize(1);
+    check(cudaMemsetAsync(samples_.work.data(), 0, sizeof(ExactSum), stream_), "Emptying sums");
+    sum_gravity_work(view(), query.places, change, query.quantum, samples_.work.data(), stream_);
+    stream_.wait();
+    query.work = samples_.work.host(reading_).front();
+}
+
 /// Of one precision and dimension.
 #define MORAINE_SAMPLES(Real, Dim)                             \
     template void DeviceEngine<Real, Dim>::find(LayerQuery&);  \
     template void DeviceEngine<Real, Dim>::find(ColumnQuery&); \
-    template void DeviceEngine<Real, Dim>::find(LineQuery&);
+    template void DeviceEngine<Real, Dim>::find(LineQuery&);   \
+    template void DeviceEngine<Real, Dim>::find(GravityQuery<Dim>&);
 MORAINE_SAMPLES(float, 2)
 MORAINE_SAMPLES(float, 3)
 MORAINE_SAMPLES(double, 2)

@@ -48,9 +48,9 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::begin_sums(NodeMean mean, const StructureSet<Dim>* structures) {
+void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) {
     if (structures) contact_.begin(*structures, epoch_.tables, epoch_.table.view(), method_.stencil, stream_);
-    fluid_.mean = mean;
+    fluid_.mean = sums.mean;
 }
 
 /// The first call queues boundary and interior; in the second the host has only to send the halo's messages.
@@ -146,7 +146,9 @@ Traffic DeviceEngine<Real, Dim>::traffic() const {
 
 template <class Real, int Dim>
 NodeRound<Real, Dim> DeviceEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
-    return {task, static_cast<Real>(dt), method_.gravity, method_.damping, static_cast<Real>(step.mass_cutoff)};
+    NodeRound<Real, Dim> round{task, static_cast<Real>(dt), {}, method_.damping, static_cast<Real>(step.mass_cutoff)};
+    for (int a = 0; a < Dim; ++a) round.gravity[a] = static_cast<Real>(step.gravity[static_cast<std::size_t>(a)]);
+    return round;
 }
 
 template <class Real, int Dim>

@@ -4,16 +4,18 @@
 
 namespace moraine {
 
-/// -m g . (x - domain.min) of a particle whose place is relative to the block `carry` blocks from the own one [J].
+/// -m g . (x - domain.min), by a gravity [m/s2], of a particle whose place is relative to the block `carry` blocks from
+/// the own one [J].
 template <class Real, int Dim>
-double HostEngine<Real, Dim>::potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry) {
+double HostEngine<Real, Dim>::potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry,
+                                           const std::array<double, Dim>& gravity) {
     const ParticleView<Real, Dim> p = patch_.particles.view();
     Vec<std::int32_t, Dim> position = patch_.table().position[block];
     for (int a = 0; a < Dim; ++a) position[a] += carry[static_cast<std::size_t>(a)];
     const std::array<double, Dim> x = place_in<Real, Dim>(scene_, method_.stencil, position, p.position[slot]);
     double potential = 0;
     for (std::size_t a = 0; a < Dim; ++a)
-        potential -= static_cast<double>(p.mass[slot]) * scene_.gravity[a] * (x[a] - scene_.min[a]);
+        potential -= static_cast<double>(p.mass[slot]) * gravity[a] * (x[a] - scene_.min[a]);
     return potential;
 }
 
@@ -26,7 +28,7 @@ std::vector<double> HostEngine<Real, Dim>::potentials_of(const std::vector<Conta
         const std::int32_t block = pairs[k].block;
         if (k > 0 && pairs[k - 1].block == block) continue;
         for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i)
-            potentials[k] += potential_of(block, list.slot[i], {});
+            potentials[k] += potential_of(block, list.slot[i], {}, sums_.gravity);
     }
     return potentials;
 }
@@ -41,7 +43,7 @@ void HostEngine<Real, Dim>::note_put_out(const std::vector<double>& before, cons
 /// What leaves through open ends. After the gather that moves, while lists still say where particles were: a motion is
 /// less than a cell, so a cell of 3 that follows one of 0 is of the block below.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::count_lost(const Quantum& quantum) {
+void HostEngine<Real, Dim>::count_lost(const StepScales<Dim>& step) {
     const ParticleView<Real, Dim> p = patch_.particles.view();
     const ListView<Dim> list = patch_.list();
     for (const std::int32_t block : patch_.blocks()) {
@@ -60,21 +62,21 @@ void HostEngine<Real, Dim>::count_lost(const Quantum& quantum) {
                     square += v * v;
                 }
                 EnergyAccount& energy = report_.budget.energy;
-                energy.lost_kinetic.add(quantum.of(0.5 * static_cast<double>(p.mass[s]) * square));
-                energy.lost_potential.add(quantum.of(potential_of(block, s, carry)));
+                energy.lost_kinetic.add(step.quantum.of(0.5 * static_cast<double>(p.mass[s]) * square));
+                energy.lost_potential.add(step.quantum.of(potential_of(block, s, carry, step.gravity)));
             }
     }
 }
 
 /// Adds what the nodes and the structures of the round did.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::record_energy(const Quantum& quantum, bool moved) {
+void HostEngine<Real, Dim>::record_energy(const StepScales<Dim>& step, bool moved) {
     if (!scene_.output.energy_budget) return;
     EnergyAccount& energy = report_.budget.energy;
     for (std::size_t k = 0; k < energy_.size(); ++k) energy.nodes.add(energy_[k]);
-    for (const double freed : put_out_) energy.put_out.add(quantum.of(freed));
+    for (const double freed : put_out_) energy.put_out.add(step.quantum.of(freed));
     put_out_.clear();
-    if (moved) count_lost(quantum);
+    if (moved) count_lost(step);
 }
 
 template class HostEngine<float, 2>;

@@ -112,7 +112,7 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
             patch_.grid(),
             blocks.data(),
             static_cast<std::int64_t>(blocks.size()),
-            mean_,
+            sums_.mean,
             method_.grid_bulk()};
 }
 
@@ -133,7 +133,7 @@ void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
-    const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, mean_) : blocks);
+    const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, sums_.mean) : blocks);
     const auto count = static_cast<std::int64_t>(pairs.size());
     const bool weighs = finding_ && scene_.output.energy_budget;
     const std::vector<double> held = weighs ? potentials_of(pairs) : std::vector<double>{};
@@ -180,7 +180,9 @@ void HostEngine<Real, Dim>::find(VolumeQuery& query) {
 
 template <class Real, int Dim>
 NodeRound<Real, Dim> HostEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
-    return {task, static_cast<Real>(dt), method_.gravity, method_.damping, static_cast<Real>(step.mass_cutoff)};
+    NodeRound<Real, Dim> round{task, static_cast<Real>(dt), {}, method_.damping, static_cast<Real>(step.mass_cutoff)};
+    for (int a = 0; a < Dim; ++a) round.gravity[a] = static_cast<Real>(step.gravity[static_cast<std::size_t>(a)]);
+    return round;
 }
 
 template <class Real, int Dim>
@@ -284,7 +286,7 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
     Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
-    const bool shifts = mean_ == NodeMean::volume && method_.shifts();
+    const bool shifts = sums_.mean == NodeMean::volume && method_.shifts();
     if (shifts && step.structures) shifting.contact = step.structures->field();
     GatherCall<Real, Dim> gather{method_.stress(),
                                  method_.ends,
@@ -295,12 +297,12 @@ void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& st
     method_.kernels.g2p(transfer_call(sleepers_ ? sleepers_->awake() : patch_.blocks()), gather);
     if (sleepers_) sleepers_->stay();
     if (&round == &method_.rounds.front()) fault_records_.clear();
-    record_step(step.quantum, (round.gather & (gather_motion | gather_second_motion)) != 0);
+    record_step(step, (round.gather & (gather_motion | gather_second_motion)) != 0);
 }
 
 /// Adds up what the round did; `moved`: particles have been moved by it.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
+void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved) {
     for (std::int32_t b : patch_.blocks()) {
         const BlockOutcome& out = patch_.outcome(b);
         report_.signal = std::max(report_.signal, out.signal);
@@ -309,7 +311,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
         report_.faults |= out.faults;
         if (out.faults) note_fault(b, out, moved);
         report_.clamped += out.clamped;
-        report_.budget.work.add(quantum.of(out.work));
+        report_.budget.work.add(step.quantum.of(out.work));
     }
     if (buried_.id != Buried<Dim>{}.id) {
         report_.faults |= fault_buried;
@@ -319,7 +321,7 @@ void HostEngine<Real, Dim>::record_step(const Quantum& quantum, bool moved) {
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
     if (surfaces_) surfaces_->forces.take_impulse(report_.budget.impulse);
-    record_energy(quantum, moved);
+    record_energy(step, moved);
 }
 
 /// Records the faulty particle of a block, before binning moves it on.

@@ -35,6 +35,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void answer(const EngineQuery<Dim>& query) override {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
+    void find(GravityQuery<Dim>& query);
 
     BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) override {
         return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
@@ -43,9 +44,9 @@ class HostEngine final : public Engine<Real, Dim> {
 
     void check_sleep(bool first, const Quantum& quantum, const StructureSet<Dim>* structures) override;
     void bin() override;
-    void begin_sums(NodeMean mean, const StructureSet<Dim>* structures) override {
+    void begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) override {
         if (structures) find_gaps(*structures);
-        mean_ = mean;
+        sums_ = sums;
     }
     void sum(SharePart part) override {
         part == SharePart::boundary ? sum(patch_.boundary(), pairs_.boundary())
@@ -88,18 +89,19 @@ class HostEngine final : public Engine<Real, Dim> {
     template <bool Contact, bool Energy>
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact,
                std::span<const std::int32_t> nodes);
-    double potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry);
+    double potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry,
+                        const std::array<double, Dim>& gravity);
     std::vector<double> potentials_of(const std::vector<ContactPair>& pairs);
     void note_put_out(const std::vector<double>& before, const std::vector<double>& after);
-    void count_lost(const Quantum& quantum);
-    void record_energy(const Quantum& quantum, bool moved);
+    void count_lost(const StepScales<Dim>& step);
+    void record_energy(const StepScales<Dim>& step, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     HostTerms<Real, Dim> terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const;
     PressureContext<Real, Dim> pressure_context();
     void sum_pressures(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
-    void record_step(const Quantum& quantum, bool moved);
+    void record_step(const StepScales<Dim>& step, bool moved);
     void note_fault(std::int32_t block, const BlockOutcome& out, bool moved);
     void lose(std::uint32_t slot, const StepScales<Dim>& step);
 
@@ -118,7 +120,7 @@ class HostEngine final : public Engine<Real, Dim> {
     Host::Array<ExactSum> impulse_;
     Host::Array<NodeEnergy> energy_;  ///< with an energy budget, as the next
     std::vector<double> put_out_;     ///< potential energy that blocks set free in this step [J]
-    NodeMean mean_ = NodeMean::none;
+    SumsOfStep<Dim> sums_;
     Host::Array<HeldNode<Real, Dim>> held_;  ///< of the grid's pressure, as the next two
     Host::Array<CellPressure<Real>> cells_;
     Host::Array<CellNode<Real, Dim>> factors_;

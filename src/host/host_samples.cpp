@@ -1,7 +1,8 @@
-// The host's engine: what maps and sections ask of its particles (core/data/plan_samples.hpp).
+// The host's engine: what maps, sections and changing gravity ask of its particles (core/data/plan_samples.hpp).
 
 #include <algorithm>
 
+#include "core/data/gravity_work.hpp"
 #include "host/host_engine.hpp"
 
 namespace moraine {
@@ -81,11 +82,36 @@ void HostEngine<Real, Dim>::find(LineQuery& query) {
     }
 }
 
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(GravityQuery<Dim>& query) {
+    const ListView<Dim> list = patch_.list();
+    const ParticleView<Real, Dim> p = patch_.particles.view();
+    const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+    double change[Dim];
+    std::copy_n(query.change.begin(), Dim, change);
+    query.work = {};
+#pragma omp parallel
+    {
+        ExactSum mine;
+#pragma omp for schedule(dynamic, 64) nowait
+        for (int b = 0; b < patch_.own(); ++b)
+            for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
+                const std::uint32_t s = list.slot[k];
+                const auto u = [&](int a) { return p.position[s][a]; };
+                mine.add(query.quantum.of(gravity_work<Real>(
+                    query.places, change, position[static_cast<std::size_t>(b)], u, static_cast<double>(p.mass[s]))));
+            }
+#pragma omp critical
+        query.work.add(mine);
+    }
+}
+
 /// Of one precision and dimension.
 #define MORAINE_SAMPLES(Real, Dim)                           \
     template void HostEngine<Real, Dim>::find(LayerQuery&);  \
     template void HostEngine<Real, Dim>::find(ColumnQuery&); \
-    template void HostEngine<Real, Dim>::find(LineQuery&);
+    template void HostEngine<Real, Dim>::find(LineQuery&);   \
+    template void HostEngine<Real, Dim>::find(GravityQuery<Dim>&);
 MORAINE_SAMPLES(float, 2)
 MORAINE_SAMPLES(float, 3)
 MORAINE_SAMPLES(double, 2)

@@ -1,4 +1,4 @@
-// Profiles, polygons, points, lines and inflows of text files.
+// Profiles, polygons, points, lines, inflows and tables of time of text files.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -136,6 +136,20 @@ std::vector<std::array<double, 3>> read_hydrograph(const std::string& path, cons
                  rows.push_back({words.number(cells[0], "time"), words.number(cells[1], "discharge"),
                                  words.number(cells[2], "speed")});
              });
+    return rows;
+}
+
+std::vector<std::array<double, 2>> read_time_table(const std::string& path, const std::string& key) {
+    std::vector<std::array<double, 2>> rows;
+    each_row(path, "table of time", key, {"time", "value"},
+             [&](const std::vector<std::string_view>& cells, const Words& words) {
+                 const double time = words.number(cells[0], "time");
+                 if (time < 0 || (!rows.empty() && time <= rows.back()[0]))
+                     refuse(words.place(), fmt::format("time = {}", time),
+                            "times rise from 0 s on, and each is there once", "Put the rows in order?");
+                 rows.push_back({time, words.number(cells[1], "value")});
+             });
+    if (rows.empty()) refuse(path, "no rows", "a table has one at least", "Is the file complete?");
     return rows;
 }
 

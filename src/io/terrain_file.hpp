@@ -36,6 +36,9 @@ std::vector<GisShape> read_points(const std::string& path, const std::string& ke
 /// Rows of an inflow's table. Throws InputError.
 std::vector<std::array<double, 3>> read_hydrograph(const std::string& path, const std::string& key);
 
+/// Times and values of a table of time, rising from 0 on. Throws InputError with the line.
+std::vector<std::array<double, 2>> read_time_table(const std::string& path, const std::string& key);
+
 /// The one line of a GeoJSON, without its name. Throws InputError.
 GisShape read_line(const std::string& path, const std::string& key);
 

@@ -122,8 +122,8 @@ void check_capacity(const Scene& scene, const Machine& machine) {
     const auto particles = static_cast<double>(p.particles);
     if (particles > most_slots * machine.ranks)
         throw InputError(fmt::format(
-            "{}: {:.3g} particles on {} rank{} (a rank numbers at most {:.0f}). Use {:.0f} ranks, or a {}?", scene.path,
-            particles, machine.ranks, machine.ranks == 1 ? "" : "s", most_slots,
+            "{}: {:.3g} particles on {} rank{} (a rank numbers at most {:.0f}). Use {:.0f} ranks, or a {}?",
+            scene.source.path, particles, machine.ranks, machine.ranks == 1 ? "" : "s", most_slots,
             std::ceil(1.1 * particles / most_slots), coarser(scene, particles / most_slots / machine.ranks)));
     const double bytes = machine.ranks_here * bytes_of(scene, p, machine);
     if (machine.memory <= 0 || bytes <= machine.memory) return;
@@ -131,7 +131,7 @@ void check_capacity(const Scene& scene, const Machine& machine) {
     throw InputError(fmt::format(
         "{}: {:.3g} particles need {:.3g} GB of memory for {} rank{} here (this machine has {:.3g} GB). Use {:.0f} "
         "such machines with {} rank{} each, or a {}?{}",
-        scene.path, particles, bytes / 1e9, machine.ranks_here, machine.ranks_here == 1 ? "" : "s",
+        scene.source.path, particles, bytes / 1e9, machine.ranks_here, machine.ranks_here == 1 ? "" : "s",
         machine.memory / 1e9, std::ceil(1.05 * excess * machine.ranks / machine.ranks_here), machine.ranks_here,
         machine.ranks_here == 1 ? "" : "s", coarser(scene, excess),
         machine.devices && machine.writes_particles ? " Or --no-particles?" : ""));

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/courant.hpp"
+#include "core/gravity.hpp"
 #include "core/material/laws.hpp"
 #include "core/transfer/method.hpp"
 #include "predict/prediction.hpp"
@@ -88,7 +89,7 @@ void warn_of_mach(const Scene& scene, const BodySpec& body, std::vector<std::str
     const Extent e = extent_of(body, scene.dimensions);
     double square = norm(body.velocity) * norm(body.velocity);
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
-        square += 2 * std::abs(scene.gravity[a]) * (e.upper[a] - e.lower[a]);
+        square += 2 * largest_gravity(scene) * std::abs(scene.gravity[a]) * (e.upper[a] - e.lower[a]);
     const double speed = std::sqrt(square), wave = wave_speed(scene, body);
     if (speed <= most_mach * wave) return;
     const std::string& material = scene.materials[static_cast<std::size_t>(body.material)].name;
@@ -151,12 +152,8 @@ void warn_of_transfer(const Scene& scene, const BodySpec& body, std::vector<std:
 
 /// As its motion says; of a free one at the start.
 double fastest(const MotionSpec& motion) {
-    double factor = 1;
     if (motion.kind == StructureMotion::sinusoid) return 2 * std::numbers::pi * norm(motion.amplitude) / motion.period;
-    if (motion.kind == StructureMotion::table) {
-        factor = 0;
-        for (const double f : motion.factors) factor = std::max(factor, std::abs(f));
-    }
+    const double factor = motion.kind == StructureMotion::table ? motion.factor.largest() : 1;
     return motion.kind == StructureMotion::fixed ? 0 : factor * norm(motion.velocity);
 }
 

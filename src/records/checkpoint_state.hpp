@@ -94,6 +94,55 @@ void each_energy_entry(Budget<Dim>& budget, bool has_surfaces, const F& f) {
     f("energy_pressures", energy.pressures);
 }
 
+/// A sum over ranks, as a checkpoint holds it.
+inline std::vector<std::int64_t> stored_sum(const ExactSum& sum) {
+    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
+}
+inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
+    const auto& words = file.get<std::vector<std::int64_t>>(name);
+    if (words.size() != 2) file.refuse(fmt::format("header/{} is no sum", name));
+    return {words[0], std::bit_cast<std::uint64_t>(words[1])};
+}
+
+/// Gravity of the last step and the work of its changes; only in scenes in which it changes.
+template <int Dim>
+void save_gravity(const RunClock<Dim>& clock, Budget<Dim>& budget, CheckpointHeader& header) {
+    header["gravity"] = std::vector<double>(clock.gravity.begin(), clock.gravity.end());
+    header["gravity_work"] = stored_sum(budget.gravity_work);
+}
+template <int Dim>
+void take_gravity(const CheckpointReader& file, RunClock<Dim>& clock, Budget<Dim>& budget) {
+    const auto& gravity = file.get<std::vector<double>>("gravity");
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (gravity.size() != Dim || !std::all_of(gravity.begin(), gravity.end(), finite))
+        file.refuse("no run has such a gravity");
+    std::copy(gravity.begin(), gravity.end(), clock.gravity.begin());
+    budget.gravity_work = sum_of_stored(file, "gravity_work");
+}
+
+/// Stages that have begun: what StageBegin holds of each; only in scenes that have stages.
+inline std::vector<double> stored_stages(const std::vector<StageBegin>& stages) {
+    std::vector<double> all;
+    for (const StageBegin& s : stages)
+        all.insert(all.end(), {s.time, static_cast<double>(s.step), s.removed_mass, s.removed_energy, s.added_mass});
+    return all;
+}
+template <int Dim>
+void take_stages(const CheckpointReader& file, std::size_t most, RunClock<Dim>& clock) {
+    constexpr std::size_t words = 5;
+    const auto& all = file.get<std::vector<double>>("stages");
+    if (all.empty() || all.size() % words != 0 || all.size() / words > most) file.refuse("no run has such stages");
+    double before = 0;
+    for (std::size_t k = 0; k < all.size(); k += words) {
+        const bool rises = all[k] >= before && all[k] <= clock.time;
+        const bool counts = all[k + 1] >= 0 && all[k + 1] <= static_cast<double>(clock.step);
+        if (!rises || !counts || !std::all_of(&all[k], &all[k] + words, [](double x) { return std::isfinite(x); }))
+            file.refuse("no run has such stages");
+        before = all[k];
+        clock.stages.push_back({all[k], static_cast<std::int64_t>(all[k + 1]), all[k + 2], all[k + 3], all[k + 4]});
+    }
+}
+
 /// Names of the sums of all structures, and the sums.
 template <int Dim, class F>
 void each_structure_sum(StructureSet<Dim>& set, const F& f) {
@@ -179,16 +228,6 @@ void take_start_potential(const CheckpointReader& file, RunClock<Dim>& clock) {
     const auto& potential = file.get<std::vector<double>>("start_potential");
     if (potential.size() != 1 || !std::isfinite(potential[0])) file.refuse("no run has such a potential energy");
     clock.start_potential = potential[0];
-}
-
-/// A sum over ranks, as a checkpoint holds it.
-inline std::vector<std::int64_t> stored_sum(const ExactSum& sum) {
-    return {sum.high, std::bit_cast<std::int64_t>(sum.low)};
-}
-inline ExactSum sum_of_stored(const CheckpointReader& file, const std::string& name) {
-    const auto& words = file.get<std::vector<std::int64_t>>(name);
-    if (words.size() != 2) file.refuse(fmt::format("header/{} is no sum", name));
-    return {words[0], std::bit_cast<std::uint64_t>(words[1])};
 }
 
 /// Collective.
@@ -280,6 +319,8 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         each_energy_entry(budget, sim.scene().bed == Bed::surface, store);
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
+    if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
+    if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
     save_structures(sim, comm, header);
 
@@ -363,6 +404,9 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     const auto take = [&](const std::string& name, ExactSum& entry) { entry = sum_of_stored(file, "ledger_" + name); };
     each_budget_entry(budget, take);
     RunClock<Dim> clock = clock_of<Dim>(file);
+    clock.gravity = sim.clock().gravity;  // of the start
+    if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
+    if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);
         take_sleep_check(file, clock);

@@ -30,7 +30,7 @@ MapTags map_tags(const Simulation<Real, Dim>& sim, const std::vector<std::string
                                          body.thickness / scene.cell));
     for (const std::string& warning : warnings) append(said, warning);
     return {{"scene", scene.name},
-            {"title", scene.title},
+            {"title", scene.source.title},
             {"version", version_text},
             {"commit", commit_text},
             {"laws", laws},

@@ -24,7 +24,7 @@ inline Json vector(const Scene& scene, const Triple& v) {
 }
 
 inline Json walls(const Scene& scene) {
-    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic"};
+    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic", "law"};
     std::vector<Json> list;
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         for (std::size_t side = 0; side < 2; ++side)
@@ -36,7 +36,7 @@ inline Json walls(const Scene& scene) {
 /// The ground of a scene in 2-D, down to the domain's lower end; in 3-D its file alone, from where the run was started.
 inline Json ground(const Scene& scene, const StructureSpec& s) {
     Json::Named named{{"name", s.name}, {"shape", scene.dimensions == 2 ? "polygon" : "ground"}};
-    named.emplace_back("file", (std::filesystem::path(scene.path).parent_path() / s.file).string());
+    named.emplace_back("file", (std::filesystem::path(scene.source.path).parent_path() / s.file).string());
     named.emplace_back("spacing", s.ground->spacing);
     named.emplace_back("crs", s.ground->crs);
     if (scene.dimensions == 3) return named;
@@ -129,7 +129,7 @@ inline Json surroundings(const Scene& scene, const std::vector<double>& volumes)
     for (const StructureSpec& s : scene.structures) structures.push_back(scene_record::structure(scene, s));
     Json::Named all{{"version", version_text},
                     {"scene", scene.name},
-                    {"title", scene.title},
+                    {"title", scene.source.title},
                     {"dimensions", scene.dimensions},
                     {"domain", Json::Named{{"min", scene_record::vector(scene, scene.min)},
                                            {"max", scene_record::vector(scene, scene.max)},

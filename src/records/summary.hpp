@@ -153,6 +153,30 @@ Json sleep_in_summary(const TimeSeriesRow<Dim>& row, const RunCounts& counts) {
     return Json::Named{{"asleep", row.asleep}, {"share_of_particle_steps", share}, {"kinetic_J", row.slept}};
 }
 
+/// The stages that have begun.
+template <int Dim>
+Json stages_in_summary(const Scene& scene, const RunClock<Dim>& clock) {
+    std::vector<Json> list;
+    for (std::size_t k = 0; k < clock.stages.size(); ++k) {
+        const StageBegin& begin = clock.stages[k];
+        list.push_back(Json::Named{{"name", scene.course.stages[k].name},
+                                   {"begin_s", begin.time},
+                                   {"begin_step", begin.step},
+                                   {"removed_mass_kg", begin.removed_mass},
+                                   {"removed_energy_J", begin.removed_energy},
+                                   {"added_mass_kg", begin.added_mass}});
+    }
+    return list;
+}
+
+/// Mean over the steps of this process.
+inline double per_step(const RunCounts& counts, double sum) {
+    return sum / std::max(1.0, static_cast<double>(counts.steps));
+}
+inline double mean_imbalance(const RunCounts& counts) {
+    return counts.steps > 0 ? std::min(per_step(counts, counts.imbalance_sum), counts.imbalance_max) : 1;
+}
+
 /// Of what ranks count each for itself. Collective.
 inline std::vector<std::int64_t> sums_of(const RunCounts& counts, const Comm& comm) {
     std::vector<std::int64_t> sums{counts.migrated_particles, counts.crossed_particles, counts.halo_bytes,
@@ -171,6 +195,7 @@ template <class Real, int Dim>
 void add_where_there(Json::Named& summary, Simulation<Real, Dim>& sim, const TimeSeriesRow<Dim>& last,
                      const RunCounts& counts, const std::string& changes) {
     if (sim.scene().sleep.on) summary.emplace_back("sleep", sleep_in_summary(last, counts));
+    if (sim.stage()) summary.emplace_back("stages", stages_in_summary(sim.scene(), sim.clock()));
     if (!changes.empty()) summary.emplace_back("changes", changes_in_summary(changes));
     if (!sim.structures().empty()) summary.emplace_back("structures", structures_in_summary(sim));
 }
@@ -183,12 +208,11 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
     const RunCounts counts = sim.counts_so_far();
     const TimeSeriesRow<Dim> last = observe(sim, comm);
     const std::vector<std::int64_t> sums = sums_of(counts, comm);
-    const double steps = counts.steps > 0 ? static_cast<double>(counts.steps) : 1;
     Json::Named summary{
         {"version", version_text},
         {"commit", commit_text},
         {"scene", sim.scene().name},
-        {"title", sim.scene().title},
+        {"title", sim.scene().source.title},
         {"machine", processor_name(comm)},
         {"device", sim.engine().device().name},
         {"kernel_compiler", sim.engine().device().compiler},
@@ -203,16 +227,16 @@ Json summarize(Simulation<Real, Dim>& sim, const Comm& comm, const TimeReport& t
         {"wall_s", times.wall},
         {"stepping_s", comm.max(stepping)},
         {"particle_steps_per_s", stepping > 0 ? counts.particle_steps / stepping : 0.0},
-        {"imbalance_mean", counts.steps > 0 ? std::min(counts.imbalance_sum / steps, counts.imbalance_max) : 1.0},
+        {"imbalance_mean", mean_imbalance(counts)},
         {"imbalance_max", counts.imbalance_max},
-        {"imbalance_time_mean", counts.steps > 0 ? counts.imbalance_time_sum / steps : 1.0},
+        {"imbalance_time_mean", counts.steps > 0 ? per_step(counts, counts.imbalance_time_sum) : 1.0},
         {"repartitions", counts.repartitions},
         {"times_s", times.json()},
         {"migrated_particles", sums[0]},
         {"crossed_particles", sums[1]},
         {"halo_bytes", sums[2]},
         {"hosts", host_count(sim.hosts())},
-        {"blocks_between_hosts_mean", static_cast<double>(sums[4]) / steps},
+        {"blocks_between_hosts_mean", per_step(counts, static_cast<double>(sums[4]))},
         {"clamped_boxes", sums[3]},
         {"lost_particles", last.lost_particles},
         {"state_hash", fmt::format("{:016x}", state_hash(sim))},

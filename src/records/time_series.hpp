@@ -42,11 +42,14 @@ struct TimeSeriesRow {
     double potential = 0;      ///< -sum m g . (x - domain.min) [J]
     bool falls_round = false;  ///< gravity along a periodic axis: the potential energy jumps where particles come round
     double dissipated = 0;     ///< work of the stresses less what is stored [J]
-    double unaccounted =
-        0;  ///< start energy less all of the above and work on structures: transfer, friction on walls, what left [J]
-    double front = 0;  ///< see front_of [m]
+    double unaccounted = 0;    ///< start energy, with the work of changing gravity, less all of the above and work on
+                               ///< structures: transfer, friction on walls, what left [J]
+    double front = 0;          ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
-    double slept = 0;  ///< kinetic energy that sleep took [J]
+    double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
+    bool gravity_changes = false;
+    std::size_t stage = 0;  ///< its number, from 1 on; 0: the scene has none
+    double slept = 0;       ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
@@ -71,6 +74,8 @@ struct TimeSeriesRow {
         per_axis("momentum_error", "kg_m_s");
         names.push_back("over_filling");
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
+        if (!scene.course.stages.empty()) names.emplace_back("stage");
+        if (!scene.course.gravity.empty()) names.emplace_back("gravity_work_J");
         if (scene.output.energy_budget) {
             const std::vector<std::string> more = EnergyBudget::columns(scene.bed == Bed::surface);
             names.insert(names.end(), more.begin(), more.end());
@@ -93,6 +98,8 @@ struct TimeSeriesRow {
         add(momentum_error);
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
+        if (stage > 0) v.push_back(static_cast<double>(stage));
+        if (gravity_changes) v.push_back(gravity_work);
         if (energy) {
             const auto more = energy->values();
             v.insert(v.end(), more.begin(), more.end());
@@ -137,7 +144,8 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     const double put_out = value(account.put_out);
     EnergyBudget energy;
     energy.transfer = start_kinetic + value(account.nodes.gain) - row.totals.kinetic - lost_kinetic;
-    energy.shift = clock.start_potential - row.potential - lost_potential - value(account.nodes.fall) - put_out;
+    energy.shift =
+        clock.start_potential + row.gravity_work - row.potential - lost_potential - value(account.nodes.fall) - put_out;
     energy.wall = value(account.nodes.walls);
     energy.contact = value(account.nodes.contact) - work + put_out;
     energy.damping = value(account.nodes.damping);
@@ -145,6 +153,23 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     energy.slave = value(account.nodes.slaves);
     energy.pressure = value(account.pressures);
     return energy;
+}
+
+/// What has changed the momentum, and what is left unexplained. felt: by structures.
+template <class Real, int Dim>
+void observe_momentum(TimeSeriesRow<Dim>& row, const Simulation<Real, Dim>& sim, const Budget<Dim>& budget,
+                      const std::vector<StructureSums<Dim>>& felt) {
+    const RunClock<Dim>& clock = sim.clock();
+    const auto value = [quantum = sim.quantum()](const ExactSum& sum) { return quantum.value(sum); };
+    for (std::size_t a = 0; a < Dim; ++a) {
+        row.wall_impulse[a] = value(budget.impulse[a]);
+        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - value(budget.lost_gravity_impulse[a]);
+        row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
+        row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
+                                row.gravity_impulse[a] - row.wall_impulse[a];
+        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
+        if (sim.scene().sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
+    }
 }
 
 /// Binned state only. Three reductions at most. Collective.
@@ -168,20 +193,16 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.lost_particles = budget.lost_count;
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);
-    row.potential = potential_energy(scene, row.totals);
+    row.potential = potential_energy(scene, clock.gravity, row.totals);
     for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && scene.gravity[a] != 0;
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
-    for (std::size_t a = 0; a < Dim; ++a) {
-        row.wall_impulse[a] = value(budget.impulse[a]);
-        const double unfelt = row.lost_mass * clock.gravity_impulse[a] - value(budget.lost_gravity_impulse[a]);
-        row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
-        row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
-                                row.gravity_impulse[a] - row.wall_impulse[a];
-        for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
-        if (scene.sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
-    }
+    observe_momentum(row, sim, budget, felt);
+    row.stage = clock.stages.size();
+    row.gravity_work = value(budget.gravity_work);
+    row.gravity_changes = !scene.course.gravity.empty();
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
+    if (row.gravity_changes) row.unaccounted += row.gravity_work;
     if (scene.sleep.on) {
         row.asleep = all.asleep;
         row.slept = value(budget.slept_kinetic);

@@ -16,7 +16,9 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_stages.hpp"
 #include "scene/scene_strength.hpp"
+#include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
 #include "seeding/strength_profile.hpp"
@@ -45,13 +47,9 @@ class Reader {
 
     Scene read(const std::function<void(const Scene&)>& admit) {
         refuse_unknown_keys(root_, file_);
-        scene_.path = file_;
+        scene_.source.path = file_;
         scene_.name = std::filesystem::path(file_).stem().string();
-        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
-            const std::string name = section;
-            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
-            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
-        }
+        read_sections();
         check_domain_is_said();
         if (places_.has("time.cfl") && places_.has("time.dt"))
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
@@ -59,6 +57,7 @@ class Reader {
         if (!places_.has("numerics.transfer")) scene_.transfer = standard_transfer(scene_.shape);
         if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
+        read_time_tables();
         each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
         each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
@@ -80,6 +79,7 @@ class Reader {
         });
         load_profiles(scene_, places_);
         each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        read_stages();
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
@@ -87,12 +87,74 @@ class Reader {
         if (admit) admit(scene_);
         check_particles(scene_, places_);
         check_structures(scene_, places_);
-        for (std::size_t a = 0; a < 3; ++a)
-            if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+        close_periodic_axes();
         return scene_;
     }
 
   private:
+    /// Of a stage, whose keys are set in `root`.
+    Reader(const Reader& scene, toml::table root) : file_(scene.file_), root_(std::move(root)), places_(scene.file_) {}
+
+    /// Tables that are written once.
+    void read_sections() {
+        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
+            const std::string name = section;
+            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
+            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
+        }
+    }
+
+    void close_periodic_axes() {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
+    }
+
+    /// What stages may change: materials and walls.
+    Scene read_strengths() {
+        refuse_unknown_keys(root_, file_);
+        read_sections();
+        each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
+        each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        if (root_.contains("terrain")) open_faces(scene_, places_);
+        close_periodic_axes();
+        return scene_;
+    }
+
+    /// A wall of a new kind has no keys of its former one.
+    static void forget_wall(toml::table& root, const std::string& setting) {
+        const std::size_t kind = setting.find(".kind=");
+        toml::array* walls = root.contains("wall") ? root.get("wall")->as_array() : nullptr;
+        if (!walls || !setting.starts_with("wall.") || kind == std::string::npos) return;
+        for (toml::node& wall : *walls)
+            if (wall.as_table()->get("face")->value_or(std::string()) == setting.substr(5, kind - 5))
+                for (const char* key : {"friction", "alpha", "su", "xi", "density"}) wall.as_table()->erase(key);
+    }
+
+    /// Each stage sets keys beside those that the ones before have set. Of the table only these are read from then on.
+    void read_stages() {
+        std::vector<StageText> texts;
+        each_of("stage", [&](const toml::table& table, const std::string& path) {
+            StageText text;
+            read_table(&table, "stage", path, stage_rows(), text);
+            texts.push_back(std::move(text));
+        });
+        complete_stages(scene_, texts, places_);
+        for (StageSpec& stage : scene_.course.stages) {
+            const std::string path = "stage." + stage.name + ".set";
+            for (const std::string& setting : stage.set) {
+                check_setting(scene_, setting, path, places_);
+                forget_wall(root_, setting);
+            }
+            for (const std::string& setting : stage.set) apply_set(root_, setting, path);
+            Reader in_stage(*this, std::move(root_));  // a copy of the table would not know its lines
+            const Scene changed = in_stage.read_strengths();
+            root_ = std::move(in_stage.root_);
+            check_profiles_stay(scene_, changed, path, places_);
+            stage.materials = changed.materials;
+            stage.walls = changed.walls;
+        }
+    }
+
     const toml::table* section_table(const toml::table& parent, const std::string& name) {
         const toml::node* node = parent.get(name);
         return node ? node->as_table() : nullptr;  // refuse_unknown_keys has seen to the type
@@ -186,6 +248,21 @@ class Reader {
         scene_.materials.push_back(std::move(material));
     }
 
+    void read_time_tables() {
+        each_of("table", [&](const toml::table& table, const std::string& path) {
+            TableSpec spec;
+            read_table(&table, "table", path, table_rows(), spec);
+            spec.rows = complete_table(scene_, spec, path, places_);
+            tables_.push_back(std::move(spec));
+        });
+        if (places_.has("gravity_table")) scene_.course.gravity = table_of(root_, "gravity_table", "gravity_table");
+    }
+
+    /// The rows of the table of time that a key of a table names.
+    const TimeTable& table_of(const toml::table& table, const std::string& key, const std::string& path) const {
+        return table_named(tables_, table.get(key)->as_string()->get(), path, places_);
+    }
+
     /// Position of the material that a body or release names.
     int material_of(const toml::table& table, const std::string& path) {
         const std::string wanted = table.get("material")->as_string()->get();
@@ -231,6 +308,13 @@ class Reader {
             if (const toml::table* nested = section_table(table, part))
                 read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
         complete_law(scene_, structure, path + ".contact", places_);
+        if (const std::string key = path + ".motion.table"; places_.has(key)) {
+            for (const char* other : {".motion.times", ".motion.factors"})
+                if (places_.has(path + other))
+                    refuse(places_.of(path + other), fmt::format("{}{} beside {}", path, other, key),
+                           "its rows are in the table", "Remove one of them?");
+            structure.motion.factor = table_of(*section_table(table, "motion"), "table", key);
+        }
         scene_.structures.push_back(std::move(structure));
     }
 
@@ -278,6 +362,7 @@ class Reader {
     toml::table root_;
     Places places_;
     Scene scene_;
+    std::vector<TableSpec> tables_;
     std::vector<FacedWall> beds_;  ///< that have a law of structures
 };
 

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <optional>
 
+#include "core/gravity.hpp"
 #include "core/material/laws.hpp"
 #include "core/transfer/method.hpp"
 #include "io/deflate.hpp"
 #include "scene/scene_keys.hpp"
+#include "scene/scene_stages.hpp"
 
 namespace moraine {
 namespace {
@@ -178,12 +180,12 @@ void check_fields(const Scene& scene, const Places& places) {
 }
 
 void check_starts(const Scene& scene, const Places& places) {
-    const bool weightless = scene.gravity == Triple{};
+    const bool weightless = gravity_at(scene, 0) == Triple{};
     for (const BodySpec& body : scene.bodies) {
         const std::string path = path_of(body);
         if (body.geostatic && weightless)
-            refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero",
-                   "Set gravity?");
+            refuse(places.of(path + ".geostatic"), path + ".geostatic without weight", "gravity is zero at the start",
+                   "Set gravity, or a table that does not begin with 0?");
         if (body.wave.wavelength > 0 && body.wave.axis >= scene.dimensions)
             refuse(places.of(path + ".wave.axis"), path + ".wave.axis = \"z\"", "the scene has 2 dimensions",
                    "Did you mean \"x\"?");
@@ -209,6 +211,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_sleep(scene, places);
     check_energy_budget(scene, places);
     check_bed(scene, places);
+    check_stages(scene, places);
 }
 
 }  // namespace moraine

@@ -7,6 +7,7 @@
 #include "core/material/laws.hpp"
 #include "predict/lattice_prediction.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_stages.hpp"
 #include "scene/scene_strength.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_state.hpp"
@@ -145,7 +146,8 @@ void check_overlaps(const Scene& scene, const Places& places) {
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (scene.bodies[a].release_time == scene.bodies[b].release_time && !scene.bodies[a].hydrograph &&
-                !scene.bodies[b].hydrograph && may_touch(extents[a], extents[b], scene.dimensions)) {
+                !scene.bodies[b].hydrograph && meet(scene, a, b) &&
+                may_touch(extents[a], extents[b], scene.dimensions)) {
                 check_overlap(scene, places, a, b);
                 check_overlap(scene, places, b, a);
             }

@@ -48,11 +48,12 @@ void check_motion(const Scene& scene, const StructureSpec& s, const Places& plac
     const std::string path = path_of(s) + ".motion";
     const MotionSpec& m = s.motion;
     if (m.kind == StructureMotion::table) {
-        if (m.times.empty() || m.times.size() != m.factors.size())
+        if (m.factor.times.empty() || m.factor.times.size() != m.factor.values.size())
             refuse(places.of(path + ".factors"),
-                   fmt::format("{} has {} times and {} factors", path, m.times.size(), m.factors.size()),
-                   "each time has a factor", "Give as many of both?");
-        if (m.times.front() < 0 || !std::is_sorted(m.times.begin(), m.times.end(), std::less_equal<>()))
+                   fmt::format("{} has {} times and {} factors", path, m.factor.times.size(), m.factor.values.size()),
+                   "each time has a factor", "Give as many of both, or name a table?");
+        if (m.factor.times.front() < 0 ||
+            !std::is_sorted(m.factor.times.begin(), m.factor.times.end(), std::less_equal<>()))
             refuse(places.of(path + ".times"), path + ".times do not rise from 0 on", "a time is there once",
                    "Put them in order?");
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/rest_interval.hpp"
 #include "core/transfer/method.hpp"
@@ -38,15 +39,39 @@ void check_courant(const Scene& scene, const Places& places) {
 
 /// Rest is of what has no clock of its own.
 void check_rest(const Scene& scene, const Places& places) {
-    if (!scene.rest.stops) return;
-    const std::string what = "time.stop = \"rest\"";
+    std::string key = "time.stop", what = "time.stop = \"rest\"";
+    bool looks = scene.rest.stops;
+    for (const StageSpec& stage : scene.course.stages)
+        if (stage.until_rest) looks = true, key = "stage." + stage.name + ".until", what = key + " = \"rest\"";
+    if (!looks) return;
     if (rest_interval(scene) == 0)
-        refuse(places.of("time.stop"), what + " without gravity", "there is no time by which all should rest",
+        refuse(places.of(key), what + " without gravity", "there is no time by which all should rest",
                "Add rest.interval = ... [s]?");
     for (const StructureSpec& s : scene.structures)
         if (s.motion.kind != StructureMotion::fixed)
-            refuse(places.of("time.stop"), fmt::format("{} with structure.{}, which moves", what, s.name),
-                   "what rests now will not when it comes", "Use time.stop = \"end\"?");
+            refuse(places.of(key), fmt::format("{} with structure.{}, which moves", what, s.name),
+                   "what rests now will not when it comes",
+                   scene.rest.stops ? "Use time.stop = \"end\"?" : "Use a time?");
+}
+
+/// What takes gravity as it is for all of a run.
+std::optional<Hindrance> gravity_table_hindered_by(const Scene& scene) {
+    const auto smooths = [](const MaterialSpec& m) { return has_fluid_terms(m); };
+    if (scene.gravity == Triple{})
+        return Hindrance{"gravity_table", "without gravity", "its values are factors of gravity", "Set gravity?"};
+    if (scene.sleep.on || scene.output.sleep_forecast)
+        return Hindrance{"gravity_table", "with numerics.sleep or its forecast",
+                         "sleepers would not feel that gravity changes", "Leave one of them out?"};
+    if (std::any_of(scene.materials.begin(), scene.materials.end(), smooths))
+        return Hindrance{"gravity_table", "with pressure_smoothing or particle_shifting",
+                         "they go by the head of a gravity that stays", "Leave one of them out?"};
+    return std::nullopt;
+}
+
+void check_gravity(const Scene& scene, const Places& places) {
+    if (scene.course.gravity.empty()) return;
+    if (const std::optional<Hindrance> found = gravity_table_hindered_by(scene))
+        refuse(places.of(found->key), "gravity_table " + found->what, found->why, found->help);
 }
 
 }  // namespace
@@ -54,6 +79,7 @@ void check_rest(const Scene& scene, const Places& places) {
 void check_time(const Scene& scene, const Places& places) {
     check_courant(scene, places);
     check_rest(scene, places);
+    check_gravity(scene, places);
     for (const BodySpec& body : scene.bodies) {
         const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
         const double wave = wave_speed(scene, body);

@@ -63,6 +63,10 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "time.cfl", s.cfl);  // behind what its default follows from: who compares names the first difference
     add(all, "time.dt", s.dt);
     add(all, "gravity", s.gravity);
+    if (!s.course.gravity.empty()) {
+        add(all, "gravity_table.times", s.course.gravity.times);
+        add(all, "gravity_table.values", s.course.gravity.values);
+    }
     add(all, "seed", s.seed);
 }
 
@@ -98,6 +102,17 @@ void add_materials(Entries& all, const Scene& s) {
     }
 }
 
+void add_stages(Entries& all, const Scene& s) {
+    for (const StageSpec& stage : s.course.stages) {
+        const std::string key = "stage." + stage.name;
+        add(all, key + ".until", stage.until);
+        add(all, key + ".rest", stage.until_rest);
+        add(all, key + ".damping", stage.damping);
+        add(all, key + ".set", stage.set);
+        add(all, key + ".remove", stage.removes);
+    }
+}
+
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
         const std::string key = path_of(b);
@@ -122,6 +137,7 @@ void add_bodies(Entries& all, const Scene& s) {
         add(all, key + ".geostatic.k0", b.geostatic_k0);
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
         if (b.release_time > 0) add(all, key + ".start", b.release_time);
+        if (b.stage > 0) add(all, key + ".stage", b.stage);
         if (b.hydrograph) {
             add(all, key + ".time", b.hydrograph->time);
             add(all, key + ".discharge", b.hydrograph->discharge);
@@ -162,8 +178,8 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".motion.ramp", r.motion.ramp);
         add(all, key + ".motion.amplitude", r.motion.amplitude);
         add(all, key + ".motion.period", r.motion.period);
-        add(all, key + ".motion.times", r.motion.times);
-        add(all, key + ".motion.factors", r.motion.factors);
+        add(all, key + ".motion.times", r.motion.factor.times);
+        add(all, key + ".motion.factors", r.motion.factor.values);
         add(all, key + ".motion.mass", r.motion.mass);
         add(all, key + ".motion.force", r.motion.force);
     }
@@ -177,6 +193,7 @@ Entries scene_identity(const Scene& scene) {
     add_numerics(all, scene);
     add_materials(all, scene);
     add_bodies(all, scene);
+    add_stages(all, scene);
     add_structures(all, scene);
     if (scene.hazard.cell > 0) add(all, "hazard.cell", scene.hazard.cell);
     if (scene.hazard.cell > 0) add(all, "hazard.threshold", scene.hazard.threshold);

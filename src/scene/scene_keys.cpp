@@ -8,6 +8,8 @@
 #include <string_view>
 
 #include "io/input_error.hpp"
+#include "scene/scene_stages.hpp"
+#include "scene/scene_tables.hpp"
 
 namespace moraine {
 namespace {
@@ -50,6 +52,7 @@ std::vector<SceneKey> all_scene_keys() {
     std::vector<SceneKey> keys;
     append(keys, scene_rows());
     append(keys, time_rows());
+    append(keys, table_rows());
     append(keys, material_rows());
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);
@@ -63,6 +66,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, release_rows());
     append(keys, inflow_rows());
     append(keys, structure_rows());
+    append(keys, stage_rows());
     return keys;
 }
 
@@ -137,6 +141,8 @@ std::string type_text(const SceneKey& key) {
             return "a list of numbers" + unit;
         case KeyType::truth:
             return "true or false";
+        case KeyType::settings:
+            return "a table of keys and values";
     }
     return "";
 }

@@ -36,6 +36,7 @@ enum class KeyType {
     line,               ///< list of [x, y], at least two
     list,               ///< list of numbers
     truth,              ///< true or false
+    settings,           ///< a table of keys of the scene and values
 };
 
 struct KeyRange {
@@ -73,7 +74,7 @@ struct KeyValue {
     bool truth = false;                         ///< truth
     std::vector<double> numbers;                ///< vector, pair, per_axis, list
     std::vector<int> axes;                      ///< axes: 0, 1, 2
-    std::vector<std::string> words;             ///< words
+    std::vector<std::string> words;             ///< words; settings: KEY=VALUE
     std::vector<std::array<double, 2>> points;  ///< points, line
 
     Triple triple() const;
@@ -103,6 +104,12 @@ const std::vector<KeyRow<StructureSpec>>& structure_rows();
 /// Of [[release]]: a body that is a layer.
 const std::vector<KeyRow<BodySpec>>& release_rows();
 const std::vector<KeyRow<BodySpec>>& inflow_rows();
+/// Of [[table]].
+struct TableSpec;
+const std::vector<KeyRow<TableSpec>>& table_rows();
+/// Of [[stage]].
+struct StageText;
+const std::vector<KeyRow<StageText>>& stage_rows();
 /// Of [hazard], and what hazard.maps may name.
 const std::vector<KeyRow<Scene>>& hazard_rows();
 const std::vector<std::string>& hazard_map_names();

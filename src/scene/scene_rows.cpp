@@ -18,7 +18,7 @@ constexpr KeyRange share{0, 1, false, false};
 const std::vector<KeyRow<Scene>> rows{
 
     {{.name = "title", .type = text, .standard = "\"\"", .meaning = "Free text."},
-     [](S& s, const V& v) { s.title = v.text; }},
+     [](S& s, const V& v) { s.source.title = v.text; }},
     {{.name = "dimensions",
       .type = integer,
       .range = {2, 3},
@@ -30,6 +30,12 @@ const std::vector<KeyRow<Scene>> rows{
       .standard = "[0, 0, 0]",
       .meaning = "Acceleration of every particle."},
      [](S& s, const V& v) { s.gravity = v.triple(); }},
+    // Resolved to Scene::course by the reader, which knows the tables.
+    {{.name = "gravity_table",
+      .type = name,
+      .standard = "",
+      .meaning = "Name of a table; gravity is times this. A step takes the mean over its length."},
+     [](S&, const V&) {}},
     {{.name = "seed",
       .type = integer,
       .standard = "1",

@@ -100,6 +100,8 @@ Named type_of(const SceneKey& key) {
             return list_of(number, 0);
         case KeyType::truth:
             return {{"type", "boolean"}};
+        case KeyType::settings:
+            return {{"type", "object"}};
     }
     return {};
 }

@@ -72,13 +72,14 @@ toml::table& listed_member(toml::table& root, const std::string& list, const std
 
 std::string label_of_list(const std::string& table) {
     if (table == "wall") return "face";
-    return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow"
+    return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow" ||
+                   table == "table" || table == "stage"
                ? "name"
                : "";
 }
 
-void apply_set(toml::table& root, const std::string& assignment) {
-    const std::string place = "--set " + assignment;
+void apply_set(toml::table& root, const std::string& assignment, const std::string& by) {
+    const std::string place = by + " " + assignment;
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
         refuse(place, "no key", "must be KEY=VALUE", "Did you mean --set time.end=1?");

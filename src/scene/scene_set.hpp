@@ -11,8 +11,9 @@
 
 namespace moraine {
 
-/// Throws InputError if the assignment has no KEY= or names a table that is not there.
-void apply_set(toml::table& root, const std::string& assignment);
+/// Throws InputError if the assignment has no KEY= or names a table that is not there. `by`: what gives it, "--set" or
+/// "stage.NAME.set", the begin of its place.
+void apply_set(toml::table& root, const std::string& assignment, const std::string& by = "--set");
 
 /// "name" or "face": the key by which the tables of this list are addressed; empty: not a list.
 std::string label_of_list(const std::string& table);

@@ -180,11 +180,40 @@ std::vector<std::array<double, 2>> points(const toml::node& node, const KeyConte
     return out;
 }
 
+/// "material.clay.su=2000.0", however its dots are written.
+void add_settings(const toml::table& table, const std::string& prefix, std::vector<std::string>& all) {
+    for (const auto& [key, node] : table) {
+        const std::string path = prefix + std::string(key.str());
+        if (const toml::table* inner = node.as_table())
+            add_settings(*inner, path + ".", all);
+        else
+            all.push_back(path + "=" + text_of(node));
+    }
+}
+
+std::vector<std::string> settings(const toml::node& node, const KeyContext& c) {
+    if (!node.is_table()) refuse_type(node, c);
+    std::vector<std::string> all;
+    add_settings(*node.as_table(), "", all);
+    return all;
+}
+
+std::vector<std::string> strings(const toml::node& node, const KeyContext& c) {
+    std::vector<std::string> all;
+    for (const toml::node& item : array(node, c)) all.push_back(string(item, c));
+    return all;
+}
+
+bool truth(const toml::node& node, const KeyContext& c) {
+    if (!node.is_boolean()) refuse_type(node, c);
+    return node.as_boolean()->get();
+}
+
 }  // namespace
 
 std::string place_of(const toml::node& node, const std::string& file) {
     const toml::source_region& source = node.source();
-    if (source.path && source.path->starts_with("--set")) return *source.path;
+    if (source.path && (source.path->starts_with("--set") || source.path->starts_with("stage."))) return *source.path;
     if (source.begin.line == 0) return file;
     return fmt::format("{}:{}", file, source.begin.line);
 }
@@ -232,7 +261,8 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             for (const toml::node& item : array(node, c)) value.axes.push_back(choice(item, c, axis_names));
             break;
         case KeyType::words:
-            for (const toml::node& item : array(node, c)) value.words.push_back(string(item, c));
+        case KeyType::settings:
+            value.words = c.key.type == KeyType::words ? strings(node, c) : settings(node, c);
             break;
         case KeyType::points:
         case KeyType::line:
@@ -242,8 +272,7 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
             for (const toml::node& item : array(node, c)) value.numbers.push_back(real(item, c));
             break;
         case KeyType::truth:
-            if (!node.is_boolean()) refuse_type(node, c);
-            value.truth = node.as_boolean()->get();
+            value.truth = truth(node, c);
             break;
     }
     return value;

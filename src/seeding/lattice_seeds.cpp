@@ -141,7 +141,7 @@ bool is_lattice(const Scene& scene) {
     for (const MaterialSpec& material : scene.materials)
         if (find_law(material.law)->has_initial_state || material.has_profile()) return false;
     return std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& body) {
-        if (body.shape != BodyShape::box || body.seeding != Seeding::lattice) return false;
+        if (body.shape != BodyShape::box || body.seeding != Seeding::lattice || body.stage > 0) return false;
         const Lattice lattice = lattice_of(scene, body);
         return *std::max_element(lattice.count.begin(), lattice.count.end()) <= most_points;
     });

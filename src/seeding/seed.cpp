@@ -75,7 +75,7 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
         return;
     }
     if (inflow_) {
-        for (std::int64_t row = first; row < last; ++row) fill_at(row, inflow_->time(row), out);
+        for (std::int64_t row = first; row < last; ++row) fill_at(row, inflow_->time(row), 0, out);
         return;
     }
     const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
@@ -96,8 +96,8 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
     });
 }
 
-void BodySeeds::fill_at(std::int64_t row, double time, std::vector<Seed>& out) const {
-    if (!inflow_) return fill(row, row + 1, 1, out);
+void BodySeeds::fill_at(std::int64_t row, double time, std::int64_t total, std::vector<Seed>& out) const {
+    if (!inflow_) return fill(row, row + 1, total, out);
     const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
     const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
     inflow_->each(row, time, [&](std::int64_t number, const Triple& x, double volume, const Triple& velocity) {

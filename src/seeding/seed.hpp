@@ -51,8 +51,8 @@ class BodySeeds {
 
     /// When a row comes in [s]; 0: it is there from the start. Rows do so in order.
     double time_of(std::int64_t row) const { return inflow_ ? inflow_->time(row) : body_.release_time; }
-    /// Appends the particles of a row at the end of the step in which it comes in [s].
-    void fill_at(std::int64_t row, double time, std::vector<Seed>& out) const;
+    /// Appends the particles of a row at the end of the step in which it comes in [s]; `total` as in fill().
+    void fill_at(std::int64_t row, double time, std::int64_t total, std::vector<Seed>& out) const;
 
   private:
     template <class F>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/gravity.hpp"
 #include "core/transfer/method.hpp"
 #include "seeding/seed.hpp"
 
@@ -26,15 +27,15 @@ inline int up_axis(const Scene& scene) {
     return static_cast<int>(up);
 }
 
-/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v, along gravity's main axis: the normal components at a
-/// height [m]. Zero where the body has none.
+/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v by the gravity of the start, along gravity's main axis:
+/// the normal components at a height [m]. Zero where the body has none.
 template <class Real>
 Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, double height) {
     Vec<Real, 3> stress = zero_vec<Real, 3>();
     if (!body.geostatic) return stress;
     const auto up = static_cast<std::size_t>(up_axis(scene));
     const double weight =
-        scene.materials[static_cast<std::size_t>(body.material)].density * std::fabs(scene.gravity[up]);
+        scene.materials[static_cast<std::size_t>(body.material)].density * std::fabs(gravity_at(scene, 0)[up]);
     const double depth = std::max(0.0, body.geostatic_surface - height);
     for (std::size_t a = 0; a < 3; ++a)
         stress[static_cast<int>(a)] = static_cast<Real>(-weight * depth * (a == up ? 1 : body.geostatic_k0));

@@ -162,7 +162,7 @@ void check_row(const Scene& scene, const ParticleTable& table, std::size_t r, co
 }  // namespace
 
 std::string path_of_file(const Scene& scene, const std::string& file) {
-    return (std::filesystem::path(scene.path).parent_path() / file).string();
+    return (std::filesystem::path(scene.source.path).parent_path() / file).string();
 }
 
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {

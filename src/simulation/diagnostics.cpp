@@ -59,9 +59,10 @@ TotalSums<Dim> share_totals(const Simulation<Real, Dim>& sim) {
 }
 
 template <int Dim>
-double potential_energy(const Scene& scene, const Totals<Dim>& totals) {
+double potential_energy(const Scene& scene, const std::type_identity_t<std::array<double, Dim>>& gravity,
+                        const Totals<Dim>& totals) {
     double energy = 0;
-    for (std::size_t a = 0; a < Dim; ++a) energy -= scene.gravity[a] * (totals.centre[a] - totals.mass * scene.min[a]);
+    for (std::size_t a = 0; a < Dim; ++a) energy -= gravity[a] * (totals.centre[a] - totals.mass * scene.min[a]);
     return energy;
 }
 
@@ -118,8 +119,8 @@ std::uint64_t state_hash(const Simulation<Real, Dim>& sim, bool with_lists) {
     return sim.comm().sum(sum);
 }
 
-template double potential_energy(const Scene&, const Totals<2>&);
-template double potential_energy(const Scene&, const Totals<3>&);
+template double potential_energy<2>(const Scene&, const std::array<double, 2>&, const Totals<2>&);
+template double potential_energy<3>(const Scene&, const std::array<double, 3>&, const Totals<3>&);
 
 /// Of one precision and dimension.
 #define MORAINE_DIAGNOSTICS(Real, Dim)                                         \

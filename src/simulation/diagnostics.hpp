@@ -4,6 +4,9 @@
 // All are over the pieces of the shares, block by block in list order, and their sums over blocks and ranks are exact:
 // the same on any number of ranks and threads.
 
+#include <array>
+#include <type_traits>
+
 #include "core/transfer/totals.hpp"
 #include "simulation/simulation.hpp"
 
@@ -37,7 +40,8 @@ Totals<Dim> totals_of(const Simulation<Real, Dim>& sim) {
 
 /// -sum m g . (x - domain.min) [J]. Not collective.
 template <int Dim>
-double potential_energy(const Scene& scene, const Totals<Dim>& totals);
+double potential_energy(const Scene& scene, const std::type_identity_t<std::array<double, Dim>>& gravity,
+                        const Totals<Dim>& totals);
 
 /// A sum of the run's budget over all ranks. Collective.
 template <class Real, int Dim>

@@ -19,12 +19,12 @@ constexpr std::size_t head = 7;                                // words of store
 
 template <int Dim>
 double RestWatch<Dim>::next_look() const {
-    return followed_ == 0 ? 0 : begun_ + rest_interval(scene_);
+    return followed_ == 0 ? scene_.course.gravity.end() : begun_ + rest_interval(scene_);
 }
 
 template <int Dim>
 bool RestWatch<Dim>::is_due(double time) const {
-    return followed_ == 0 || time >= next_look();
+    return time >= next_look();
 }
 
 /// Of all ranks, ids ascending. Collective.
@@ -103,6 +103,7 @@ std::string RestWatch<Dim>::message() const {
 
 template <int Dim>
 std::vector<std::int64_t> RestWatch<Dim>::stored() const {
+    if (followed_ == 0) return {};
     const auto word = [](double x) { return std::bit_cast<std::int64_t>(x); };
     const RestSpec& rest = scene_.rest;
     std::vector<std::int64_t> all{followed_,

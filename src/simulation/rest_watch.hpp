@@ -25,7 +25,7 @@ class RestWatch {
     /// Both must outlive it. Not collective.
     RestWatch(const Scene& scene, const Comm& comm) : scene_(scene), comm_(comm) {}
 
-    /// Whether an interval ends now, or none has begun. The same on all ranks.
+    /// Whether an interval ends now, or the first begins: none does while gravity changes. The same on all ranks.
     bool is_due(double time) const;
     /// From when on it is due [s].
     double next_look() const;
@@ -37,7 +37,7 @@ class RestWatch {
     /// What the last interval told, for the user.
     std::string message() const;
 
-    /// For a checkpoint; the same on all ranks.
+    /// For a checkpoint; the same on all ranks. Empty: no interval has begun.
     std::vector<std::int64_t> stored() const;
     /// Returns whether `all` can be what stored() gave. Intervals by other thresholds do not count: it begins again.
     bool restore(const std::vector<std::int64_t>& all);

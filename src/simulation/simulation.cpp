@@ -26,6 +26,7 @@
 
 #include "core/sleep/scene_sleep.hpp"
 #include "simulation/diagnostics.hpp"
+#include "simulation/gravity_step.hpp"
 
 namespace moraine {
 
@@ -45,7 +46,7 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::interior); });
         if (first) agree_on_dt();
         if (first && structures_.any_free()) agree_on_forces();  // what they felt: one exact sum
-        if (first) structures_.begin_step(clock_.time, clock_.dt, forces_, quantum());
+        if (first) structures_.begin_step(clock_.time, clock_.dt, clock_.gravity, forces_, quantum());
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         if (round.nodes == NodeTask::hold) make_substeps();
@@ -64,7 +65,8 @@ template <class Real, int Dim>
 bool Simulation<Real, Dim>::engine_leads() {
     bool leads = false;
     phases_.time(Phase::agree, [&] { leads = engine_->leads(); });
-    if (leads || !report_pending_ || asked_ != 0 || body_force_ || scene_.sleep.on || scene_.substeps != 1)
+    if (leads || !report_pending_ || asked_ != 0 || body_force_ || scene_.sleep.on || scene_.substeps != 1 ||
+        !gravity_stays(scene_, clock_))
         return leads;
     if (clock_.step >= alone_until_step_ || clock_.time >= alone_until_) return false;
     if (epoch_.state() == EpochLifetime::State::unbinned || rebalance_.is_under_way() ||
@@ -73,7 +75,7 @@ bool Simulation<Real, Dim>::engine_leads() {
     LeadRule<Dim> rule{
         scene_.dt, courant_number(scene_) * scene_.cell, scene_.end, std::min(alone_until_, supply_.next()), {}};
     LeadClock<Dim> clock{clock_.time, clock_.dt, {}, epoch_.in_guard_layer(), alone_until_step_ - clock_.step};
-    std::copy_n(scene_.gravity.begin(), Dim, rule.gravity);
+    std::copy_n(clock_.gravity.begin(), Dim, rule.gravity);
     std::copy_n(clock_.gravity_impulse.begin(), Dim, clock.gravity_impulse);
     const LeadRequest<Dim> request{rule, clock, scales()};
     phases_.time(Phase::agree, [&] { leads = engine_->leads(&request); });
@@ -147,7 +149,7 @@ void Simulation<Real, Dim>::check_sleep() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_sums() {
     if (!structures_.empty()) structures_.place();
-    engine_->begin_sums(method_.mean_of(clock_.step), structures_.empty() ? nullptr : &structures_);
+    engine_->begin_sums({method_.mean_of(clock_.step), clock_.gravity}, structures_.empty() ? nullptr : &structures_);
 }
 
 /// Adds the report of the last step to the budget and to this rank's part of the next agreement.
@@ -208,7 +210,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
     else if (clock_.dt == 0)  // no particle yet; once all have left, dt stays
         clock_.dt = expects_supply() ? (1 + 1e-9) * (supply_.next() - clock_.time) : scene_.end - clock_.time;
     check_step();
-    for (std::size_t a = 0; a < Dim; ++a) clock_.gravity_impulse[a] += scene_.gravity[a] * clock_.dt;
+    begin_gravity(scene_, plan_places(), *engine_, clock_, budget_);
     engine_->expect_outgoing(agreed_.migration_bound);
 }
 
@@ -233,8 +235,8 @@ void Simulation<Real, Dim>::agree_on_forces() {
 
 template <class Real, int Dim>
 StepScales<Dim> Simulation<Real, Dim>::scales() const {
-    return {clock_.dt, clock_.mass_cutoff, quantum(), clock_.gravity_impulse,
-            structures_.empty() ? nullptr : &structures_};
+    return {clock_.dt,      clock_.mass_cutoff,     quantum(),
+            clock_.gravity, clock_.gravity_impulse, structures_.empty() ? nullptr : &structures_};
 }
 
 /// A run that would not see its end: something grew without bound, and no one particle is to blame. Scenes that need

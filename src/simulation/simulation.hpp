@@ -66,6 +66,20 @@ class Simulation {
     /// Collective.
     void balance();
 
+    /// The stage under way; null: the scene has none.
+    const StageSpec* stage() const {
+        return clock_.stages.empty() ? nullptr : &scene_.course.stages[clock_.stages.size() - 1];
+    }
+    bool is_last_stage() const { return clock_.stages.size() == scene_.course.stages.size(); }
+    /// Whether another one is to begin before the next step. The same on all ranks.
+    bool stage_is_over(bool at_rest) const {
+        return !is_last_stage() && (clock_.time >= stage()->until || (at_rest && stage()->until_rest));
+    }
+    /// Begins the next stage, between steps. Collective.
+    void begin_stage();
+    /// Takes these bodies away, between steps: the budget goes on as if they had never been there. Collective.
+    void remove_bodies(const std::vector<int>& bodies);
+
     /// Brings the share into the binned state. Collective.
     void bin();
     /// Bins, adds up, and throws PhysicsError if the last step went wrong. Collective.

@@ -8,7 +8,9 @@
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
 #include "simulation/diagnostics.hpp"
+#include "simulation/gravity_step.hpp"
 #include "simulation/place_seed.hpp"
+#include "simulation/stage_scene.hpp"
 
 namespace moraine {
 
@@ -85,7 +87,7 @@ template <class Real, int Dim>
 Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const EngineMaker& make_engine)
     : scene_(scene),
       comm_(comm),
-      method_(scene),
+      method_(scene_in_stage(scene, 0)),
       domain_(scene),
       hosts_(find_hosts(comm)),
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm, hosts_)),
@@ -108,6 +110,8 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
         engine_ = make_engine(method_);
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
+    clock_.gravity = components<Dim>(gravity_at(scene, 0));
+    if (!scene.course.stages.empty()) clock_.stages.push_back({});
     in_place_ = engine_->device().leaves_host_free;
     make_epochs_async(in_place_);
 }
@@ -169,7 +173,7 @@ void Simulation<Real, Dim>::seed() {
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
     clock_.start_strain = start.strain;
-    clock_.start_potential = potential_energy(scene_, start);
+    clock_.start_potential = potential_energy(scene_, clock_.gravity, start);
     clock_.start_energy = start.kinetic + start.strain + clock_.start_potential;
 }
 
@@ -237,6 +241,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
         loads.push_back({keys[b], counts[b], weight, -1});
     }
     clock_ = clock;
+    if (stage()) method_ = method_in_stage<Real, Dim>(scene_, clock_.stages.size() - 1, method_.needs);
     if (!partitioner_->restore(partitioner_state)) partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     BinnedBlocks binned;
@@ -256,6 +261,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     if (comm_.is_root()) budget_ = budget;
     own_.signal = clock_.signal;
     own_.square_speed = clock_.square_speed;
+    for (std::size_t k = 1; k < clock_.stages.size(); ++k) supply_.begin_stage(static_cast<int>(k));
     supply_.skip_to(clock_.time);
     loads_.resume(clock_.step);
 }

@@ -91,7 +91,7 @@ void Simulation<Real, Dim>::admit() {
                 const auto i = static_cast<std::size_t>(a);
                 const double v = static_cast<double>(p.velocity[slot][a]);
                 square += v * v;
-                const double weight = m * scene_.gravity[i] * (seed.x[i] - scene_.min[i]);
+                const double weight = m * clock_.gravity[i] * (seed.x[i] - scene_.min[i]);
                 energy += 0.5 * m * v * v - weight;
                 potential -= weight;
                 sums.momentum[a].add(quantum().of(m * (v - clock_.gravity_impulse[i])));
@@ -106,6 +106,7 @@ void Simulation<Real, Dim>::admit() {
     begin_epoch(merged(share, here, placed));
     const SupplySums<Dim> all = comm_.exact_sum(sums);
     clock_.start_mass += quantum().value(all.mass);
+    if (stage()) clock_.stages.back().added_mass += quantum().value(all.mass);
     clock_.start_energy += quantum().value(all.energy);
     clock_.start_potential += quantum().value(all.potential);
     for (std::size_t a = 0; a < Dim; ++a) clock_.start_momentum[a] += quantum().value(all.momentum[a]);

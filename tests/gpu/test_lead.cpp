@@ -56,7 +56,7 @@ Led<Real, Dim> run_by(const Scene& scene, std::int64_t steps, DtBy by, double in
     out.epochs = sim.counts_so_far().epochs;
     const Budget<Dim>& budget = sim.budget();
     for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
-                              budget.lost_momentum[0], budget.lost_gravity_impulse[1]})
+                              budget.lost_momentum[0], budget.lost_gravity_impulse[1], budget.gravity_work})
         out.told.push_back(sim.quantum().value(s));
     const RunCounts counts = sim.counts_so_far();
     for (std::int64_t n : {budget.lost_count, counts.steps, counts.exchanges, counts.clamped_boxes})
@@ -107,6 +107,16 @@ TEST_CASE("an open wall, two materials, friction and damping do not hinder it") 
             scene.end = 100;
             CHECK(compare_leads(scene, 500) > 300);
         }
+}
+
+TEST_CASE("while a table changes gravity the host makes dt, and the device leads from then on") {
+    Scene scene = test::column();
+    scene.end = 100;
+    const double ramp = run_by<double, 3>(scene, 100, DtBy::host).time;
+    scene.course.gravity = {{0, ramp}, {0.5, 1}};
+    const std::int64_t led = compare_leads(scene, 400);
+    CHECK(led > 200);
+    CHECK(led < 310);
 }
 
 TEST_CASE("layers of three materials, whose blocks go to four gathers, do not hinder it") {

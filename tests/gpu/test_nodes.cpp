@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("the device's nodes touch structures of every shape as the ho
             scene.structures.push_back(s);
         }
         StructureSet<C::dim> structures(scene);
-        structures.begin_step(0, 0.01, {}, {});
+        structures.begin_step(0, 0.01, {}, {}, {});
         pair.find_gaps(structures);
         CHECK(pair.difference_of_gaps() <= (sizeof(typename C::Real) == 8 ? 2e-7 : 1e-5));
         const auto round = round_of<typename C::Real, C::dim>(NodeTask::solve, 0.3);

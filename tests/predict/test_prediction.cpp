@@ -95,7 +95,7 @@ TEST_CASE("memory follows who would sleep where that is recorded, not block load
 
 TEST_CASE("memory of hazard maps follows the soil, not the domain, and is told of all of it") {
     Scene scene = test::small_valley(InterfaceLaw::voellmy, false);
-    scene.path = "valley";
+    scene.source.path = "valley";
     Prediction p = predict(scene);
     const double none = bytes_per_rank(scene, p, 1), of_host = host_bytes_with_device(scene, p, 1, false);
     CHECK(check_report(scene, {}).find("hazard maps") == std::string::npos);

@@ -9,7 +9,7 @@ using namespace moraine;
 TEST_CASE("a scene is read into its fields") {
     const Scene s = read_text(good_scene);
     CHECK(s.name == "scene");
-    CHECK(s.title == "good");
+    CHECK(s.source.title == "good");
     CHECK(s.dimensions == 2);
     CHECK(s.gravity == Triple{0, -9.81, 0});
     CHECK(s.max == Triple{4, 2, 0});
@@ -89,7 +89,7 @@ TEST_CASE("--set changes a key, a table of a list, and what was not there") {
                                "body.block.geostatic.surface=1.0", "seed=7", "wall.y-min.friction=0.1",
                                "wall.y-min.kind=friction"});
     CHECK(s.cell == 0.05);
-    CHECK(s.title == "two message");
+    CHECK(s.source.title == "two message");
     CHECK(s.gravity[1] == -1);
     CHECK(s.materials[0].parameters[2] == 3000);
     CHECK(s.bodies[1].velocity == Triple{1, 2, 0});

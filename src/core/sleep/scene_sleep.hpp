@@ -24,15 +24,13 @@ inline bool forecasts_sleep(const Scene& scene) {
 inline double prescribed_speed(const MotionSpec& m) {
     constexpr double pi = 3.14159265358979;
     const auto magnitude = [](const Triple& v) { return std::hypot(v[0], v[1], v[2]); };
-    double largest = 0;
-    for (const double factor : m.factors) largest = std::fmax(largest, std::fabs(factor));
     switch (m.kind) {
         case StructureMotion::velocity:
             return magnitude(m.velocity);
         case StructureMotion::sinusoid:
             return 2 * pi / m.period * magnitude(m.amplitude);
         case StructureMotion::table:
-            return magnitude(m.velocity) * largest;
+            return magnitude(m.velocity) * m.factor.largest();
         default:
             return 0;
     }

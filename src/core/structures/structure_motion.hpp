@@ -15,20 +15,20 @@
 namespace moraine {
 
 /// Integral of the table's factor from 0 to t [s].
-inline double table_integral(const MotionSpec& m, double t) {
-    double sum = 0, from = 0, at_from = m.factors.front();
-    for (std::size_t k = 0; k < m.times.size() && from < t; ++k) {
-        const double to = std::min(t, m.times[k]);
+inline double table_integral(const TimeTable& f, double t) {
+    double sum = 0, from = 0, at_from = f.values.front();
+    for (std::size_t k = 0; k < f.times.size() && from < t; ++k) {
+        const double to = std::min(t, f.times[k]);
         if (to <= from) {  // the first time may be 0
-            at_from = m.factors[k];
+            at_from = f.values[k];
             continue;
         }
-        const double share = (to - from) / (m.times[k] - from);
-        const double at_to = at_from + share * (m.factors[k] - at_from);
+        const double share = (to - from) / (f.times[k] - from);
+        const double at_to = at_from + share * (f.values[k] - at_from);
         sum += 0.5 * (at_from + at_to) * (to - from);
         from = to, at_from = at_to;
     }
-    return sum + (t > from ? (t - from) * m.factors.back() : 0);
+    return sum + (t > from ? (t - from) * f.values.back() : 0);
 }
 
 /// Displacement along the velocity over its magnitude [s], or of the amplitude over its own [-].
@@ -41,7 +41,7 @@ inline double motion_factor(const MotionSpec& m, double t) {
         case StructureMotion::sinusoid:
             return std::sin(2 * pi * t / m.period);
         case StructureMotion::table:
-            return table_integral(m, t);
+            return table_integral(m.factor, t);
         default:
             return 0;
     }

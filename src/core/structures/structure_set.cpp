@@ -129,8 +129,8 @@ StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(sce
 }
 
 template <int Dim>
-void StructureSet<Dim>::begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending,
-                                   const Quantum& quantum) {
+void StructureSet<Dim>::begin_step(double time, double dt, const std::array<double, Dim>& gravity,
+                                   std::span<const StructureSums<Dim>> pending, const Quantum& quantum) {
     for (std::size_t k = 0; k < values_.size(); ++k) {
         const MotionSpec& motion = spec(k).motion;
         StructureState<Dim>& state = states_[k];
@@ -139,7 +139,7 @@ void StructureSet<Dim>::begin_step(double time, double dt, std::span<const Struc
                 const auto i = static_cast<std::size_t>(a);
                 const double felt = quantum.value(pending[k].sum[a]);
                 const double follows = quantum.value(pending[k].sum[StructureSums<Dim>::first_mass + a]);
-                state.carried[a] += felt / motion.mass + dt * (scene_.gravity[i] + motion.force[i] / motion.mass);
+                state.carried[a] += felt / motion.mass + dt * (gravity[i] + motion.force[i] / motion.mass);
                 state.velocity[a] =
                     (motion.mass * state.carried[a] + felt + follows * state.velocity[a]) / (motion.mass + follows);
             }

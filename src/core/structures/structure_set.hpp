@@ -11,6 +11,7 @@
 // so that a structure at rest on soil does not creep and a light one does not recoil too far. V itself is exact.
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -55,8 +56,10 @@ class StructureSet {
 
     /// Places at the start of a step, from which its gaps are taken, and velocities of the step before.
     void place();
-    /// Velocities of the step that begins at `time`; `pending` are sums over all ranks (free structures only).
-    void begin_step(double time, double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum);
+    /// Velocities of the step that begins at `time`, with its gravity [m/s2]; `pending` are sums over all ranks (free
+    /// structures only).
+    void begin_step(double time, double dt, const std::array<double, Dim>& gravity,
+                    std::span<const StructureSums<Dim>> pending, const Quantum& quantum);
     /// Places at the end of the step.
     void end_step(double time, double dt);
     /// Adds up what this rank's nodes gave in a step.

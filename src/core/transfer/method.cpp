@@ -138,7 +138,6 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     damping = static_cast<Real>(scene.damping);
     for (int a = 0; a < Dim; ++a) {
         const auto axis = static_cast<std::size_t>(a);
-        gravity[a] = static_cast<Real>(scene.gravity[axis]);
         context.gravity_slope[a] = static_cast<Real>(gravity_slope(scene, axis));
         for (int s = 0; s < 2; ++s) {
             const int far = std::int32_t(1) << 29;

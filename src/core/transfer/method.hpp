@@ -56,8 +56,7 @@ struct Method {
     Real cell;  ///< h [m]
     Real flip;  ///< share of FLIP [-]
     bool tpic;
-    Real damping;            ///< [-]
-    Vec<Real, Dim> gravity;  ///< [m/s2]
+    Real damping;  ///< [-]
     ReactionLimits<Real> limits;
 
     HostStress<Real, Dim> stress() const {

@@ -117,6 +117,7 @@ struct Budget {
     std::array<ExactSum, Dim> lost_momentum;
     std::array<ExactSum, Dim> lost_gravity_impulse;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
+    ExactSum gravity_work;                       ///< of who changes gravity (core/gravity.hpp) [J]
     ExactSum slept_kinetic;                      ///< taken from what fell asleep, and from sleepers [J]
     std::array<ExactSum, Dim> slept_momentum{};  ///< likewise [kg m/s]
     EnergyAccount energy;                        ///< zero but in scenes that want it
@@ -124,6 +125,7 @@ struct Budget {
     void add(const Budget& o) {
         work.add(o.work);
         lost_mass.add(o.lost_mass);
+        gravity_work.add(o.gravity_work);
         slept_kinetic.add(o.slept_kinetic);
         energy.add(o.energy);
         for (std::size_t a = 0; a < Dim; ++a) {

@@ -237,8 +237,8 @@ TEST_CASE("a prescribed way is the integral of its velocity, and a step's veloci
     m.ramp = 0.4;
     m.amplitude = {0.3, 0, 0};
     m.period = 0.7;
-    m.times = {0.1, 0.3, 0.4};
-    m.factors = {1, -2, 0.5};
+    m.factor.times = {0.1, 0.3, 0.4};
+    m.factor.values = {1, -2, 0.5};
     const auto speed = [&](double t) {
         if (m.kind == StructureMotion::velocity) return t < 0.4 ? 1 - std::cos(pi * t / 0.4) : 2.0;
         if (m.kind == StructureMotion::sinusoid) return 0.3 * 2 * pi / 0.7 * std::cos(2 * pi * t / 0.7);
@@ -254,7 +254,7 @@ TEST_CASE("a prescribed way is the integral of its velocity, and a step's veloci
         double way = 0, t = 0;
         for (int k = 0; k < 1000; ++k) {
             const double dt = 0.0007;
-            set.begin_step(t, dt, {}, {});
+            set.begin_step(t, dt, {}, {}, {});
             way += dt * (speed(t) + 4 * speed(t + dt / 2) + speed(t + dt)) / 6;
             t += dt;
             set.end_step(t, dt);
@@ -275,13 +275,13 @@ TEST_CASE("a free structure falls by gravity and its force, feels the last impul
     StructureSet<2> set(scene);
     const Quantum quantum = Quantum::for_largest(1e3);
     std::vector<StructureSums<2>> felt(1);
-    set.begin_step(0, 0.1, felt, quantum);
+    set.begin_step(0, 0.1, {0, -10}, felt, quantum);
     set.end_step(0.1, 0.1);
     CHECK(set.state(0).velocity[0] == doctest::Approx(0.2));
     CHECK(set.state(0).velocity[1] == doctest::Approx(0));
     felt[0].sum[1] = quantum.of(12);
     felt[0].sum[4] = quantum.of(12);  // mass that follows it
-    set.begin_step(0.1, 0.1, felt, quantum);
+    set.begin_step(0.1, 0.1, {0, -10}, felt, quantum);
     set.end_step(0.2, 0.1);
     CHECK(set.state(0).carried[1] == doctest::Approx(2));
     CHECK(set.state(0).displacement[0] == doctest::Approx(0.06));

@@ -1,3 +1,4 @@
+#include "core/data/gravity_work.hpp"
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/kernels/seen.cuh"
 
@@ -8,9 +9,9 @@ namespace {
 constexpr int sample_threads = 128;
 constexpr int most_columns = 64;  ///< over a block, in shared memory
 
-template <class Real>
-__device__ __forceinline__ CoreRows<Real, 3> load_sampled(const View<Real, 3>& v, std::uint32_t s) {
-    using Core = CoreRows<Real, 3>;
+template <class Real, int Dim>
+__device__ __forceinline__ CoreRows<Real, Dim> load_sampled(const View<Real, Dim>& v, std::uint32_t s) {
+    using Core = CoreRows<Real, Dim>;
     Core core;
     core.row[Core::place] = load_row(v.p.core[Core::place] + s);
     if constexpr (Core::motion != Core::place) core.row[Core::motion] = load_row(v.p.core[Core::motion] + s);
@@ -103,7 +104,39 @@ __global__ void __launch_bounds__(sample_threads, 1)
     }
 }
 
+template <int Dim>
+struct GravityChange {
+    PlanPlaces places;
+    double change[Dim];  ///< [m/s2]
+    Quantum quantum;
+};
+
+template <class Real, int Dim>
+__global__ void __launch_bounds__(sample_threads, 1)
+    gravity_kernel(const __grid_constant__ View<Real, Dim> v, const __grid_constant__ GravityChange<Dim> of,
+                   ExactSum* work) {
+    const int block = static_cast<int>(blockIdx.x);
+    const Vec<std::int32_t, Dim> at = v.table.position[block];
+    ExactSum mine[1];
+    for (std::uint32_t k = v.list.first[block] + threadIdx.x; k < v.list.first[block + 1]; k += sample_threads) {
+        const CoreRows<Real, Dim> p = load_sampled(v, v.list.slot[k]);
+        mine[0].add(of.quantum.of(gravity_work<Real>(
+            of.places, of.change, at, [&](int a) { return p.coordinate(a); }, double(p.mass()))));
+    }
+    fold_sums(mine, work);
+}
+
 }  // namespace
+
+template <class Real, int Dim>
+void sum_gravity_work(const View<Real, Dim>& view, const PlanPlaces& places, const double (&change)[Dim],
+                      const Quantum& quantum, ExactSum* work, cudaStream_t stream) {
+    if (view.table.own == 0) return;
+    GravityChange<Dim> of{places, {}, quantum};
+    for (int a = 0; a < Dim; ++a) of.change[a] = change[a];
+    gravity_kernel<Real, Dim><<<static_cast<unsigned>(view.table.own), sample_threads, 0, stream>>>(view, of, work);
+    check(cudaGetLastError(), "Summing the work of gravity");
+}
 
 template <class Real>
 void find_layers(const View<Real, 3>& view, const PlanColumns& columns, Layers* layers, cudaStream_t stream) {
@@ -138,5 +171,14 @@ void find_near(const View<Real, 3>& view, const PlanLines& lines, NearParticle* 
                             cudaStream_t);
 MORAINE_SAMPLES(float)
 MORAINE_SAMPLES(double)
+
+/// Of one precision and dimension.
+#define MORAINE_GRAVITY_WORK(Real, Dim)                                                                             \
+    template void sum_gravity_work(const View<Real, Dim>&, const PlanPlaces&, const double(&)[Dim], const Quantum&, \
+                                   ExactSum*, cudaStream_t);
+MORAINE_GRAVITY_WORK(float, 2)
+MORAINE_GRAVITY_WORK(float, 3)
+MORAINE_GRAVITY_WORK(double, 2)
+MORAINE_GRAVITY_WORK(double, 3)
 
 }  // namespace moraine::gpu
