@@ -41,6 +41,9 @@ def refuse(wanted: Wanted, scene: Mapping[str, Any]) -> None:
     for what in ("release", "inflow"):
         if scene.get(what):
             raise Error(f"the scene has [[{what}]] (it is no slope that rests). Take bodies?")
+    for what in ("stage", "table"):
+        if scene.get(what):
+            raise Error(f"the scene has [[{what}]] (it settles at F = 1, and nothing but strengths changes then). Take it out?")
     refuse_tables(scene)
 
 

@@ -47,6 +47,10 @@ def _of_material(item: Mapping[str, Any], softening: bool) -> List[Strength]:
     if item.get("sensitivity", 1) > 1 and not softening:
         raise Error(f"material.{name}.sensitivity = {item['sensitivity']:g} (clay that softens has no factor of safety without a length: it depends "
                     f"on the cell). --set material.{name}.sensitivity=1, or --softening?")
+    for key in LAWS[law]:
+        if isinstance(item.get(key), dict):
+            raise Error(f"material.{name}.{key} is a strength over depth (each particle keeps its own, and no restart changes it). "
+                        "Bodies of several materials, each with one number?")
     return [Strength(f"material.{name}.{key}", float(item[key]), how) for key, how in LAWS[law].items() if isinstance(item.get(key), (int, float)) and item[key] > 0]
 
 

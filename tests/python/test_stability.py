@@ -241,6 +241,7 @@ class Slope(PackageTest):
         self.assertIn("material.mud: law bingham", self.problem(self.stability, "no", {**LAYER, "material": [{"name": "mud", "law": "bingham"}]}))
         self.assertIn("--softening", self.problem(self.stability, "no", {**LAYER, "material": [{**CLAY, "sensitivity": 4.0}]}))
         self.assertIn("matching", self.problem(self.stability, "no", with_material(matching=1)))
+        self.assertIn("material.sand.cohesion is a strength over depth", self.problem(self.stability, "no", with_material(cohesion={"surface": 1e3, "gradient": 1e2})))
         self.assertIn("--keep rock", self.problem(self.stability, "no", keep=["rock"]))
         self.assertIn("all are kept", self.problem(self.stability, "no", keep=["sand"]))
         self.assertIn("voellmy", self.problem(self.stability, "no", {**LAYER, "wall": [{"face": "y-min", "kind": "voellmy"}]}))
@@ -250,7 +251,8 @@ class Slope(PackageTest):
     def test_words_that_cannot_be_are_refused_and_leave_nothing(self):
         for more, says in (({"tolerance": 0.0}, "--tolerance"), ({"levels": 3}, "--levels"), ({"settle": -1.0}, "--settle"), ({"cell": 0.0}, "--cell"),
                            ({"height": -2.0}, "--height"), ({"way": 0.0}, "--way"), ({"scene": {**LAYER, "gravity": [0.0, 0.0]}}, "gravity"),
-                           ({"scene": {**LAYER, "inflow": [{"name": "river"}]}}, "inflow"), ({"scene": {**LAYER, "domain": {}}}, "domain.cell")):
+                           ({"scene": {**LAYER, "inflow": [{"name": "river"}]}}, "inflow"), ({"scene": {**LAYER, "domain": {}}}, "domain.cell"),
+                           ({"scene": {**LAYER, "stage": [{"name": "settle"}]}}, "[[stage]]")):
             self.assertIn(says, self.problem(self.stability, "no", **more))
         self.assertFalse(folder("no").exists())
 
