@@ -3,25 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "core/data/error.hpp"
+#include "core/material/laws.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_identity.hpp"
 
 namespace moraine {
 namespace {
 
-/// Of laws of the program: the keys that only say where it yields.
-const std::map<std::string, std::vector<std::string>>& strengths() {
-    static const std::map<std::string, std::vector<std::string>> keys{
-        {"drucker-prager", {"cohesion", "friction_angle", "dilation_angle"}},
-        {"tresca", {"su"}},
-        {"von-mises", {"su"}},
-        {"mu-i", {"static_friction", "limit_friction"}},
-        {"herschel-bulkley", {"yield_stress"}},
-        {"bingham", {"yield_stress"}}};
-    return keys;
+/// Where a law yields, and how that changes with rate and strain; no state and no stable step hangs on them. Of
+/// tresca and von-mises, drucker-prager, bingham and herschel-bulkley, mu-i.
+constexpr std::array strengths{
+    "su",          "rate_log",        "rate_reference", "rate_power",     "rate_exponent", "sensitivity",
+    "xi95",        "cohesion",        "friction_angle", "dilation_angle", "yield_stress",  "viscosity",
+    "consistency", "static_friction", "limit_friction", "inertial_number"};
+
+bool has_parameter(const LawInfo& law, const std::string& key) {
+    return std::any_of(law.parameters.begin(), law.parameters.end(), [&](const Parameter& p) { return p.key == key; });
 }
 
 bool has(const std::vector<std::string>& list, const std::string& word) {
@@ -37,13 +38,17 @@ std::vector<std::string> allowable(const Scene& scene) {
 
 }  // namespace
 
+bool is_strength(const std::string& key) {
+    return std::find(strengths.begin(), strengths.end(), key) != strengths.end();
+}
+
 bool may_change(const Scene& scene, const std::string& key) {
     if (key == "numerics.damping") return true;
     for (const MaterialSpec& m : scene.materials) {
-        const auto law = strengths().find(m.law);
         const std::string table = "material." + m.name + ".";
-        if (law != strengths().end() && key.starts_with(table) && has(law->second, key.substr(table.size())))
-            return true;
+        if (!key.starts_with(table) || !is_strength(key.substr(table.size()))) continue;
+        const LawInfo& law = *find_law(m.law);
+        if (!law.of_file() && has_parameter(law, key.substr(table.size()))) return true;
     }
     if (key.starts_with("wall.")) return key.ends_with(".friction");
     if (!key.starts_with("structure.")) return false;

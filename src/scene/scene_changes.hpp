@@ -17,6 +17,9 @@ struct SceneChange {
     std::string key, was, is;
 };
 
+/// Whether laws of the program call a strength so: what restarts and stages may change of a material.
+bool is_strength(const std::string& key);
+
 /// Throws InputError for a key of --allow-change that the scene has not, or that no restart may change. Not collective.
 void check_allowed(const Scene& scene, const std::vector<std::string>& allowed);
 

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string_view>
 
+#include "scene/scene_changes.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
 
@@ -57,11 +57,6 @@ const std::vector<KeyRow<StageText>> rows{
       .meaning = "Names of bodies that come as it begins, and are not there before; seeded as at the start."},
      [](T& t, const V& v) { t.adds = v.words; }},
 };
-
-constexpr std::array strengths{"su",          "rate_log",  "rate_reference",  "rate_power",     "rate_exponent",
-                               "sensitivity", "cohesion",  "friction_angle",  "dilation_angle", "yield_stress",
-                               "consistency", "viscosity", "static_friction", "limit_friction", "inertial_number",
-                               "xi95"};
 
 std::vector<std::string> parts_of(const std::string& key) {
     std::vector<std::string> words(1);
@@ -159,10 +154,8 @@ const std::vector<KeyRow<StageText>>& stage_rows() {
 void check_setting(const Scene& scene, const std::string& setting, const std::string& path, const Places& places) {
     const std::string key = setting.substr(0, setting.find('='));
     const std::vector<std::string> words = parts_of(key);
-    const auto is_strength = [&](const char* strength) { return words.back() == strength; };
     const bool wall = words.size() == 3 && words[0] == "wall" && (words[2] == "kind" || words[2] == "friction");
-    const bool strength =
-        words.size() == 3 && words[0] == "material" && std::any_of(strengths.begin(), strengths.end(), is_strength);
+    const bool strength = words.size() == 3 && words[0] == "material" && is_strength(words.back());
     if (!wall && !strength)
         refuse(places.of(path), fmt::format("{} has {}", path, quote(key)),
                "stages change strengths of materials, and kind and friction of walls",

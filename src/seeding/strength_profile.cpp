@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/data/time_table.hpp"
 #include "core/material/laws.hpp"
 #include "core/structures/ground.hpp"
 #include "core/structures/structure.hpp"
@@ -65,15 +66,6 @@ double way_out_of_layer(const BodySpec& body, const Triple& up, const Triple& pl
     return (thickness - s.distance) / rise;
 }
 
-double table_value(const std::vector<double>& depths, const std::vector<double>& values, double depth) {
-    const auto below = std::upper_bound(depths.begin(), depths.end(), depth);
-    if (below == depths.begin()) return values.front();
-    if (below == depths.end()) return values.back();
-    const auto k = static_cast<std::size_t>(below - depths.begin());
-    const double t = (depth - depths[k - 1]) / (depths[k] - depths[k - 1]);
-    return values[k - 1] + t * (values[k] - values[k - 1]);
-}
-
 }  // namespace
 
 void set_profile(MaterialSpec& material, std::size_t parameter, StrengthSpec profile) {
@@ -112,7 +104,7 @@ double depth_at(const Scene& scene, const BodySpec& body, const StrengthSpec& pr
 double strength_at(const Scene& scene, const BodySpec& body, const Triple& x) {
     const StrengthSpec& profile = scene.materials[static_cast<std::size_t>(body.material)].strength;
     const double depth = profile.counts_depth() ? depth_at(scene, body, profile, x) : 0;
-    if (!profile.depth.empty()) return table_value(profile.depth, profile.value, depth);
+    if (!profile.depth.empty()) return value_between(profile.depth, profile.value, depth);
     return (profile.raster ? raster_value(*profile.raster, x[0], x[1]) : profile.surface) + profile.gradient * depth;
 }
 

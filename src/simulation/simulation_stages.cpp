@@ -75,8 +75,8 @@ void Simulation<Real, Dim>::remove_bodies(const std::vector<int>& bodies) {
     keys_.finish();  // what would have been the next epoch
     const std::vector<std::uint8_t> removed = is_one_of(bodies, scene_.bodies.size());
     RemovedSums<Dim> sums;
+    const ParticleView<Real, Dim> p = patch().particles.view();
     each_particle(*this, [&](std::uint32_t s, const std::array<double, Dim>& x) {
-        const ParticleView<Real, Dim> p = patch().particles.view();
         if (removed[p.body[s]] == 0) return;
         const double m = static_cast<double>(p.mass[s]);
         double square = 0, potential = 0;

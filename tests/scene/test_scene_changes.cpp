@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/data/error.hpp"
+#include "core/material/laws.hpp"
 #include "sample_scenes.hpp"
 #include "scene/scene_changes.hpp"
 #include "scene/scene_identity.hpp"
@@ -59,6 +60,17 @@ TEST_CASE("the state of modified Cam Clay knows its strength, so that no key of 
     Scene scene = slope();
     scene.materials[0].law = "modified-cam-clay";
     CHECK_FALSE(may_change(scene, "material.sand.critical_state_ratio"));
+}
+
+TEST_CASE("what restarts and stages may change is one list, of the keys that the law has") {
+    Scene scene = slope();
+    for (const char* key : {"su", "sensitivity", "viscosity"}) CHECK(is_strength(key));
+    for (const char* key : {"young", "critical_state_ratio", "matching"}) CHECK_FALSE(is_strength(key));
+    scene.materials[0].law = find_law_over_depth(*find_law("drucker-prager"), 4)->name;  // a cohesion over depth
+    CHECK(may_change(scene, "material.sand.friction_angle"));
+    scene.materials[0].law = "tresca";
+    CHECK(may_change(scene, "material.sand.sensitivity"));
+    CHECK_FALSE(may_change(scene, "material.sand.cohesion"));
 }
 
 TEST_CASE("allowed differences are told, others are still differences") {

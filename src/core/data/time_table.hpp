@@ -11,6 +11,16 @@
 
 namespace moraine {
 
+/// Linear between rows, constant before the first and after the last. xs: rising; ys: as many, at least one.
+inline double value_between(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
+    const auto next = std::upper_bound(xs.begin(), xs.end(), x);
+    if (next == xs.begin()) return ys.front();
+    if (next == xs.end()) return ys.back();
+    const auto k = static_cast<std::size_t>(next - xs.begin());
+    const double share = (x - xs[k - 1]) / (xs[k] - xs[k - 1]);
+    return ys[k - 1] + share * (ys[k] - ys[k - 1]);
+}
+
 struct TimeTable {
     std::vector<double> times;   ///< rising [s]
     std::vector<double> values;  ///< as many; of what names the table
@@ -19,14 +29,7 @@ struct TimeTable {
     /// From when on it is constant [s].
     double end() const { return empty() ? 0 : times.back(); }
 
-    double at(double t) const {
-        const auto next = std::upper_bound(times.begin(), times.end(), t);
-        if (next == times.begin()) return values.front();
-        if (next == times.end()) return values.back();
-        const auto k = static_cast<std::size_t>(next - times.begin());
-        const double share = (t - times[k - 1]) / (times[k] - times[k - 1]);
-        return values[k - 1] + share * (values[k] - values[k - 1]);
-    }
+    double at(double t) const { return value_between(times, values, t); }
 
     /// Over [from, to], from < to. Exact where it is constant there.
     double mean(double from, double to) const {

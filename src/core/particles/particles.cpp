@@ -2,26 +2,10 @@
 
 #include <cstdint>
 #include <type_traits>
-#include <utility>
 
 #include "core/data/host.hpp"
 
 namespace moraine {
-
-/// Calls f(variable, its column) for those that the scene needs.
-template <class Space, class Real, int Dim>
-template <class F>
-void Particles<Space, Real, Dim>::each_column(const F& f) {
-    constexpr Table table = particle_state<Real, Dim>();
-    [&]<std::size_t... K>(std::index_sequence<K...>) {
-        (
-            [&] {
-                if (std::get<K>(table).present(needs_)) f(std::get<K>(table), std::get<K>(columns_));
-            }(),
-            ...);
-    }
-    (std::make_index_sequence<std::tuple_size_v<Table>>{});
-}
 
 template <class Space, class Real, int Dim>
 void Particles<Space, Real, Dim>::resize(std::size_t n) {
@@ -31,13 +15,6 @@ void Particles<Space, Real, Dim>::resize(std::size_t n) {
 template <class Space, class Real, int Dim>
 void Particles<Space, Real, Dim>::reserve(std::size_t n) {
     each_column([&](const auto&, auto& column) { column.reserve(n); });
-}
-
-template <class Space, class Real, int Dim>
-ParticleView<Real, Dim> Particles<Space, Real, Dim>::view() {
-    ParticleView<Real, Dim> v{};
-    each_column([&](const auto& variable, auto& column) { variable.pointer(v) = column.data(); });
-    return v;
 }
 
 template <class Space, class Real, int Dim>

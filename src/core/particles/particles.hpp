@@ -34,7 +34,12 @@ class Particles {
 
     void reserve(std::size_t n);
 
-    ParticleView<Real, Dim> view();
+    /// Here, so that who wants one column of one particle pays for no other.
+    ParticleView<Real, Dim> view() {
+        ParticleView<Real, Dim> v{};
+        each_column([&](const auto& variable, auto& column) { variable.pointer(v) = column.data(); });
+        return v;
+    }
 
     /// The state: every column but those that a step makes anew, in the order of the table.
     std::vector<ColumnBytes> columns();
@@ -55,7 +60,17 @@ class Particles {
 
     /// Calls f(variable, its column) for those that the scene needs.
     template <class F>
-    void each_column(const F& f);
+    void each_column(const F& f) {
+        constexpr Table table = particle_state<Real, Dim>();
+        [&]<std::size_t... K>(std::index_sequence<K...>) {
+            (
+                [&] {
+                    if (std::get<K>(table).present(needs_)) f(std::get<K>(table), std::get<K>(columns_));
+                }(),
+                ...);
+        }
+        (std::make_index_sequence<std::tuple_size_v<Table>>{});
+    }
 
     ColumnNeeds needs_;
     Columns columns_;
