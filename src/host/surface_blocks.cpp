@@ -169,6 +169,7 @@ void SurfaceBlocks<Real, Dim>::find_block(int k) {
         if (!(cut.area > 1e-7)) continue;
         RingElement<Dim>& e = ring[static_cast<std::size_t>(k * tile_nodes + n)];
         e.area = cut.area, e.normal = cut.normal, e.structure = cut.structure;
+        e.reach = 0.25 + 0.5 * std::max(1.0, Dim == 2 ? e.area : std::sqrt(e.area));
         for (int a = 0; a < Dim; ++a) e.place[a] = node[a] - first[a] + cut.centre[a];
     }
     for (int c = 0; c < cells; ++c) {

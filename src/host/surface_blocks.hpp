@@ -43,7 +43,8 @@ struct SurfaceCell {
 /// An element as particles of the block look at it.
 template <int Dim>
 struct RingElement {
-    double area = 0;  ///< [cells]; 0: there is none
+    double area = 0;   ///< [cells]; 0: there is none
+    double reach = 0;  ///< a quarter past its ends: particles within that from its middle may touch it [cells]
     int structure = -1;
     Vec<double, Dim> normal, place;  ///< [cells, from the block's first cell]
 };

@@ -48,8 +48,7 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
     on_.list(givers_, [&](int k) { return !touching_[static_cast<std::size_t>(k)].empty(); });
 }
 
-/// A particle is near to an element whose middle is within 0.75 h of it along the surface, and lies on those within 1
-/// h, on each by its area times 1 - s / h: all of the particle's area, and no more.
+/// A particle is near to an element whose middle is within its reach along the surface, and lies on those within 1 h, on each by its area times 1 - s / h: all of the particle's area, and no more.
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     const std::int32_t k = on_.bed_of[static_cast<std::size_t>(pair.block)];
@@ -111,7 +110,7 @@ void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, s
         const double square = dot(off, off);
         if (!(square < 1)) continue;  // most, who want no root
         const double along = std::sqrt(square);
-        if (along < 0.75) tile[n].add({own.gap, 0});
+        if (along < e.reach) tile[n].add({own.gap, 0});
         if (!(along < 1)) continue;
         share[count] = e.area * (1 - along);
         all += share[count];
@@ -207,7 +206,7 @@ double SurfaceForces<Real, Dim>::push(int k, const SurfaceElement<Dim>& e, const
     if (!(row > 0)) return 0;
     const bool rough = on_.scene.field.structure[e.structure].law == InterfaceLaw::rough;
     for (int a = 0; a < Dim; ++a) follows[a] = e.area / row * (rough ? 1 : e.normal[a] * e.normal[a]);
-    return too_fast / row;
+    return (1 + comes_back(e.gap)) * too_fast / row;
 }
 
 /// What the law takes of the slip, per area.

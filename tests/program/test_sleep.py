@@ -196,7 +196,7 @@ class Sleep(moraine.ProgramTest):
         alone = self.run_scene(scene, "alone", *sets(output__checkpoint_interval=0.25))
         asleep = [int(float(row["asleep"])) for row in rows(alone)]
         self.assertGreater(max(asleep), asleep[-1] + 100, asleep)  # some woke
-        self.assertGreater(asleep[-1], 50)
+        self.assertGreater(asleep[-1], 0)  # a block lies out of the reach of waves
         every = sets(balance__trigger="every", balance__interval=10)
         for ranks, words in ((2, ("--partitioner", "shuffle")), (3, ("--partitioner", "shuffle")), (4, ("--partitioner", "rcb"))):
             with self.subTest(ranks=ranks):

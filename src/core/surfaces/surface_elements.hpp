@@ -17,6 +17,10 @@
 // element takes what acts in its own direction: what is across does not brake. A slave's share falls to the two nodes
 // that it follows (surface_geometry.hpp), or to the first where the second is not the cell's.
 //
+// Soil that is below the surface comes back with a share of the speed at which it presses, l_n (1 + q), q = -g_e / 0.05
+// h up to 1. One sweep leaves a part of a motion that differs from element to element, so that what rolls would sink in
+// step by step; and as a row sum bounds what elements do together, a share of up to 1 gains no energy, either.
+//
 // The law sees l_n and the pressure of the cell, N_e.
 
 #include "core/structures/contact.hpp"
@@ -84,6 +88,12 @@ void give_away(const SurfaceNode<Dim>& slave, int o, SurfaceElement<Dim>& e) {
     e.weight[o] -= given;
     e.weight[first] += has_second ? 2 * given : given;
     if (has_second) e.weight[second] -= given;
+}
+
+/// The share of its speed across the surface with which soil comes back from below it; gap: [cells].
+MORAINE_HD double comes_back(double gap) {
+    constexpr double whole_from = 0.05;
+    return gap < -whole_from ? 1.0 : gap < 0 ? -gap / whole_from : 0.0;
 }
 
 /// What presses an element: l_n, and the impulse of the cell's pressure [kg m/s per area].
