@@ -21,6 +21,7 @@ struct ContactState {
     NodeContact<Dim> at_nodes{};  ///< of this step's nodes
     bool finds_gaps = false;      ///< in this round
     bool limits_depths = false;   ///< in the next sums
+    bool rests = false;           ///< all that is here holds for the rest of the epoch: no structure moves
 
     /// Gaps are found in the next sums. Asynchronous.
     void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, const BlockTable<Dim>& table,
@@ -36,12 +37,14 @@ struct ContactState {
         ContactField<Dim> now = structures.place(set, stream);
         now.ground = field.ground;
         at_nodes = {now, gaps.view(), near_blocks.find(table, now, stencil.origin, set.any_moves(), stream)};
+        rests = !set.any_moves();
         return at_nodes;
     }
     /// An epoch has begun.
     void forget() {
         gaps.forget();
         near_blocks.forget();
+        rests = false;
     }
 };
 

@@ -20,23 +20,33 @@ constexpr int binning_launches = 4;
 /// With a stress kernel each, and a gather; a graph has space for that.
 constexpr std::size_t most_materials = 16;
 
-/// The launches of a step behind the decision, in the order of capture_lead(). by_material: materials have gathers of
-/// their own; stresses: how many materials have a stress kernel.
+/// What a step of a lead has besides its sums, nodes, gather and lists.
+struct LeadParts {
+    bool structures;  ///< near some nodes, perhaps
+    bool gaps;        ///< some blocks are near one: depths are limited, and gaps are found
+    bool limiting;
+    bool by_material;      ///< materials have gathers of their own
+    std::size_t stresses;  ///< materials with a stress kernel
+};
+
+/// The launches of a step behind the decision, in the order of capture_lead().
 template <class Real, int Dim>
-std::vector<LeadLaunch> lead_launches(bool limiting, bool by_material, std::size_t stresses) {
+std::vector<LeadLaunch> lead_launches(const LeadParts& has) {
     using Args = GatherArgs<Real, Dim>;
     using Stress = StressArgs<Real, Dim>;
     const DtPlace of_nodes = dt_of_nodes<Real, Dim>();
     const LeadLaunch other{}, sums{true}, nodes{false, 0, of_nodes.offset, 0, of_nodes.size};
     const LeadLaunch gather{false, 2, offsetof(Args, dt), offsetof(Args, gravity_impulse), sizeof(Args)};
     const LeadLaunch stress{false, 2, offsetof(Stress, dt), 0, sizeof(Stress)};
-    std::vector<LeadLaunch> launches{sums, nodes};
-    if (by_material) launches.push_back(other);
-    if (limiting) launches.insert(launches.end(), {other, gather});
-    if (by_material) launches.insert(launches.end(), stresses, gather);
-    if (by_material && limiting) launches.push_back(other);
-    launches.insert(launches.end(), limiting ? 2 : 1, gather);
-    launches.insert(launches.end(), stresses, stress);
+    std::vector<LeadLaunch> launches{sums};
+    if (has.gaps) launches = {other, other, other};
+    launches.insert(launches.end(), has.structures ? 2 : 1, nodes);
+    if (has.by_material) launches.push_back(other);
+    if (has.limiting) launches.insert(launches.end(), {other, gather});
+    if (has.by_material) launches.insert(launches.end(), has.stresses, gather);
+    if (has.by_material && has.limiting) launches.push_back(other);
+    launches.insert(launches.end(), has.limiting ? 2 : 1, gather);
+    launches.insert(launches.end(), has.stresses, stress);
     launches.insert(launches.end(), binning_launches, other);
     return launches;
 }
@@ -60,12 +70,14 @@ std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const Epo
 
 }  // namespace
 
-/// One rank, one round whose dt is known before the nodes, and nothing that the host does within a step: structures to
-/// place, sleepers to look for, means or pressures that go by the number of the step.
+/// One rank, one round whose dt is known before the nodes, and nothing that the host does within a step: structures
+/// that move, sleepers to look for, means or pressures that go by the number of the step. Nor over terrain, where flows
+/// go through epochs and maps look so often that graphs and ends of leads cost more than they save (docs/adr/0013).
 template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::can_lead() const {
-    return !exchange_ && !sleepers_ && !takes_means(method_) && !epoch_.pending && scene_.structures.empty() &&
-           method_.rounds.size() == 1 && method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
+    return !exchange_ && !sleepers_ && !takes_means(method_) && !epoch_.pending &&
+           (scene_.structures.empty() || (contact_.rests && !contact_.field.ground)) && method_.rounds.size() == 1 &&
+           method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
            census_.particles <= most_led_particles && !epoch_.tables.own.empty() &&
            kernels_.stress.size() <= most_materials && LeadGraph::is_possible();
 }
@@ -76,18 +88,28 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::capture_lead(bool next, const StepScales<Dim>& step, const Columns<Real, Dim>& columns) {
     const Round& round = method_.rounds.front();
     const std::int64_t occupied = std::exchange(census_.blocks, static_cast<std::int64_t>(epoch_.tile_capacity));
+    const NodeContact<Dim>* contact = contact_.rests ? &contact_.at_nodes : nullptr;
+    const bool gaps = contact && contact_.gaps.interior().size() > 0;
     const auto launch_step = [&](const LeadNodes& behind, cudaStream_t stream) {
-        lead_->decide_concurrently(reports_.work(epoch_.lists, &lead_->state()->report), behind,
-                                   [&] { sum_part(1, stream); });
+        const ReportWork<Dim> report = reports_.work(epoch_.lists, &lead_->state()->report);
+        if (gaps) {  // buried particles are noted for the next report: not beside the decision, which reads this one
+            lead_->decide_before(report, behind);
+            limit_depths(view(), method_.ends, contact_.field, contact_.gaps, contact_.gaps.interior(), stream);
+            sum_part(1, stream);
+            gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, contact_.gaps.interior(), stream);
+        } else {
+            lead_->decide_concurrently(report, behind, [&] { sum_part(1, stream); });
+        }
         kernels_.nodes.solve(view(), method_.stencil, node_round(round.nodes, 0, step), step.quantum,
-                             light_marks_of(round), stream, nullptr);
+                             light_marks_of(round), stream, contact);
         gather_part(1, round, gather_args(round, step), {interior_blocks(), stream});
         epoch_.lists.collect(epoch_.table.view(), Part::all, interior_blocks(), stream);
         epoch_.lists.make(epoch_.table.view(), stream);
     };
     lead_->capture(next, lead_key(columns, epoch_, step),
-                   lead_launches<Real, Dim>(limits(round), materials_ != nullptr, kernels_.stress.size()), columns,
-                   launch_step);
+                   lead_launches<Real, Dim>(
+                       {contact != nullptr, gaps, limits(round), materials_ != nullptr, kernels_.stress.size()}),
+                   columns, launch_step);
     census_.blocks = occupied;
 }
 
@@ -117,6 +139,7 @@ bool DeviceEngine<Real, Dim>::begin_lead(const LeadRequest<Dim>& request) {
     LeadClock<Dim> begins = clock;
     const int most = clock.in_guard_layer > 0 ? steps_ahead : std::max(store_.clock.left(), steps_ahead);
     begins.steps = std::min<std::int64_t>(clock.steps, most);
+    if (contact_.rests) contact_.structures.empty(stream_);  // fetched when the lead ends: sums are exact
     lead_->begin(request.rule, begins, step, static_cast<std::uint32_t>(epoch_.tile_capacity), stream_);
     share_is_of_now_ = false;
     queue_lead();
@@ -135,8 +158,12 @@ template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::leads(const LeadRequest<Dim>* request) {
     if (request && !begin_lead(*request)) return false;
     if (!lead_ || !lead_->is_under_way()) return false;
-    if (lead_->is_used_up()) {  // the last of its steps is under way
+    const auto end = [&] {  // what structures felt goes with the report of the last step, which was not taken yet
+        if (contact_.rests && lead_->taken() > 0) contact_.structures.fetch(stream_);
         lead_->end();
+    };
+    if (lead_->is_used_up()) {  // the last of its steps is under way
+        end();
         return false;
     }
     queue_lead();
@@ -144,10 +171,10 @@ bool DeviceEngine<Real, Dim>::leads(const LeadRequest<Dim>* request) {
     reports_.of_lead = &entry.report;
     reports_.is_of_epoch = true;
     if (entry.goes_on) return true;
-    stream_.wait();  // the steps queued behind it run, switched off
     if (lead_->taken() % 2 != 0) epoch_.lists.turn();
     reports_.is_missing = false;
-    lead_->end();
+    end();
+    stream_.wait();  // the steps queued behind it run, switched off
     return false;
 }
 

@@ -74,6 +74,10 @@ class Lead {
     void queue_no_more() { most_ = queued_; }
     /// Entries that may still be taken.
     int to_come() const { return most_ - taken_; }
+    /// The decision before all that is captured behind it.
+    void decide_before(const ReportWork<Dim>& work, const LeadNodes& behind) {
+        decide(work, state(), behind, static_cast<int>(sizeof(Real)), capturing_);
+    }
     /// The decision on a stream of its own, concurrent with sum(), which needs no dt. Both are captured.
     template <class F>
     void decide_concurrently(const ReportWork<Dim>& work, const LeadNodes& behind, const F& sum) {

@@ -62,6 +62,8 @@ Led<Real, Dim> run_by(const Scene& scene, std::int64_t steps, DtBy by, double in
     for (std::int64_t n : {budget.lost_count, counts.steps, counts.exchanges, counts.clamped_boxes})
         out.told.push_back(static_cast<double>(n));
     out.told.push_back(counts.particle_steps);
+    for (std::size_t k = 0; k < sim.structures().size(); ++k)
+        for (const ExactSum& s : sim.structures().state(k).felt.sum) out.told.push_back(sim.quantum().value(s));
     return out;
 }
 
@@ -129,6 +131,18 @@ TEST_CASE("layers of three materials, whose blocks go to four gathers, do not hi
                 scene.end = 100;
                 CHECK(compare_leads(scene, 200) > 100);
             }
+}
+
+TEST_CASE("structures at rest do not hinder it, and feel the same") {
+    for (const char* name : {"sliding_block", "submarine_slide", "submarine_slide_3d"})
+        for (const char* precision : {"single", "double"}) {
+            const Scene scene = input(name, {std::string("numerics.precision=") + precision, "time.end=100"});
+            CHECK(compare_leads(scene, 150, 0.2) > 75);
+        }
+}
+
+TEST_CASE("it stands back where a structure moves, and over terrain") {
+    for (const char* name : {"strip_footing", "debris_flume"}) CHECK(compare_leads(input(name, {}), 40) == 0);
 }
 
 TEST_CASE("sixteen materials are not too many for it") {

@@ -58,7 +58,8 @@ struct Line {
 };
 
 template <class Shape, bool Affine, class Real, int Dim>
-__device__ __forceinline__ Line<Real, Dim, Affine> line_of(const NodeTile<Real, Dim, Shape::width>& tile, int at,
+__device__ __forceinline__ Line<Real, Dim, Affine> line_of(const NodeTile<Real, Dim, Shape::width>& tile,
+                                                           std::ptrdiff_t at,
                                                            const AxisWeights<Real, Shape, Affine>& n) {
     Line<Real, Dim, Affine> line;
 #pragma unroll
@@ -70,7 +71,8 @@ __device__ __forceinline__ Line<Real, Dim, Affine> line_of(const NodeTile<Real, 
 
 /// By node 1 and the steps: step 0 counts -w_0, step i the weights beyond it.
 template <class Shape, bool Affine, class Real, int Dim>
-__device__ __forceinline__ Line<Real, Dim, Affine> line_of(const StepTile<Real, Dim, Shape::width>& tile, int at,
+__device__ __forceinline__ Line<Real, Dim, Affine> line_of(const StepTile<Real, Dim, Shape::width>& tile,
+                                                           std::ptrdiff_t at,
                                                            const AxisWeights<Real, Shape, Affine>& n) {
     constexpr int width = Shape::width;
     const NodeValue<Real, Dim> middle = tile.node.get(at + 1);
@@ -102,7 +104,7 @@ struct Plane {
 };
 
 template <class Shape, bool Affine, class Real, int Dim, class Tile>
-__device__ __forceinline__ Plane<Real, Dim, Affine> plane_of(const Tile& tile, int at,
+__device__ __forceinline__ Plane<Real, Dim, Affine> plane_of(const Tile& tile, std::ptrdiff_t at,
                                                              const AxisWeights<Real, Shape, Affine> (&n)[Dim]) {
     Plane<Real, Dim, Affine> plane;
 #pragma unroll
@@ -123,7 +125,7 @@ __device__ __forceinline__ Plane<Real, Dim, Affine> plane_of(const Tile& tile, i
 
 /// at: tile offset of the particle's cell. Rolled: plane by plane in a loop, with fewer registers.
 template <class Shape, bool Affine, class Real, int Dim, bool Rolled = false, class Tile>
-__device__ __forceinline__ Gathered<Real, Dim, Affine> gather(const Tile& tile, int at,
+__device__ __forceinline__ Gathered<Real, Dim, Affine> gather(const Tile& tile, std::ptrdiff_t at,
                                                               const AxisWeights<Real, Shape, Affine> (&n)[Dim]) {
     constexpr int side = tile_side(Shape::width);
     Gathered<Real, Dim, Affine> g;

@@ -58,12 +58,12 @@ __device__ __forceinline__ Steps<Real, Dim> steps_between(const Real (&a)[Dim], 
 }
 
 template <class Real, int Dim>
-__device__ __forceinline__ Steps<Real, Dim> steps_of(const NodeTile<Real, Dim, 3, false>& tile, int at) {
+__device__ __forceinline__ Steps<Real, Dim> steps_of(const NodeTile<Real, Dim, 3, false>& tile, std::ptrdiff_t at) {
     return steps_between(tile.get(at).v, tile.get(at + 1).v, tile.get(at + 2).v);
 }
 
 template <class Real, int Dim>
-__device__ __forceinline__ Steps<Real, Dim> steps_of(const StepTile<Real, Dim, 3, false>& tile, int at) {
+__device__ __forceinline__ Steps<Real, Dim> steps_of(const StepTile<Real, Dim, 3, false>& tile, std::ptrdiff_t at) {
     const NodeValue<Real, Dim, false> b = tile.node.get(at + 1), s0 = tile.step.get(at), s1 = tile.step.get(at + 1);
     Steps<Real, Dim> s;
 #pragma unroll
@@ -96,7 +96,8 @@ struct Bent {
 };
 
 template <class Real, int Dim, class Tile>
-__device__ __forceinline__ Bent<Real, Dim, 2> bent_plane(const Tile& tile, int at, const SplineAxis<Real> (&n)[Dim]) {
+__device__ __forceinline__ Bent<Real, Dim, 2> bent_plane(const Tile& tile, std::ptrdiff_t at,
+                                                         const SplineAxis<Real> (&n)[Dim]) {
     Bent<Real, Dim, 2> plane;
     Real value[3][Dim];
 #pragma unroll
@@ -115,12 +116,12 @@ __device__ __forceinline__ Bent<Real, Dim, 2> bent_plane(const Tile& tile, int a
 }
 
 template <class Real, class Tile>
-__device__ __forceinline__ Bent<Real, 2, 2> bent(const Tile& tile, int at, const SplineAxis<Real> (&n)[2]) {
+__device__ __forceinline__ Bent<Real, 2, 2> bent(const Tile& tile, std::ptrdiff_t at, const SplineAxis<Real> (&n)[2]) {
     return bent_plane(tile, at, n);
 }
 
 template <class Real, class Tile>
-__device__ __forceinline__ Bent<Real, 3, 3> bent(const Tile& tile, int at, const SplineAxis<Real> (&n)[3]) {
+__device__ __forceinline__ Bent<Real, 3, 3> bent(const Tile& tile, std::ptrdiff_t at, const SplineAxis<Real> (&n)[3]) {
     constexpr int side = tile_side(3);
     Bent<Real, 3, 3> all;
     Real value[3][3];
@@ -144,7 +145,7 @@ __device__ __forceinline__ Bent<Real, 3, 3> bent(const Tile& tile, int at, const
 
 /// at: tile offset of the particle's cell. What changes nodes is not gathered.
 template <class Real, int Dim, class Tile>
-__device__ __forceinline__ Gathered<Real, Dim, true> gather_affine(const Tile& tile, int at,
+__device__ __forceinline__ Gathered<Real, Dim, true> gather_affine(const Tile& tile, std::ptrdiff_t at,
                                                                    const SplineAxis<Real> (&n)[Dim]) {
     const Bent<Real, Dim, Dim> sums = bent(tile, at, n);
     Gathered<Real, Dim, true> g;

@@ -3,9 +3,11 @@
 // takes velocities alone (Change = false) has tiles without dv.
 //
 // Ghost nodes follow the two nodes before them once per tile, v_-1 = 2 v_0 - v_1 (core/grid/walls.hpp), so no particle
-// asks for walls. In single precision the tile also holds the steps along x, node[n + 1] - node[n]: weights sum to one
-// and slopes to zero, so a line of w nodes takes w - 1 products of each sum instead of w (measured: a tenth fewer
-// instructions; in double the shared memory costs more than it saves).
+// asks for walls. Places in a tile are 64-bit: NVRTC addresses shared memory so, and widens a 32-bit place for every
+// node of a stencil (von Mises, FLIP, 3-D, single: 2770 instructions and 4 bytes spilled, instead of 2748 and none). In
+// single precision the tile also holds the steps along x, node[n + 1] - node[n]: weights sum to one and slopes to zero,
+// so a line of w nodes takes w - 1 products of each sum instead of w (measured: a tenth fewer instructions; in double
+// the shared memory costs more than it saves).
 
 #include "gpu/kernels/copy_async.cuh"
 #include "gpu/kernels/team.cuh"
@@ -39,7 +41,7 @@ struct NodeTile {
     Row<Real> row[size];                       ///< 3-D: v, dv_x; 2-D: v, dv
     Pair pair[Dim == 3 && Change ? size : 1];  ///< 3-D: dv_y, dv_z
 
-    __device__ __forceinline__ Value get(int n) const {
+    __device__ __forceinline__ Value get(std::ptrdiff_t n) const {
         const Row<Real> r = load_row(row + n);
         if constexpr (!Change) {
             Value x;
@@ -52,7 +54,7 @@ struct NodeTile {
             return {{r.e[0], r.e[1]}, {r.e[2], r.e[3]}};
         }
     }
-    __device__ __forceinline__ void set(int n, const Value& x) {
+    __device__ __forceinline__ void set(std::ptrdiff_t n, const Value& x) {
         if constexpr (!Change) {
             store_row(row + n, Row<Real>{{x.v[0], x.v[1], Dim == 3 ? x.v[Dim - 1] : Real(0), Real(0)}});
         } else if constexpr (Dim == 3) {
@@ -89,7 +91,7 @@ __device__ __forceinline__ void take_steps(NodeTile<Real, Dim, Width, Change>&) 
 
 template <class Real, int Dim, int Width, bool Change>
 __device__ __forceinline__ void take_steps(StepTile<Real, Dim, Width, Change>& tile) {
-    for (int n = Team<Dim>::rank(); n < tile.node.size - 1; n += Team<Dim>::threads) {
+    for (std::ptrdiff_t n = Team<Dim>::rank(); n < tile.node.size - 1; n += Team<Dim>::threads) {
         auto step = tile.node.get(n + 1);
         step.combine(tile.node.get(n), [](Real b, Real a) { return b - a; });
         tile.step.set(n, step);

@@ -1,5 +1,7 @@
 #include "gpu/kernels/nodes/device_structures.hpp"
 
+#include <utility>
+
 namespace moraine::gpu {
 
 /// The host's values are copied before the call returns (less than 64 KiB, or the call waits).
@@ -17,8 +19,7 @@ ContactField<Dim> DeviceStructures<Dim>::place(const StructureSet<Dim>& structur
     check(cudaMemcpyAsync(values_.data(), field.structure, count_ * sizeof(Structure<Dim>), cudaMemcpyHostToDevice,
                           stream),
           "Copying structures to the device");
-    if (empty_) check(cudaMemsetAsync(sums_.data(), 0, count_ * sizeof(StructureSums<Dim>), stream), "Emptying sums");
-    empty_ = false;
+    if (empty_) empty(stream);
     field.structure = values_.data();
     field.corners = corners_.data();
     field.sums = sums_.data();
@@ -26,13 +27,21 @@ ContactField<Dim> DeviceStructures<Dim>::place(const StructureSet<Dim>& structur
 }
 
 template <int Dim>
+void DeviceStructures<Dim>::empty(cudaStream_t stream) {
+    check(cudaMemsetAsync(sums_.data(), 0, count_ * sizeof(StructureSums<Dim>), stream), "Emptying sums");
+    empty_ = false;
+}
+
+template <int Dim>
 void DeviceStructures<Dim>::fetch(cudaStream_t stream) {
+    fetched_ = true;
     check(cudaMemcpyAsync(felt_, sums_.data(), count_ * sizeof(StructureSums<Dim>), cudaMemcpyDeviceToHost, stream),
           "Copying what structures felt");
 }
 
 template <int Dim>
 std::vector<StructureSums<Dim>> DeviceStructures<Dim>::take() {
+    if (!std::exchange(fetched_, false)) return {};
     empty_ = true;
     return {felt_, felt_ + count_};
 }

@@ -22,7 +22,9 @@ class DeviceStructures {
     ContactField<Dim> place(const StructureSet<Dim>& structures, cudaStream_t stream);
     /// Queues the copy of what they felt so far. Asynchronous.
     void fetch(cudaStream_t stream);
-    /// Of the steps since it was last taken; what fetch() queued must be done.
+    /// What they feel from now on is summed anew; what was fetched can still be taken. Asynchronous.
+    void empty(cudaStream_t stream);
+    /// Of the steps since it was last taken; what fetch() queued must be done. Nothing where nothing was fetched since.
     std::vector<StructureSums<Dim>> take();
 
   private:
@@ -31,7 +33,8 @@ class DeviceStructures {
     Array<StructureSums<Dim>> sums_;
     StructureSums<Dim>* felt_ = nullptr;  ///< pinned
     std::size_t count_ = 0;
-    bool empty_ = false;  ///< the sums are to begin anew
+    bool empty_ = false;    ///< the sums are to begin anew
+    bool fetched_ = false;  ///< and not taken
 };
 
 }  // namespace moraine::gpu

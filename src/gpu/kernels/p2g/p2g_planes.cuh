@@ -89,12 +89,13 @@ __device__ __forceinline__ Row<typename Case::Real> sum_planes(const typename Ca
     constexpr int side = Case::side;
     const int x = n % side, rest = n / side;
     const int y = Case::dim == 3 ? rest % side : 0, last = Case::dim == 3 ? rest / side : rest;
+    const typename Case::Real* at = planes + last * P::plane + y * P::line + x * quad;
     Row<typename Case::Real> sum{};
 #pragma unroll
     for (int k = 0; k < Case::width; ++k) {
         const int layer = last - k;
         if (layer < 0 || layer > 3) continue;
-        const auto q = load_quad(planes + (4 * k + layer) * P::plane + y * P::line + x * quad);
+        const auto q = load_quad(at + 3 * k * P::plane);
 #pragma unroll
         for (int i = 0; i < 4; ++i) sum.e[i] += q.e[i];
     }
