@@ -16,7 +16,7 @@
 // keeps its own G, so that all faces stay open and what flows along a plane changes no volume.
 
 #include "core/fluid/find_pressures.hpp"
-#include "core/surfaces/surface_geometry.hpp"
+#include "core/surfaces/surface_node.hpp"
 
 namespace moraine {
 
