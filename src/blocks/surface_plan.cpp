@@ -4,7 +4,6 @@
 
 #include "core/data/morton.hpp"
 #include "core/grid/stencil.hpp"
-#include "core/surfaces/open_faces.hpp"
 
 namespace moraine {
 
@@ -132,18 +131,34 @@ void SurfacePlan<Dim>::find_block(int k) {
         around.first.push_back(static_cast<std::uint32_t>(around.ring.size()));
         SurfaceCell<Dim>& cell = place_of[static_cast<std::size_t>(k * cells + c)];
         const Place node = cell_node(k, c);
-        cell = {geometry.part(node), false, nullptr, false, {}};
+        cell = SurfaceCell<Dim>{};
+        cell.part = geometry.part(node);
         cell.near = cell.part != CellPart::open;
         each_node<Dim, 3>([&](int at, int, int, int) {
             const SurfaceNode<Dim>& n =
                 surface_nodes[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + at))];
             cell.near = cell.near || n.distance < lacks_within || (n.distance < 3 && n.capacity < light_capacity);
         });
+        find_space(k, c, node, cell);
         if (cell.part != CellPart::cut) continue;
         cell.cut = &geometry.cut(node);
         if (cell.cut->area > 1e-7) add_element(k, c, *cell.cut);
         find_root(node, cell);
     }
+}
+
+/// What is open of a cell, and whose surface it is at.
+template <int Dim>
+void SurfacePlan<Dim>::find_space(int k, int c, const Place& node, SurfaceCell<Dim>& cell) {
+    if (cell.part == CellPart::cut) {
+        cell.volume = geometry.cut(node).volume;
+        cell.structure = geometry.cut(node).structure;
+        return;
+    }
+    const CellBox<Dim> box = geometry.box(node);
+    cell.volume = 1;
+    for (int a = 0; a < Dim; ++a) cell.volume *= box.end[a][1] - box.end[a][0];
+    cell.structure = surface_nodes[static_cast<std::size_t>(node_at(k, tile_offset<Dim, 3>(c) + to_middle))].structure;
 }
 
 /// With whom a cell shares if it does.
@@ -170,7 +185,9 @@ void SurfacePlan<Dim>::find_root(const Place& node, SurfaceCell<Dim>& cell) {
         if (std::fabs(open[1] - open[0]) < same || open[end] < widest - same) continue;  // alike: with neither
         widest = open[end];
         cell.shares = true;
-        for (int b = 0; b < Dim; ++b) cell.root[b] = b != a ? 0 : end == 0 ? -1 : 1;
+        Place root = node;
+        for (int b = 0; b < Dim; ++b) root[b] += cell.root[b] = b != a ? 0 : end == 0 ? -1 : 1;
+        cell.cut_of_root = geometry.cut_at(root);
     }
 }
 

@@ -5,20 +5,11 @@
 #include <vector>
 
 #include "blocks/epoch.hpp"
+#include "core/surfaces/open_rule.hpp"
 #include "core/surfaces/surface_elements.hpp"
 #include "core/surfaces/surface_geometry.hpp"
 
 namespace moraine {
-
-/// A cell of a block near a surface, by place alone.
-template <int Dim>
-struct SurfaceCell {
-    CellPart part;
-    bool near;                ///< it is one of ours
-    const CutCell<Dim>* cut;  ///< null: it is whole
-    bool shares;              ///< with the cell at `root` from here
-    int root[Dim];
-};
 
 /// By own block and cell: who of the ring has an element and is the cell or beside it.
 struct RingLists {
@@ -57,6 +48,7 @@ struct SurfacePlan {
     void list_blocks(const EpochTables<Dim>& tables);
     void find_nodes(const EpochTables<Dim>& tables);
     void find_block(int k);
+    void find_space(int k, int c, const Place& node, SurfaceCell<Dim>& cell);
     void find_root(const Place& node, SurfaceCell<Dim>& cell);
     void add_element(int k, int c, const CutCell<Dim>& cut);
     void list_slaves(int k, int c);

@@ -8,25 +8,6 @@ namespace moraine {
 
 namespace {
 
-template <class Real, int Dim>
-Walls<double, Dim> doubled(const Walls<Real, Dim>& walls) {
-    Walls<double, Dim> w{};
-    for (int a = 0; a < Dim; ++a)
-        for (int s = 0; s < 2; ++s)
-            w.plane[a][s] = walls.plane[a][s], w.kind[a][s] = walls.kind[a][s], w.fold[a][s] = walls.fold[a][s];
-    return w;
-}
-
-template <class Real, int Dim>
-NodeCapacity<double, Dim> doubled(const NodeCapacity<Real, Dim>& ends) {
-    NodeCapacity<double, Dim> e{};
-    for (int a = 0; a < Dim; ++a)
-        for (int s = 0; s < 2; ++s)
-            e.plane[a][s] = ends.plane[a][s], e.on[a][s] = double(ends.on[a][s]),
-            e.next[a][s] = double(ends.next[a][s]);
-    return e;
-}
-
 /// f(n, tile_node(n, delta, width)) of the nodes that a tile has.
 template <int Dim, class F>
 void each_tile_node(int delta, int width, const F& f) {
@@ -48,7 +29,7 @@ template <class Real, int Dim>
 void SurfaceBlocks<Real, Dim>::find(const ContactField<Dim>& of, bool moves) {
     if (made.in_epoch && !moves) return;
     scene.field = of;
-    this->geometry.begin(of, doubled(method.context.walls), doubled(method.capacity));
+    this->geometry.begin(of, method.context.walls, method.capacity);
     if (moves) this->geometry.forget();
     this->make(patch.tables(), of);
     tile_index.assign(bed_of.size(), -1);

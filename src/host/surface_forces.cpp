@@ -141,7 +141,7 @@ template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping,
                                       Real* tile) {
     const Structure<Dim>& s = on_.scene.field.structure[e.structure];
-    const double pressure = pressures_.pressure_on_surface(k, e.cell, damping);
+    const double pressure = pressures_.pressure_at(k, e.cell, damping);
     const ElementImpulse<Dim> impulse =
         act_on_element(e, s, time, pressure, on_.h, NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
     double heavy = 0;

@@ -18,14 +18,34 @@
 
 namespace moraine {
 
+template <class Real, int Dim>
+Walls<double, Dim> doubled(const Walls<Real, Dim>& walls) {
+    Walls<double, Dim> w{};
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s)
+            w.plane[a][s] = walls.plane[a][s], w.kind[a][s] = walls.kind[a][s], w.fold[a][s] = walls.fold[a][s];
+    return w;
+}
+
+template <class Real, int Dim>
+NodeCapacity<double, Dim> doubled(const NodeCapacity<Real, Dim>& ends) {
+    NodeCapacity<double, Dim> e{};
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s)
+            e.plane[a][s] = ends.plane[a][s], e.on[a][s] = double(ends.on[a][s]),
+            e.next[a][s] = double(ends.next[a][s]);
+    return e;
+}
+
 template <int Dim>
 class SurfaceGeometry {
   public:
     using Place = Vec<std::int32_t, Dim>;
 
     /// What it is of; the field's structures may have moved.
-    void begin(const ContactField<Dim>& field, const Walls<double, Dim>& walls, const NodeCapacity<double, Dim>& ends) {
-        field_ = field, walls_ = walls, ends_ = ends;
+    template <class Real>
+    void begin(const ContactField<Dim>& field, const Walls<Real, Dim>& walls, const NodeCapacity<Real, Dim>& ends) {
+        field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
     void forget() { part_.clear(), cut_.clear(), capacity_.clear(), node_.clear(); }
 
