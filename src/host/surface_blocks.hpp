@@ -12,9 +12,9 @@
 
 #include "blocks/contact_pairs.hpp"
 #include "blocks/patch.hpp"
+#include "blocks/surface_plan.hpp"
 #include "comm/halo.hpp"
 #include "core/nodes/node_energy.hpp"
-#include "core/surfaces/surface_elements.hpp"
 #include "core/transfer/method.hpp"
 
 namespace moraine {
@@ -30,31 +30,6 @@ struct SurfaceScene {
     StructureSums<Dim>* felt;   ///< by structure
 };
 
-/// A cell of a block near a surface, by place alone.
-template <int Dim>
-struct SurfaceCell {
-    CellPart part;
-    bool near;                ///< it is one of ours
-    const CutCell<Dim>* cut;  ///< null: it is whole
-    bool shares;              ///< with the cell at `root` from here
-    int root[Dim];
-};
-
-/// An element as particles of the block look at it.
-template <int Dim>
-struct RingElement {
-    double area = 0;   ///< [cells]; 0: there is none
-    double reach = 0;  ///< a quarter past its ends: particles within that from its middle may touch it [cells]
-    int structure = -1;
-    Vec<double, Dim> normal, place;  ///< [cells, from the block's first cell]
-};
-
-/// By own block and cell: who of the ring has an element and is the cell or beside it.
-struct RingLists {
-    std::vector<std::uint32_t> first;  ///< of `ring`, and their end
-    std::vector<std::uint16_t> ring;
-};
-
 /// What a pass gave to the nodes near surfaces.
 template <class Real>
 struct NodeSums {
@@ -63,36 +38,29 @@ struct NodeSums {
 };
 
 template <class Real, int Dim>
-struct SurfaceBlocks {
-    static constexpr int width = 3, cells = Block<Dim>::cells, nodes = power<Dim>(3);
-    static constexpr int side = tile_side(width), tile_nodes = power<Dim>(side);
-    static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
-    using Place = Vec<std::int32_t, Dim>;
+struct SurfaceBlocks : SurfacePlan<Dim> {
+    using Plan = SurfacePlan<Dim>;
+    using Place = typename Plan::Place;
+    using Plan::bed_of, Plan::blocks, Plan::cells, Plan::ghosts, Plan::near_nodes, Plan::near_of, Plan::node_at;
+    using Plan::nodes, Plan::side, Plan::tile_nodes, Plan::to_middle, Plan::width;
 
     const Method<Host, Real, Dim>& method;
     Patch<Host, Real, Dim>& patch;
-    double h;            ///< [m]
     bool counts_energy;  ///< the scene has an energy budget
     SurfaceScene<Real, Dim> scene{};
     Halo<Real, Dim>* halo = nullptr;
     const ContactPairs<Dim>* pairs = nullptr;
     struct {
         bool in_epoch = false;
-        std::int64_t times = 0;
     } made{};
-    SurfaceGeometry<Dim> geometry{};
-    std::size_t ghosts = 0;
-    std::vector<std::int32_t> blocks{}, bed_of{}, tile_index{};       ///< own; by own and ghost block
-    std::vector<std::int32_t> near_nodes{}, near_of{}, node_index{};  ///< node blocks; [block][node of tile]
-    std::vector<SurfaceNode<Dim>> surface_nodes{};                    ///< [near node block][node]
-    std::vector<SurfaceCell<Dim>> place_of{};                         ///< [block][cell]
-    std::vector<std::vector<SurfaceElement<Dim>>> elements{};         ///< [block]
-    std::vector<RingElement<Dim>> ring{};                             ///< [block][cell of the ring]
-    RingLists around{};
-    std::vector<Real*> node_values{};  ///< of this step [near node block]; null: no soil is near
+    std::vector<std::int32_t> tile_index{};  ///< by own and ghost block
+    std::vector<Real*> node_values{};        ///< of this step [near node block]; null: no soil is near
     Host::Array<Real> tiles{};
     NodeSums<Real> sums{};                            ///< of the last pass
     Host::Array<SurfaceMotion<Real, Dim>> motions{};  ///< with an energy budget: of this round [near node block][node]
+
+    SurfaceBlocks(const Method<Host, Real, Dim>& of, Patch<Host, Real, Dim>& on, double cell, bool counts)
+        : Plan{cell, of.stencil.origin}, method(of), patch(on), counts_energy(counts) {}
 
     /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
     void find(const ContactField<Dim>& field, bool moves);
@@ -112,9 +80,7 @@ struct SurfaceBlocks {
             if (gives(k)) givers.push_back(k);
     }
 
-    Place cell_node(int k, int c) const;
-    static int lane(int n) { return Dim == 2 ? (n < 3 ? n : n < 5 ? n + 1 : 7) : n; }
-    std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
+    static int lane(int n) { return sum_lane<Dim>(n); }
     const Real* sum_of(std::int32_t near) const {
         static constexpr Real nothing[node_reals] = {};
         return sums.known[std::size_t(near) / cells] ? sums.value.data() + std::size_t(near) * node_reals : nothing;
@@ -133,13 +99,6 @@ struct SurfaceBlocks {
               const Vec<double, Dim>& follows = zero_vec<double, Dim>()) const;
 
   private:
-    void make(const EpochTables<Dim>& tables);
-    void list_blocks(const EpochTables<Dim>& tables);
-    void find_nodes(const EpochTables<Dim>& tables);
-    void find_block(int k);
-    void find_root(const Place& node, SurfaceCell<Dim>& cell);
-    void add_element(int k, int c, const CutCell<Dim>& cut);
-    bool is_near(const Place& block) const;
     void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
     void sum_nodes(int j, int quads);
 };

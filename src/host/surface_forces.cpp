@@ -3,6 +3,7 @@
 #include "host/surface_forces.hpp"
 
 #include "core/nodes/surface_energy.hpp"
+#include "core/surfaces/element_rule.hpp"
 
 namespace moraine {
 
@@ -36,10 +37,7 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
             const NodeGap gap =
                 gap_at_node(tiles, table, on_.tile_index.data(), width,
                             on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
-            e.gap = gap.is_none() ? 1e9 : gap.cells();
-            e.covered = gap.faces() * unit / e.area;
-            const InterfaceLaw law = on_.scene.field.structure[e.structure].law;
-            e.touches = e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0);
+            take_gap(gap, unit, on_.scene.field.structure[e.structure].law, e);
             if (!e.touches) continue;
             const std::ptrdiff_t at = &e - on_.elements[static_cast<std::size_t>(k)].data();
             touching_[static_cast<std::size_t>(k)].push_back(static_cast<std::int32_t>(at));
@@ -48,7 +46,6 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
     on_.list(givers_, [&](int k) { return !touching_[static_cast<std::size_t>(k)].empty(); });
 }
 
-/// A particle is near to an element whose middle is within its reach along the surface, and lies on those within 1 h, on each by its area times 1 - s / h: all of the particle's area, and no more.
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     const std::int32_t k = on_.bed_of[static_cast<std::size_t>(pair.block)];
@@ -98,26 +95,10 @@ void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, s
     const Vec<Coordinate<Real>, Dim>& u = on_.patch.particles.view().position[slot];
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = cell_of<Real>(u[a]) + double(fraction_of<Real>(u[a])) - 0.5;
-    int at[nodes], count = 0;
-    double share[nodes], all = 0;
-    for (std::uint32_t i = on_.around.first[static_cast<std::size_t>(cell)];
-         i < on_.around.first[static_cast<std::size_t>(cell) + 1]; ++i) {
-        const int n = on_.around.ring[i];
-        const RingElement<Dim>& e = ring[n];
-        if (e.structure != pair.structure) continue;
-        const Vec<double, Dim> way = e.place - x;
-        const Vec<double, Dim> off = way - dot(way, e.normal) * e.normal;
-        const double square = dot(off, off);
-        if (!(square < 1)) continue;  // most, who want no root
-        const double along = std::sqrt(square);
-        if (along < e.reach) tile[n].add({own.gap, 0});
-        if (!(along < 1)) continue;
-        share[count] = e.area * (1 - along);
-        all += share[count];
-        at[count++] = n;
-    }
-    for (int q = 0; q < count && own.area > 0; ++q)
-        tile[at[q]].add({NodeGap::none, NodeGap::fixed_area(own.area * share[q] / all)});
+    const std::uint32_t first = on_.around.first[static_cast<std::size_t>(cell)],
+                        end = on_.around.first[static_cast<std::size_t>(cell) + 1];
+    tell_ring(ring, on_.around.ring.data() + first, end - first, pair.structure, x, own,
+              [&](int n, const NodeGap& gap) { tile[n].add(gap); });
 }
 
 /// W_i of the elements that the soil touches.
@@ -128,9 +109,8 @@ void SurfaceForces<Real, Dim>::weigh() {
             int i = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
                 Real* to = tile + (tile_offset<Dim, 3>(e.cell) + at) * node_reals;
-                for (int q = 0; q < SurfaceShares<Dim>::count; ++q)
-                    to[lane(q)] += static_cast<Real>(e.area * e.weight[i] * tensor_lane(e.normal, q));
-                to[lane(SurfaceShares<Dim>::count)] += static_cast<Real>(e.area * e.own[i]);
+                for (int q = 0; q <= SurfaceShares<Dim>::count; ++q)
+                    to[lane(q)] += static_cast<Real>(share_lane(e, i, q));
                 ++i;
             });
         });
@@ -142,11 +122,7 @@ void SurfaceForces<Real, Dim>::weigh() {
 
 template <class Real, int Dim>
 SurfaceShares<Dim> SurfaceForces<Real, Dim>::shares_at(std::int32_t near) const {
-    const Real* from = shares_.value.data() + static_cast<std::size_t>(near) * node_reals;
-    SurfaceShares<Dim> s;
-    for (int q = 0; q < SurfaceShares<Dim>::count; ++q) s.across[q] = double(from[lane(q)]);
-    s.own = double(from[lane(SurfaceShares<Dim>::count)]);
-    return s;
+    return shares_of<Dim>(shares_.value.data() + static_cast<std::size_t>(near) * node_reals);
 }
 
 template <class Real, int Dim>
@@ -164,12 +140,10 @@ void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping,
                                       Real* tile) {
-    const Slip slip = slip_of(k, e);
-    Vec<double, Dim> follows = zero_vec<double, Dim>();
-    const double pushed = push(k, e, slip, time.closing, follows);
-    const double pressure = pressures_.pressure_on_surface(k, e.cell, damping);
-    const Vec<double, Dim> taken = slow(k, e, slip, {pushed, pressure > 0 ? pressure * time.dt : 0.0}, time.dt);
-    const Vec<double, Dim> impulse = e.area * (taken - pushed * e.normal);  // to the structure, if all nodes hold soil
+    const Structure<Dim>& s = on_.scene.field.structure[e.structure];
+    const double pressure = pressures_.pressure_at(k, e.cell, damping);
+    const ElementImpulse<Dim> impulse =
+        act_on_element(e, s, time, pressure, on_.h, NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
     double heavy = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
@@ -177,103 +151,22 @@ void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const
         const int n = tile_offset<Dim, 3>(e.cell) + at;
         if (!on_.values(on_.node_at(k, n))) return;
         heavy += w;
-        for (int a = 0; a < Dim; ++a) tile[n * node_reals + a] -= static_cast<Real>(w * impulse[a]);
+        for (int a = 0; a < Dim; ++a) tile[n * node_reals + a] -= static_cast<Real>(w * impulse.given[a]);
     });
-    on_.tell(e.structure, heavy * impulse, e.place, follows);
-}
-
-template <class Real, int Dim>
-typename SurfaceForces<Real, Dim>::Slip SurfaceForces<Real, Dim>::slip_of(int k, const SurfaceElement<Dim>& e) const {
-    const Structure<Dim>& s = on_.scene.field.structure[e.structure];
-    Vec<double, Dim> slip = zero_vec<double, Dim>();
-    int i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const double w = e.weight[i++];
-        const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at));
-        for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - s.velocity[a]);
-    });
-    const double leaves = dot(slip, e.normal);
-    return {leaves, slip - leaves * e.normal};
-}
-
-/// What holds the soil out of the structure, per area. follows: the mass that it moves with the structure [kg].
-template <class Real, int Dim>
-double SurfaceForces<Real, Dim>::push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing,
-                                      Vec<double, Dim>& follows) const {
-    const double too_fast = -(e.gap > 0 ? e.gap * on_.h : 0.0) / closing - slip.leaves;
-    if (!(too_fast > 0)) return 0;
-    const double row = row_of(e, k, [&](const SurfaceShares<Dim>& shares) { return shares.along_normal(e.normal); });
-    if (!(row > 0)) return 0;
-    const bool rough = on_.scene.field.structure[e.structure].law == InterfaceLaw::rough;
-    for (int a = 0; a < Dim; ++a) follows[a] = e.area / row * (rough ? 1 : e.normal[a] * e.normal[a]);
-    return (1 + comes_back(e.gap)) * too_fast / row;
-}
-
-/// What the law takes of the slip, per area.
-template <class Real, int Dim>
-Vec<double, Dim> SurfaceForces<Real, Dim>::slow(int k, const SurfaceElement<Dim>& e, const Slip& slip,
-                                                const Pressing& by, double dt) const {
-    const InterfaceLaw law = on_.scene.field.structure[e.structure].law;
-    const double speed = magnitude(slip.along);
-    if (law == InterfaceLaw::smooth || !(speed > 0)) return zero_vec<double, Dim>();
-    const Vec<double, Dim> along = (1 / speed) * slip.along;
-    const double row =
-        row_of(e, k, [&](const SurfaceShares<Dim>& shares) { return shares.all() - shares.along_normal(along); });
-    if (!(row > 0)) return zero_vec<double, Dim>();
-    const double taken = std::min(most_along(law, e, by, slip.leaves, speed, row, dt), speed / row);
-    return (taken > 0 ? taken : 0.0) * along;
-}
-
-/// R_e, of what share(W_i) takes of a node's W.
-template <class Real, int Dim>
-template <class Share>
-double SurfaceForces<Real, Dim>::row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const {
-    double row = 0;
-    int i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const double w = e.weight[i++];
-        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at);
-        const Real* v = on_.values(near);
-        if (v && w != 0) row += w * share(shares_at(near)) / double(v[quad - 1]);
-    });
-    return row;
+    on_.tell(e.structure, heavy * impulse.given, e.place, impulse.follows);
 }
 
 /// Who follows in this step: slaves and their masters are known by place.
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::find_slaves() {
-    if (known_ != on_.made.times) {
-        known_ = on_.made.times;
-        slaves_.assign(on_.blocks.size(), {});
-        followers_.assign(on_.blocks.size(), {});
-        Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
-            for (int c = 0; c < cells; ++c) list_slaves(k, c);
-        });
-    }
+    followers_.resize(on_.blocks.size());
     Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
         std::vector<Slave>& follow = followers_[static_cast<std::size_t>(k)];
         follow.clear();
-        for (const Slave& slave : slaves_[static_cast<std::size_t>(k)])
+        for (const Slave& slave : on_.slaves[static_cast<std::size_t>(k)])
             if (acts(k, slave)) follow.push_back(slave);
     });
     on_.list(with_slaves_, [&](int k) { return !followers_[static_cast<std::size_t>(k)].empty(); });
-}
-
-/// Of a cell, the slaves that follow its middle and the node beyond.
-template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::list_slaves(int k, int c) {
-    const int corner = tile_offset<Dim, 3>(c), middle = corner + to_middle;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(on_.node_at(k, corner + at))];
-        if (!(n.slaved > 0)) return;
-        const int offset[3] = {i - 1, j - 1, l - 1};
-        int beyond = middle;
-        for (int a = 0, stride = 1; a < Dim; ++a, stride *= side) {
-            if (n.to[a] != -offset[a]) return;
-            beyond += stride * n.to[a];
-        }
-        slaves_[static_cast<std::size_t>(k)].push_back({corner + at, middle, beyond});
-    });
 }
 
 /// Whether elements touch a slave, and all three nodes hold soil.
@@ -281,9 +174,8 @@ template <class Real, int Dim>
 bool SurfaceForces<Real, Dim>::acts(int k, const Slave& slave) const {
     const std::int32_t near = on_.node_at(k, slave.own);
     if (!shares_.known[static_cast<std::size_t>(near / cells)]) return false;
-    const Real *own = on_.values(near), *one = on_.values(on_.node_at(k, slave.one));
-    if (!own || !one || !on_.values(on_.node_at(k, slave.two)) || !(shares_at(near).own > 0)) return false;
-    return !(double(own[quad - 1]) > 0.5 * double(one[quad - 1]));
+    return slave_acts(on_.values(near), on_.values(on_.node_at(k, slave.one)), on_.values(on_.node_at(k, slave.two)),
+                      shares_at(near));
 }
 
 /// The impulse that closes f (v_o - 2 v_1 + v_2).
@@ -293,11 +185,7 @@ void SurfaceForces<Real, Dim>::close_slave(int k, const Slave& slave, Real* tile
     const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
     const Real *own = on_.values(near), *one = on_.values(on_.node_at(k, slave.one)),
                *two = on_.values(on_.node_at(k, slave.two));
-    const double m = own[quad - 1], m1 = one[quad - 1], m2 = two[quad - 1];
-    Vec<double, Dim> off;
-    for (int a = 0; a < Dim; ++a) off[a] = 2 * double(one[a]) - double(two[a]) - double(own[a]);
-    if (on_.scene.field.structure[n.structure].law == InterfaceLaw::smooth) off = dot(off, n.normal) * n.normal;
-    off = (n.slaved / (1 / m + 4 / m1 + 1 / m2)) * off;
+    const Vec<double, Dim> off = slave_impulse(n, on_.scene.field.structure[n.structure].law, own, one, two);
     for (int a = 0; a < Dim; ++a) {
         tile[slave.own * node_reals + a] += static_cast<Real>(off[a]);
         tile[slave.one * node_reals + a] -= static_cast<Real>(2 * off[a]);

@@ -28,10 +28,12 @@ class SurfaceForces {
     static constexpr int cells = Blocks::cells, nodes = Blocks::nodes, side = Blocks::side, width = Blocks::width;
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
-    /// Of soil over an element [m/s]: away from the structure, and along it.
-    struct Slip {
-        double leaves;
-        Vec<double, Dim> along;
+    /// What the nodes of an element hold (element_rule.hpp).
+    struct NodesOf {
+        const SurfaceForces& of;
+        int k, corner;
+        const Real* values(int at) const { return of.on_.values(of.on_.node_at(k, corner + at)); }
+        SurfaceShares<Dim> shares(int at) const { return of.shares_at(of.on_.node_at(k, corner + at)); }
     };
 
     void find_gaps(const ContactPairs<Dim>& pairs);
@@ -52,19 +54,9 @@ class SurfaceForces {
     }
     void weigh();
     void find_slaves();
-    Slip slip_of(int k, const SurfaceElement<Dim>& e) const;
-    double push(int k, const SurfaceElement<Dim>& e, const Slip& slip, double closing, Vec<double, Dim>& follows) const;
-    Vec<double, Dim> slow(int k, const SurfaceElement<Dim>& e, const Slip& slip, const Pressing& by, double dt) const;
     void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
-    /// A slave of a block, by nodes of its tile: it follows `one` and `two`.
-    struct Slave {
-        int own, one, two;
-    };
-    void list_slaves(int k, int c);
     bool acts(int k, const Slave& slave) const;
     void close_slave(int k, const Slave& slave, Real* tile) const;
-    template <class Share>
-    double row_of(const SurfaceElement<Dim>& e, int k, const Share& share) const;
     using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;
     void apply(Taken by);
     void note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v, const Vec<Real, Dim>& end);
@@ -76,9 +68,7 @@ class SurfaceForces {
     std::vector<std::array<ExactSum, Dim>> impulse_;  ///< of walls [near node block]
     NodeSums<Real> shares_;                           ///< W_i
     Host::Array<NodeGap> gap_tiles_;
-    std::int64_t known_ = 0;                                     ///< the blocks' `made` that the next is of
-    std::vector<std::vector<Slave>> slaves_;                     ///< [block]
-    std::vector<std::vector<Slave>> followers_;                  ///< of those, who acts in this step
+    std::vector<std::vector<Slave>> followers_;                  ///< slaves who act in this step [block]
     std::vector<std::vector<std::int32_t>> touching_;            ///< [block] elements that act in this step
     std::vector<std::int32_t> givers_, occupied_, with_slaves_;  ///< blocks: with such, with soil, with followers
 };

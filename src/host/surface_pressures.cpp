@@ -6,23 +6,16 @@
 
 namespace moraine {
 
-/// Lanes of what a child tells its root, what cells tell holes beside them, and what the root tells back.
-enum ChildLane { child_pressure, child_particles, child_bulk, child_volume, child_weight, child_cross };
-enum HoleLane { hole_volume, hole_pressure, hole_bulk };
-enum RootLane { root_pressure, root_bulk, root_volume, root_source };
-
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::find(const Substep& first) {
     keep_accelerations();
-    find_cells(first);
+    find_cells();
     on_.list(givers_, [&](int k) { return on_cells_[static_cast<std::size_t>(k)].has_children; });
     on_.pass(givers_, 2, [&](int k, Real* tile) {
         each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
             if (!cell.child) return;
             Real* root = tile + root_node(k, c) * node_reals;
-            root[lane(child_pressure)] += cell.state.pressure, root[lane(child_particles)] += cell.particles;
-            root[lane(child_bulk)] += cell.state.bulk, root[lane(child_volume)] += cell.state.volume;
-            root[lane(child_weight)] += cell.weight, root[lane(child_cross)] += cell.state.head;
+            for (int q = 0; q < child_lanes; ++q) root[lane(q)] += told_by_child(cell, q);
         });
     });
     each_block([&](int k) { each_on(k, [&](int c, const OpenCell<Real, Dim>&) { close_cell(k, c, first); }); });
@@ -52,7 +45,7 @@ void SurfacePressures<Real, Dim>::keep_accelerations() {
 }
 
 template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::find_cells(const Substep& first) {
+void SurfacePressures<Real, Dim>::find_cells() {
     cells_.resize(on_.blocks.size() * cells);
     on_cells_.resize(on_.blocks.size());
     if (on_.counts_energy) energy_.assign(on_.blocks.size(), {});
@@ -65,7 +58,7 @@ void SurfacePressures<Real, Dim>::find_cells(const Substep& first) {
             cell.on = cell.child = false;
             if (!on_.place_of[static_cast<std::size_t>(k * cells + c)].near) continue;
             cell = {};
-            find_cell(k, c, first);
+            find_cell(k, c);
             if (cell.on) on.cell.push_back(c);
             on.has_children = on.has_children || cell.child;
         }
@@ -86,20 +79,13 @@ void SurfacePressures<Real, Dim>::tell_children() {
         each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
             if (!cell.on || cell.child || !cell.mixed) return;
             Real* own = tile + (tile_offset<Dim, 3>(c) + to_middle) * node_reals;
-            own[lane(root_pressure)] = cell.state.pressure;
-            own[lane(root_bulk)] = cell.state.loose ? -cell.state.bulk : cell.state.bulk;
-            own[lane(root_volume)] = cell.state.volume, own[lane(root_source)] = cell.state.source;
+            for (int q = 0; q < root_lanes; ++q) own[lane(q)] = told_by_root(cell.state, q);
         });
     });
     each_block([&](int k) {
         each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
             if (!cell.child) return;
-            const Real* root = on_.sum_at(k, root_node(k, c));
-            const Real bulk = root[lane(root_bulk)];
-            cell.on = root[lane(root_volume)] > Real(0);
-            cell.state.pressure = root[lane(root_pressure)], cell.state.bulk = bulk < Real(0) ? -bulk : bulk;
-            cell.state.volume = root[lane(root_volume)], cell.state.source = root[lane(root_source)];
-            cell.state.loose = bulk < Real(0);
+            take_root(on_.sum_at(k, root_node(k, c)), cell);
         });
     });
 }
@@ -113,46 +99,19 @@ int SurfacePressures<Real, Dim>::root_node(int k, int c) const {
     return n;
 }
 
-/// x.
+/// Of a cell by itself.
 template <class Real, int Dim>
-Real SurfacePressures<Real, Dim>::share_of(int k, int c) const {
-    const bool cut = on_.place_of[static_cast<std::size_t>(k * cells + c)].cut != nullptr;
-    const int corner = tile_offset<Dim, 3>(c);
-    double least = 1e9, soil = 0, space = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const std::int32_t near = on_.node_at(k, corner + at);
-        const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
-        const std::ptrdiff_t held = on_.stored(near);
-        const double filling = held < 0 ? 0.0 : double(on_.scene.held[held].filling);
-        if (!(n.capacity > 0)) return;
-        if (cut) soil += filling, space += n.capacity;
-        if (!cut && n.distance >= 1 && n.capacity > 0.1) least = std::min(least, filling / n.capacity);
-    });
-    if (cut) least = space > 0 ? soil / space : 0;
-    return share_of_integral(static_cast<Real>(least < 1e8 ? least : 0));
-}
-
-/// Of a cell by itself: pressure and bulk are sums over its particles yet, and a child's head the sum of G_ic . G_ir.
-template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::find_cell(int k, int c, const Substep&) {
+void SurfacePressures<Real, Dim>::find_cell(int k, int c) {
     const auto i = static_cast<std::size_t>(k * cells + c);
     const SurfaceCell<Dim>& place = on_.place_of[i];
     OpenCell<Real, Dim>& cell = cells_[i];
     const std::int32_t block = on_.blocks[static_cast<std::size_t>(k)];
-    const ListView<Dim> list = on_.patch.list();
     if (!place.near) return;
-    if (list.count(block) > 0) on_.scene.cells[first_cell(block) + c].volume = Real(0);
+    if (on_.patch.list().count(block) > 0) on_.scene.cells[first_cell(block) + c].volume = Real(0);
     if (place.part == CellPart::solid) return;
     CellMoments<Real, Dim> moments;
     sum_particles(block, c, moments, cell);
-    cell.share = share_of(k, c);
-    const bool shares = place.shares && (place.cut->volume < small_cell || !(cell.particles > Real(0)));
-    if (!(cell.particles > Real(0)) && !(cell.share > Real(0))) return;
-    make_rows(k, c, moments, cell);
-    if (!(cell.state.volume > Real(1e-7) * Real(std::pow(on_.h, Dim)))) return;
-    cell.on = true;
-    cell.child = shares;
-    weigh_cell(k, c, cell);
+    find_open_cell(grid_, place, on_.cell_node(k, c), moments, NodesOf{*this, k, tile_offset<Dim, 3>(c)}, cell);
 }
 
 template <class Real, int Dim>
@@ -173,130 +132,12 @@ void SurfacePressures<Real, Dim>::sum_particles(std::int32_t block, int c, CellM
     }
 }
 
-/// F_ic of a cell, by its node [cells].
-template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::faces_of(const Place& node, const CutCell<Dim>* cut,
-                                           CellNode<Real, Dim>* face) const {
-    const Real scale = static_cast<Real>(std::pow(on_.h, Dim - 1));
-    for (int i = 0; cut && i < nodes; ++i)
-        for (int a = 0; a < Dim; ++a) face[i].gradient[a] = scale * static_cast<Real>(cut->face[i][a]);
-    if (cut) return;
-    Real x[Dim][cell_powers];
-    CellBasis<Real> basis[Dim];
-    for (int a = 0; a < Dim; ++a) {
-        full_moments(on_.method.capacity, a, node[a], x[a]);
-        basis[a] = cell_basis<Real>(on_.method.context.walls.ghosts(a, node[a] - 1, 3));
-    }
-    CellMoments<Real, Dim> moments;
-    moments.clear();
-    moments.add_product(static_cast<Real>(std::pow(on_.h, Dim)), x);
-    all_cell_nodes(moments, basis, on_.method.context.inverse_cell, face);
-}
-
-template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::make_rows(int k, int c, const CellMoments<Real, Dim>& moments,
-                                            OpenCell<Real, Dim>& cell) const {
-    const SurfaceCell<Dim>& place = on_.place_of[static_cast<std::size_t>(k * cells + c)];
-    const Place node = on_.cell_node(k, c);
-    const CellBox<Dim> box = on_.geometry.box(node);
-    CellBasis<Real> basis[Dim];
-    double volume = place.cut ? place.cut->volume : 1;
-    for (int a = 0; a < Dim; ++a) {
-        basis[a] = cell_basis<Real>(on_.method.context.walls.ghosts(a, node[a] - 1, 3));
-        if (!place.cut) volume *= box.end[a][1] - box.end[a][0];
-    }
-    all_cell_nodes(moments, basis, on_.method.context.inverse_cell, cell.factor);
-    CellNode<Real, Dim> face[nodes];
-    faces_of(node, place.cut, face);
-    Real share[nodes];
-    bool light = false;
-    int n = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(c) + at);
-        const SurfaceNode<Dim>& beside = on_.surface_nodes[static_cast<std::size_t>(near)];
-        const std::ptrdiff_t held = on_.stored(near);
-        share[n++] = static_cast<Real>(node_share(beside, held < 0 ? 0.0 : double(on_.scene.held[held].filling)));
-        light = light || beside.capacity < light_capacity;
-    });
-    const Real scale = static_cast<Real>(std::pow(on_.h, Dim - 1));
-    open_rows(
-        static_cast<Real>(volume * std::pow(on_.h, Dim)), [&](int i, int a) { return face[i].gradient[a]; },
-        [&](int i, int a) { return place.cut ? scale * static_cast<Real>(place.cut->bed[i][a]) : Real(0); },
-        [&](int i) { return share[i]; }, cell);
-    cell.whole = !place.cut && cell.share == Real(1) && !light;
-}
-
-/// Source, weight, and of a child the part of the weight that it has together with its root.
-template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const {
-    const SurfaceCell<Dim>& place = on_.place_of[static_cast<std::size_t>(k * cells + c)];
-    CellNode<Real, Dim> of_root[nodes];
-    if (cell.child) {
-        Place root = on_.cell_node(k, c);
-        for (int a = 0; a < Dim; ++a) root[a] += place.root[a];
-        faces_of(root, on_.geometry.cut_at(root), of_root);
-    }
-    Mat<Real, Dim> L = zero_mat<Real, Dim>();
-    int n = 0;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const CellNode<Real, Dim>& g = cell.factor[n++];
-        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(c) + at);
-        const Real* v = on_.values(near);
-        if (!v) return;
-        const int offset[3] = {i, j, l};
-        int there = 0;
-        bool both = cell.child;
-        for (int a = Dim - 1; a >= 0; --a) {
-            const int o = offset[a] - place.root[a];
-            both = both && o >= 0 && o < 3;
-            there = 3 * there + o;
-        }
-        Real square = Real(0), cross = Real(0);
-        for (int b = 0; b < Dim; ++b) {
-            square += g.gradient[b] * g.gradient[b];
-            if (both) cross += g.gradient[b] * of_root[there].gradient[b];
-            for (int a = 0; a < Dim; ++a) L(a, b) += g.gradient[b] * v[a];
-        }
-        cell.weight += square / v[quad - 1];
-        if (both) {
-            const double filling = double(on_.scene.held[on_.stored(near)].filling);
-            cell.state.head +=
-                Real(node_share(on_.surface_nodes[static_cast<std::size_t>(near)], filling)) * cross / v[quad - 1];
-        }
-    });
-    for (int a = 0; a < Dim; ++a)
-        for (int b = 0; b < Dim; ++b) cell.state.source += L(a, b) * L(b, a);
-    cell.state.source /= cell.state.volume * cell.state.volume;
-}
-
 /// Of a cell with its children: means and the bounded modulus.
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::close_cell(int k, int c, const Substep& first) {
     OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     if (!cell.on || cell.child) return;
-    const Real* told = on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle);
-    CellPressure<Real>& state = cell.state;
-    const Real particles = cell.particles + told[lane(child_particles)];
-    cell.mixed = told[lane(child_volume)] > Real(0);
-    if (particles > Real(0)) {
-        state.pressure = (state.pressure + told[lane(child_pressure)]) / particles;
-        state.bulk = (state.bulk + told[lane(child_bulk)]) / particles;
-    }
-    cell.particles = particles;
-    state.volume += told[lane(child_volume)];
-    const Real weight = cell.weight + told[lane(child_weight)] + Real(2) * cell.share * told[lane(child_cross)];
-    cell.weight = weight;
-    if (particles > Real(0)) bound(cell, first);
-}
-
-template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::bound(OpenCell<Real, Dim>& cell, const Substep& first) const {
-    CellPressure<Real>& state = cell.state;
-    if ((cell.whole && !cell.mixed) || !(cell.weight > Real(0))) return;
-    const Real bulk = bounded_bulk<Dim>(state.bulk, state.volume, cell.weight, first.dt, first.damping());
-    state.loose = bulk < state.bulk;
-    state.pressure *= bulk / state.bulk;
-    state.bulk = bulk;
+    close_open_cell(on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle), first.dt, first.damping(), cell);
 }
 
 /// What a cell with particles tells the cells around it, by the nodes in their middles.
@@ -323,12 +164,7 @@ template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::fill_hole(int k, int c) {
     OpenCell<Real, Dim>& hole = cells_[static_cast<std::size_t>(k * cells + c)];
     if (!hole.on || hole.child || hole.particles > Real(0)) return;
-    const Real* around = on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle);
-    const Real volume = around[lane(hole_volume)];
-    hole.on = volume > Real(0);
-    if (!hole.on) return;
-    hole.state.pressure = around[lane(hole_pressure)] / volume;
-    hole.state.bulk = around[lane(hole_bulk)] / volume;
+    fill_open_hole(on_.sum_at(k, tile_offset<Dim, 3>(c) + to_middle), hole);
 }
 
 template <class Real, int Dim>
@@ -372,15 +208,7 @@ void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
         any = any || given[a] != 0;
         place[a] = on_.scene.field.origin[a] + on_.h * node[a];
     }
-    if (any) on_.tell(structure_of(k, c), given, place);
-}
-
-/// Whose surface a cell is at.
-template <class Real, int Dim>
-int SurfacePressures<Real, Dim>::structure_of(int k, int c) const {
-    const CutCell<Dim>* cut = on_.place_of[static_cast<std::size_t>(k * cells + c)].cut;
-    if (cut) return cut->structure;
-    return on_.surface_nodes[static_cast<std::size_t>(on_.node_at(k, tile_offset<Dim, 3>(c) + to_middle))].structure;
+    if (any) on_.tell(on_.place_of[static_cast<std::size_t>(k * cells + c)].structure, given, place);
 }
 
 template <class Real, int Dim>
@@ -388,7 +216,9 @@ void SurfacePressures<Real, Dim>::update(const Substep& substep) {
     each_block([&](int k) {
         each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
             if (!cell.on) return;
-            cell.flux = flux_of(k, c, cell);
+            const int structure = on_.place_of[static_cast<std::size_t>(k * cells + c)].structure;
+            cell.flux =
+                flux_into(cell, on_.scene.field.structure[structure], NodesOf{*this, k, tile_offset<Dim, 3>(c)});
             if (on_.counts_energy) count_taken(k, c, substep);
         });
     });
@@ -402,28 +232,10 @@ void SurfacePressures<Real, Dim>::update(const Substep& substep) {
         each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
             if (!cell.on) return;
             const Real flux = cell.child || cell.mixed ? on_.sum_at(k, root_node(k, c))[0] : cell.flux;
-            const Real step = dt * (flux / cell.state.volume - time * cell.state.source);
-            cell.state.change = cell.state.bulk * step;
-            cell.state.pressure += cell.state.change;
-            cell.state.increment += step;
+            advance_open_cell(flux, dt, time, cell);
         });
     });
     if (substep.is_last()) give_cells();
-}
-
-/// sum_i G_ic . v_i - S_c . V.
-template <class Real, int Dim>
-Real SurfacePressures<Real, Dim>::flux_of(int k, int c, const OpenCell<Real, Dim>& cell) const {
-    const Structure<Dim>& s = on_.scene.field.structure[structure_of(k, c)];
-    Real flux = Real(0);
-    for (int a = 0; a < Dim; ++a) flux -= cell.bed[a] * static_cast<Real>(s.velocity[a]);
-    int n = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const CellNode<Real, Dim>& g = cell.factor[n++];
-        const Real* v = on_.values(on_.node_at(k, tile_offset<Dim, 3>(c) + at));
-        for (int a = 0; v && a < Dim; ++a) flux += g.gradient[a] * v[a];
-    });
-    return flux;
 }
 
 /// To the gather, which knows cells of occupied blocks.
@@ -445,10 +257,8 @@ void SurfacePressures<Real, Dim>::give_cells() {
 }
 
 template <class Real, int Dim>
-double SurfacePressures<Real, Dim>::pressure_on_surface(int k, int c, double damping) const {
-    if (cells_.empty()) return 0;
-    const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-    return cell.on ? -double(cell.bears) * (double(cell.state.pressure) + damping * double(cell.state.change)) : 0.0;
+double SurfacePressures<Real, Dim>::pressure_at(int k, int c, double damping) const {
+    return cells_.empty() ? 0 : pressure_on_surface(cells_[static_cast<std::size_t>(k * cells + c)], damping);
 }
 
 template class SurfacePressures<float, 2>;

@@ -5,7 +5,7 @@
 // what children give is summed there, and the root's own answer is read there, so that both sides have the same
 // numbers.
 
-#include "core/surfaces/open_faces.hpp"
+#include "core/surfaces/open_rule.hpp"
 #include "host/surface_blocks.hpp"
 
 namespace moraine {
@@ -13,7 +13,10 @@ namespace moraine {
 template <class Real, int Dim>
 class SurfacePressures {
   public:
-    explicit SurfacePressures(SurfaceBlocks<Real, Dim>& on) : on_(on) {}
+    explicit SurfacePressures(SurfaceBlocks<Real, Dim>& on)
+        : on_(on),
+          grid_{on.method.context.walls, on.method.capacity, on.method.context.inverse_cell,
+                static_cast<double>(std::pow(on.h, Dim - 1)), static_cast<double>(std::pow(on.h, Dim))} {}
 
     /// The cells near surfaces, in place of those of find_pressures.hpp. Collective over peers, as the next two.
     void find(const Substep& first);
@@ -22,7 +25,7 @@ class SurfacePressures {
     /// What the substep's velocities make of the cells.
     void update(const Substep& substep);
     /// N_e: what a block's cell presses on its surface [Pa]; none where pressures are the particles'.
-    double pressure_on_surface(int k, int c, double damping) const;
+    double pressure_at(int k, int c, double damping) const;
     /// What they took since it was last called; the scene has an energy budget.
     void take_energy(EnergyAccount& account);
 
@@ -32,6 +35,21 @@ class SurfacePressures {
     static constexpr int cells = Blocks::cells, nodes = Blocks::nodes, side = Blocks::side;
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
+
+    /// What the nodes of a cell hold (open_rule.hpp).
+    struct NodesOf {
+        const SurfacePressures& of;
+        int k, corner;
+        std::int32_t near(int at) const { return of.on_.node_at(k, corner + at); }
+        const SurfaceNode<Dim>& place(int at) const { return of.on_.surface_nodes[static_cast<std::size_t>(near(at))]; }
+        const Real* values(int at) const { return of.on_.values(near(at)); }
+        double distance(int at) const { return place(at).distance; }
+        double capacity(int at) const { return place(at).capacity; }
+        double filling(int at) const {
+            const std::ptrdiff_t held = of.on_.stored(near(at));
+            return held < 0 ? 0.0 : double(of.on_.scene.held[held].filling);
+        }
+    };
 
     /// Cells of a block that take part in this step.
     struct OnCells {
@@ -50,18 +68,11 @@ class SurfacePressures {
             f(c, cells_[static_cast<std::size_t>(k * cells + c)]);
     }
     void keep_accelerations();
-    void find_cells(const Substep& first);
+    void find_cells();
     void tell_children();
-    Real flux_of(int k, int c, const OpenCell<Real, Dim>& cell) const;
-    void find_cell(int k, int c, const Substep& first);
+    void find_cell(int k, int c);
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
-    void faces_of(const Place& node, const CutCell<Dim>* cut, CellNode<Real, Dim>* face) const;
-    void make_rows(int k, int c, const CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
-    void weigh_cell(int k, int c, OpenCell<Real, Dim>& cell) const;
-    Real share_of(int k, int c) const;
     void close_cell(int k, int c, const Substep& first);
-    void bound(OpenCell<Real, Dim>& cell, const Substep& first) const;
-    int structure_of(int k, int c) const;
     void tell_pressure(int k, int c, double impulse);
     std::size_t first_cell(std::int32_t block) const { return std::size_t(on_.patch.grid().tile_of[block]) * cells; }
     void tell_holes(int k, int c, Real* tile) const;
@@ -77,6 +88,7 @@ class SurfacePressures {
     };
 
     SurfaceBlocks<Real, Dim>& on_;
+    const OpenGrid<Real, Dim> grid_;
     std::vector<OpenCell<Real, Dim>> cells_;      ///< [block][cell]
     std::vector<OnCells> on_cells_;               ///< [block]
     std::vector<std::int32_t> givers_, sharers_;  ///< blocks with such; with children or roots

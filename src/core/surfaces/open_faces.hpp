@@ -16,7 +16,7 @@
 // keeps its own G, so that all faces stay open and what flows along a plane changes no volume.
 
 #include "core/fluid/find_pressures.hpp"
-#include "core/surfaces/surface_geometry.hpp"
+#include "core/surfaces/surface_node.hpp"
 
 namespace moraine {
 
@@ -43,18 +43,18 @@ struct OpenCell {
     CellNode<Real, Dim> factor[nodes]{};  ///< G_ic
 };
 
-/// s_i. filling: v_i / h^d.
-template <int Dim>
-double node_share(const SurfaceNode<Dim>& n, double filling) {
-    if (!(n.distance < lacks_within && n.capacity > 1e-9 && n.capacity < lacks_below)) return 1;
-    const double share = filling / n.capacity / 0.8;
+/// s_i. distance [cells], capacity: of SurfaceNode; filling: v_i / h^d.
+MORAINE_HD double node_share(double distance, double capacity, double filling) {
+    if (!(distance < lacks_within && capacity > 1e-9 && capacity < lacks_below)) return 1;
+    const double share = filling / capacity / 0.8;
     return share < 1 ? share : 1;
 }
 
 /// Makes a cell's rows of the sums of its particles, which are in `factor`. face, bed: F_ic and S_ic [m^(d-1)]; share
 /// of node i: s_i. open: V_c [m^d].
 template <class Real, int Dim, class Face, class BedOf, class ShareOf>
-void open_rows(Real open, const Face& face, const BedOf& bed, const ShareOf& share_of, OpenCell<Real, Dim>& cell) {
+MORAINE_HD void open_rows(Real open, const Face& face, const BedOf& bed, const ShareOf& share_of,
+                          OpenCell<Real, Dim>& cell) {
     const Real x = cell.share, full = cell.particles / open;
     const Real phi = (full < Real(1) ? full : Real(1)) * (Real(1) - x);
     cell.bears = phi + x;

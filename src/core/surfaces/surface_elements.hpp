@@ -24,7 +24,7 @@
 // The law sees l_n and the pressure of the cell, N_e.
 
 #include "core/structures/contact.hpp"
-#include "core/surfaces/surface_geometry.hpp"
+#include "core/surfaces/surface_node.hpp"
 
 namespace moraine {
 
@@ -44,6 +44,27 @@ struct SurfaceElement {
     bool touches = false;
 };
 
+/// An element as particles of a block look at it.
+template <int Dim>
+struct RingElement {
+    double area = 0;   ///< [cells]; 0: there is none
+    double reach = 0;  ///< a quarter past its ends: particles within that from its middle may touch it [cells]
+    int structure = -1;
+    int node = 0;                    ///< of the block's tile, in the middle of its cell
+    Vec<double, Dim> normal, place;  ///< [cells, from the block's first cell]
+};
+
+/// A slave, by nodes of a block's tile: it follows `one` and `two`.
+struct Slave {
+    int own, one, two;
+};
+
+/// Lane of a node's sums that number n of them has: those that travel (node_sums), then the mean's.
+template <int Dim>
+MORAINE_HD constexpr int sum_lane(int n) {
+    return Dim == 2 ? (n < 3 ? n : n < 5 ? n + 1 : 7) : n;
+}
+
 /// Symmetric tensors by lanes: xx, yy, xy in 2-D, xx, yy, zz, xy, yz, zx in 3-D.
 template <int Dim>
 struct SurfaceShares {
@@ -51,12 +72,12 @@ struct SurfaceShares {
     double across[count];  ///< sum_e A_e w_ie n n
     double own;            ///< sum_e A_e w_ie, before slaves gave theirs away
 
-    double all() const {
+    MORAINE_HD double all() const {
         double sum = 0;
         for (int a = 0; a < Dim; ++a) sum += across[a];
         return sum;
     }
-    double along_normal(const Vec<double, Dim>& n) const {
+    MORAINE_HD double along_normal(const Vec<double, Dim>& n) const {
         double sum = 0;
         for (int a = 0; a < Dim; ++a) {
             sum += across[a] * n[a] * n[a];
@@ -67,7 +88,7 @@ struct SurfaceShares {
 };
 
 template <int Dim>
-double tensor_lane(const Vec<double, Dim>& n, int lane) {
+MORAINE_HD double tensor_lane(const Vec<double, Dim>& n, int lane) {
     return lane < Dim ? n[lane] * n[lane] : n[lane - Dim] * n[(lane - Dim + 1) % Dim];
 }
 
@@ -104,8 +125,8 @@ struct Pressing {
 /// The most that the law lets an element take per area, of the slip's own size `speed` / row; leaves: u_e . n_e; dt: in
 /// which it acts.
 template <int Dim>
-double most_along(InterfaceLaw law, const SurfaceElement<Dim>& e, const Pressing& by, double leaves, double speed,
-                  double row, double dt) {
+MORAINE_HD double most_along(InterfaceLaw law, const SurfaceElement<Dim>& e, const Pressing& by, double leaves,
+                             double speed, double row, double dt) {
     const double press = by.contact + by.pressure;
     switch (law) {
         case InterfaceLaw::rough:

@@ -14,24 +14,28 @@
 
 #include "core/structures/contact_field.hpp"
 #include "core/surfaces/cut_cell.hpp"
+#include "core/surfaces/surface_node.hpp"
 
 namespace moraine {
 
-inline constexpr double slave_capacity = 0.03;  ///< c*
-inline constexpr double free_depth = 3.0;       ///< nodes below that are nobody's slaves [cells]
+template <class Real, int Dim>
+Walls<double, Dim> doubled(const Walls<Real, Dim>& walls) {
+    Walls<double, Dim> w{};
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s)
+            w.plane[a][s] = walls.plane[a][s], w.kind[a][s] = walls.kind[a][s], w.fold[a][s] = walls.fold[a][s];
+    return w;
+}
 
-enum class CellPart { open, cut, solid };
-
-/// What a node finds of the surfaces.
-template <int Dim>
-struct SurfaceNode {
-    double distance;          ///< of the nearest [cells]
-    Vec<double, Dim> normal;  ///< of the nearest
-    int structure;            ///< the nearest; -1: there is none
-    double capacity;          ///< c_i
-    double slaved;            ///< f; 0: it is free
-    int to[Dim];              ///< to the first of the two that it follows
-};
+template <class Real, int Dim>
+NodeCapacity<double, Dim> doubled(const NodeCapacity<Real, Dim>& ends) {
+    NodeCapacity<double, Dim> e{};
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s)
+            e.plane[a][s] = ends.plane[a][s], e.on[a][s] = double(ends.on[a][s]),
+            e.next[a][s] = double(ends.next[a][s]);
+    return e;
+}
 
 template <int Dim>
 class SurfaceGeometry {
@@ -39,8 +43,9 @@ class SurfaceGeometry {
     using Place = Vec<std::int32_t, Dim>;
 
     /// What it is of; the field's structures may have moved.
-    void begin(const ContactField<Dim>& field, const Walls<double, Dim>& walls, const NodeCapacity<double, Dim>& ends) {
-        field_ = field, walls_ = walls, ends_ = ends;
+    template <class Real>
+    void begin(const ContactField<Dim>& field, const Walls<Real, Dim>& walls, const NodeCapacity<Real, Dim>& ends) {
+        field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
     void forget() { part_.clear(), cut_.clear(), capacity_.clear(), node_.clear(); }
 

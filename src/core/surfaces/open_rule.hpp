@@ -1,0 +1,248 @@
+#pragma once
+// How cells beside surfaces are found and what they do (open_faces.hpp), a cell at a time, for hosts and devices alike.
+//
+// Nodes says what a cell's nodes hold, by their place `at` in the tile, from the cell's first node on: values(at) are
+// (v', ..., m), null where a node holds no soil; filling(at) is v_i / h^d; distance(at) [cells] and capacity(at) are
+// those of SurfaceNode.
+
+#include "core/surfaces/cut_cell.hpp"
+#include "core/surfaces/open_faces.hpp"
+
+namespace moraine {
+
+/// Lanes of what a child tells its root, what cells tell holes beside them, and what the root tells back.
+enum ChildLane { child_pressure, child_particles, child_bulk, child_volume, child_weight, child_cross };
+enum HoleLane { hole_volume, hole_pressure, hole_bulk };
+enum RootLane { root_pressure, root_bulk, root_volume, root_source };
+
+/// A cell of a block near a surface, by place alone.
+template <int Dim>
+struct SurfaceCell {
+    CellPart part;
+    bool near;                        ///< it is one of ours
+    bool shares;                      ///< with the cell at `root` from here
+    const CutCell<Dim>* cut;          ///< null: it is whole
+    const CutCell<Dim>* cut_of_root;  ///< likewise
+    int root[Dim];
+    int structure;  ///< whose surface it is at
+    double volume;  ///< open [cells]
+};
+
+/// What the cells of a run share.
+template <class Real, int Dim>
+struct OpenGrid {
+    Walls<Real, Dim> walls;
+    NodeCapacity<Real, Dim> capacity;
+    Real inverse_cell;  ///< 1 / h [1/m]
+    double face;        ///< h^(d-1) [m^(d-1)]
+    double volume;      ///< h^d [m^d]
+
+    /// Of the cell around a node.
+    MORAINE_HD void find_basis(const Vec<std::int32_t, Dim>& node, CellBasis<Real> (&basis)[Dim]) const {
+        for (int a = 0; a < Dim; ++a) basis[a] = cell_basis<Real>(walls.ghosts(a, node[a] - 1, 3));
+    }
+    /// F_ic [m^(d-1)] of a cell by its node; cut: null where it is whole.
+    MORAINE_HD void find_faces(const Vec<std::int32_t, Dim>& node, const CutCell<Dim>* cut,
+                               CellNode<Real, Dim>* to) const {
+        const Real scale = static_cast<Real>(face);
+        for (int i = 0; cut && i < power<Dim>(3); ++i)
+            for (int a = 0; a < Dim; ++a) to[i].gradient[a] = scale * static_cast<Real>(cut->face[i][a]);
+        if (cut) return;
+        Real x[Dim][cell_powers];
+        CellBasis<Real> basis[Dim];
+        find_basis(node, basis);
+        for (int a = 0; a < Dim; ++a) full_moments(capacity, a, node[a], x[a]);
+        CellMoments<Real, Dim> moments;
+        moments.clear();
+        moments.add_product(static_cast<Real>(volume), x);
+        all_cell_nodes(moments, basis, inverse_cell, to);
+    }
+};
+
+/// x.
+template <class Real, int Dim, class Nodes>
+MORAINE_HD Real share_of_cell(const SurfaceCell<Dim>& place, const Nodes& nodes) {
+    const bool cut = place.cut != nullptr;
+    double least = 1e9, soil = 0, space = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        const double capacity = nodes.capacity(at);
+        if (!(capacity > 0)) return;
+        const double filling = nodes.filling(at);
+        if (cut) soil += filling, space += capacity;
+        if (!cut && nodes.distance(at) >= 1 && capacity > 0.1 && filling / capacity < least) least = filling / capacity;
+    });
+    if (cut) least = space > 0 ? soil / space : 0;
+    return share_of_integral(static_cast<Real>(least < 1e8 ? least : 0));
+}
+
+/// G_ic, S_c and V_c of a cell whose `share` and `particles` are known.
+template <class Real, int Dim, class Nodes>
+MORAINE_HD void make_rows(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim>& place,
+                          const Vec<std::int32_t, Dim>& node, const CellMoments<Real, Dim>& moments, const Nodes& nodes,
+                          OpenCell<Real, Dim>& cell) {
+    CellBasis<Real> basis[Dim];
+    grid.find_basis(node, basis);
+    all_cell_nodes(moments, basis, grid.inverse_cell, cell.factor);
+    CellNode<Real, Dim> face[OpenCell<Real, Dim>::nodes];
+    grid.find_faces(node, place.cut, face);
+    Real share[OpenCell<Real, Dim>::nodes];
+    bool light = false;
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        const double capacity = nodes.capacity(at);
+        share[n++] = static_cast<Real>(node_share(nodes.distance(at), capacity, nodes.filling(at)));
+        light = light || capacity < light_capacity;
+    });
+    const Real scale = static_cast<Real>(grid.face);
+    open_rows(
+        static_cast<Real>(place.volume * grid.volume), [&](int i, int a) { return face[i].gradient[a]; },
+        [&](int i, int a) { return place.cut ? scale * static_cast<Real>(place.cut->bed[i][a]) : Real(0); },
+        [&](int i) { return share[i]; }, cell);
+    cell.whole = !place.cut && cell.share == Real(1) && !light;
+}
+
+/// Source, weight, and of a child the part of the weight that it has together with its root, as its head.
+template <class Real, int Dim, class Nodes>
+MORAINE_HD void weigh_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim>& place,
+                           const Vec<std::int32_t, Dim>& node, const Nodes& nodes, OpenCell<Real, Dim>& cell) {
+    CellNode<Real, Dim> of_root[OpenCell<Real, Dim>::nodes];
+    if (cell.child) {
+        Vec<std::int32_t, Dim> root = node;
+        for (int a = 0; a < Dim; ++a) root[a] += place.root[a];
+        grid.find_faces(root, place.cut_of_root, of_root);
+    }
+    Mat<Real, Dim> L = zero_mat<Real, Dim>();
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int i, int j, int l) {
+        const CellNode<Real, Dim>& g = cell.factor[n++];
+        const Real* v = nodes.values(at);
+        if (!v) return;
+        const int offset[3] = {i, j, l};
+        int there = 0;
+        bool both = cell.child;
+        for (int a = Dim - 1; a >= 0; --a) {
+            const int o = offset[a] - place.root[a];
+            both = both && o >= 0 && o < 3;
+            there = 3 * there + o;
+        }
+        Real square = Real(0), cross = Real(0);
+        for (int b = 0; b < Dim; ++b) {
+            square += g.gradient[b] * g.gradient[b];
+            if (both) cross += g.gradient[b] * of_root[there].gradient[b];
+            for (int a = 0; a < Dim; ++a) L(a, b) += g.gradient[b] * v[a];
+        }
+        cell.weight += square / v[quad - 1];
+        if (both)
+            cell.state.head +=
+                Real(node_share(nodes.distance(at), nodes.capacity(at), nodes.filling(at))) * cross / v[quad - 1];
+    });
+    for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b) cell.state.source += L(a, b) * L(b, a);
+    cell.state.source /= cell.state.volume * cell.state.volume;
+}
+
+/// Of a cell by itself, whose particles have been summed: pressure and bulk are sums over them yet, and a child's head
+/// the sum of G_ic . G_ir.
+template <class Real, int Dim, class Nodes>
+MORAINE_HD void find_open_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim>& place,
+                               const Vec<std::int32_t, Dim>& node, const CellMoments<Real, Dim>& moments,
+                               const Nodes& nodes, OpenCell<Real, Dim>& cell) {
+    cell.share = share_of_cell<Real>(place, nodes);
+    const bool shares = place.shares && (place.cut->volume < small_cell || !(cell.particles > Real(0)));
+    if (!(cell.particles > Real(0)) && !(cell.share > Real(0))) return;
+    make_rows(grid, place, node, moments, nodes, cell);
+    if (!(cell.state.volume > Real(1e-7) * Real(grid.volume))) return;
+    cell.on = true;
+    cell.child = shares;
+    weigh_cell(grid, place, node, nodes, cell);
+}
+
+/// Lane n of what a child tells its root.
+template <class Real, int Dim>
+MORAINE_HD Real told_by_child(const OpenCell<Real, Dim>& cell, int n) {
+    const Real told[] = {cell.state.pressure, cell.particles, cell.state.bulk,
+                         cell.state.volume,   cell.weight,    cell.state.head};
+    return told[n];
+}
+inline constexpr int child_lanes = 6;
+
+/// Of a root or a cell alone, with its children: means and the bounded modulus. told: sums of the node in its middle.
+template <class Real, int Dim>
+MORAINE_HD void close_open_cell(const Real* told, double dt, double damping, OpenCell<Real, Dim>& cell) {
+    CellPressure<Real>& state = cell.state;
+    const Real particles = cell.particles + told[sum_lane<Dim>(child_particles)];
+    cell.mixed = told[sum_lane<Dim>(child_volume)] > Real(0);
+    if (particles > Real(0)) {
+        state.pressure = (state.pressure + told[sum_lane<Dim>(child_pressure)]) / particles;
+        state.bulk = (state.bulk + told[sum_lane<Dim>(child_bulk)]) / particles;
+    }
+    cell.particles = particles;
+    state.volume += told[sum_lane<Dim>(child_volume)];
+    const Real weight =
+        cell.weight + told[sum_lane<Dim>(child_weight)] + Real(2) * cell.share * told[sum_lane<Dim>(child_cross)];
+    cell.weight = weight;
+    if (!(particles > Real(0)) || (cell.whole && !cell.mixed) || !(weight > Real(0))) return;
+    const Real bulk = bounded_bulk<Dim>(state.bulk, state.volume, weight, dt, damping);
+    state.loose = bulk < state.bulk;
+    state.pressure *= bulk / state.bulk;
+    state.bulk = bulk;
+}
+
+/// A cell without particles takes what the cells around it have, by volume. around: sums of the node in its middle.
+template <class Real, int Dim>
+MORAINE_HD void fill_open_hole(const Real* around, OpenCell<Real, Dim>& hole) {
+    const Real volume = around[sum_lane<Dim>(hole_volume)];
+    hole.on = volume > Real(0);
+    if (!hole.on) return;
+    hole.state.pressure = around[sum_lane<Dim>(hole_pressure)] / volume;
+    hole.state.bulk = around[sum_lane<Dim>(hole_bulk)] / volume;
+}
+
+/// Lane n of what a root tells its children.
+template <class Real>
+MORAINE_HD Real told_by_root(const CellPressure<Real>& state, int n) {
+    const Real told[] = {state.pressure, state.loose ? -state.bulk : state.bulk, state.volume, state.source};
+    return told[n];
+}
+inline constexpr int root_lanes = 4;
+
+/// What a root has become, to a child. root: sums of the node in the root's middle.
+template <class Real, int Dim>
+MORAINE_HD void take_root(const Real* root, OpenCell<Real, Dim>& child) {
+    const Real bulk = root[sum_lane<Dim>(root_bulk)];
+    child.on = root[sum_lane<Dim>(root_volume)] > Real(0);
+    child.state.pressure = root[sum_lane<Dim>(root_pressure)], child.state.bulk = bulk < Real(0) ? -bulk : bulk;
+    child.state.volume = root[sum_lane<Dim>(root_volume)], child.state.source = root[sum_lane<Dim>(root_source)];
+    child.state.loose = bulk < Real(0);
+}
+
+/// sum_i G_ic . v_i - S_c . V.
+template <class Real, int Dim, class Nodes>
+MORAINE_HD Real flux_into(const OpenCell<Real, Dim>& cell, const Structure<Dim>& s, const Nodes& nodes) {
+    Real flux = Real(0);
+    for (int a = 0; a < Dim; ++a) flux -= cell.bed[a] * static_cast<Real>(s.velocity[a]);
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        const CellNode<Real, Dim>& g = cell.factor[n++];
+        const Real* v = nodes.values(at);
+        for (int a = 0; v && a < Dim; ++a) flux += g.gradient[a] * v[a];
+    });
+    return flux;
+}
+
+/// What a substep's flux makes of a cell. time: half of that from the start of the step to the middle of it [s].
+template <class Real, int Dim>
+MORAINE_HD void advance_open_cell(Real flux, Real dt, Real time, OpenCell<Real, Dim>& cell) {
+    const Real step = dt * (flux / cell.state.volume - time * cell.state.source);
+    cell.state.change = cell.state.bulk * step;
+    cell.state.pressure += cell.state.change;
+    cell.state.increment += step;
+}
+
+/// N_e: what a cell presses on its surface [Pa].
+template <class Real, int Dim>
+MORAINE_HD double pressure_on_surface(const OpenCell<Real, Dim>& cell, double damping) {
+    return cell.on ? -double(cell.bears) * (double(cell.state.pressure) + damping * double(cell.state.change)) : 0.0;
+}
+
+}  // namespace moraine
