@@ -1,5 +1,5 @@
 #pragma once
-// What benchmark_stability measures: cases S1 to S27 of the verification plan, each a function that reports one line
+// What benchmark_stability measures: cases of S1 to S27 of the verification plan, each a function that reports one line
 // per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
 
 #include <fmt/format.h>
@@ -75,14 +75,11 @@ const std::vector<Choice>& all_methods();
 
 void find_limits(const Wanted& wanted, const Report& report);
 void find_lone_limits(const Wanted& wanted, const Report& report);
-void find_edges(const Wanted& wanted, const Report& report);
-void drift_slab(const Wanted& wanted, const Report& report);
 void drift_on(const Wanted& wanted, const Report& report);
 void meet_contrasts(const Wanted& wanted, const Report& report);
 void vary_seeds(const Wanted& wanted, const Report& report);
 void pull_apart(const Wanted& wanted, const Report& report);
 void push_extremes(const Wanted& wanted, const Report& report);
-void follow_null_mode(const Wanted& wanted, const Report& report);
 void rest_on_plane(const Wanted& wanted, const Report& report);
 void keep_accounts(const Wanted& wanted, const Report& report);
 void vary_steps(const Wanted& wanted, const Report& report);

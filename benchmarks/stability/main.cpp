@@ -29,20 +29,6 @@ constexpr StabilityCase cases[] = {
      "largest stable dt c / h of a particle alone and of a droplet of 2 per axis: a pressure of 1e-6 rho c^2 grows "
      "less than 1000 times in 2000 steps (frozen) or 4000; 4: no limit was found",
      find_lone_limits},
-    {"S2-edge",
-     "one step at dt c / h = 0.3 of particles that bear 1e-3 rho c^2, just inside the support of a node (2-D); goal: "
-     "the pressure does not grow and the velocity changes by no more than the forces on the nodes give",
-     find_edges},
-    {"S3",
-     "a slab under 1e-3 rho c^2 whose corner overlaps a node's support by so much: accelerations over their bound "
-     "(one step), what 2000 steps adrift at the default step make of pressure and energy, over those at the start, and "
-     "momentum (goal 1e-12 of M c)",
-     drift_slab},
-    {"S4",
-     "energy left of velocities of +-1e-3 c that alternate from particle to particle, adrift at Mach 0.05; goal of "
-     "PIC, "
-     "APIC, TPIC and FMPM: 1e-3 after 100 steps, at a loss of the drift's energy of at most 1e-4",
-     follow_null_mode},
     {"S6",
      "a bar that rings (E1, 64 cells per wave, v0 = c / 10 000), at rest and adrift at Mach 0.05, and a square that "
      "turns (E7, 10 cells along a side, E = 1e5 Pa), at the program's step and at a quarter of it; goal: the energy "

@@ -6,39 +6,6 @@
 
 namespace moraine {
 
-namespace {
-
-/// Capacity for n elements whose content does not matter: the old ones are given back before new ones are taken.
-/// Returns whether that was so.
-template <class Array>
-bool renew(Array& array, std::size_t n) {
-    const bool grows = n > array.capacity();
-    if (grows) {
-        array.release();
-        array.reserve(n + n / 16);
-    }
-    array.resize(n);
-    return grows;
-}
-
-}  // namespace
-
-template <class Space, class Real, int Dim>
-BlockTable<Dim> Patch<Space, Real, Dim>::table() const {
-    BlockTable<Dim> t;
-    t.own = own();
-    t.ghosts = static_cast<int>(tables_.ghost.size());
-    t.position = position_.data();
-    t.neighbour = neighbour_.data();
-    t.node_block = node_block_.data();
-    t.border = border_.data();
-    t.node_blocks = static_cast<int>(tables_.node_key.size());
-    t.node_position = node_position_.data();
-    t.source = source_.data();
-    t.node_border = node_border_.data();
-    return t;
-}
-
 template <class Space, class Real, int Dim>
 std::vector<std::uint32_t> Patch<Space, Real, Dim>::take_slots(std::size_t n) {
     constexpr std::size_t most = ~std::uint32_t(0);
@@ -69,13 +36,7 @@ std::vector<std::uint32_t> Patch<Space, Real, Dim>::start_over(std::size_t n) {
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlocks& binned) {
     tables_ = std::move(tables);
-    position_.assign(tables_.position);
-    neighbour_.assign(tables_.neighbour);
-    border_.assign(tables_.border);
-    node_block_.assign(tables_.node_block);
-    node_position_.assign(tables_.node_position);
-    node_border_.assign(tables_.node_border);
-    source_.assign(tables_.source);
+    blocks_.assign(tables_);
 
     const auto n = static_cast<std::size_t>(own());
     std::vector<std::uint32_t> counts(n, 0);
@@ -93,7 +54,7 @@ void Patch<Space, Real, Dim>::install(EpochTables<Dim> tables, const BinnedBlock
     shuffled_.resize(n);
     outcome_.resize(n);
     moves_.resize(slot_.size());
-    ++tile_memory_;
+    storage_.lose();
     Space::launch(own(), [this](int block) { count_cells(block); });
     assign_storage();
 }
@@ -180,30 +141,6 @@ bool Patch<Space, Real, Dim>::is_in_guard_layer() const {
     return false;
 }
 
-/// Tiles go to occupied blocks, node values to the node blocks that those touch; ghosts come first.
-template <class Space, class Real, int Dim>
-void Patch<Space, Real, Dim>::assign_storage() {
-    const BlockTable<Dim> t = table();
-    const auto blocks = static_cast<std::size_t>(t.own);
-    const auto node_blocks = static_cast<std::size_t>(t.node_blocks);
-    tile_of_.resize(blocks + static_cast<std::size_t>(t.ghosts));
-    node_of_.resize(node_blocks);
-    used_.resize(std::max(blocks, node_blocks));
-    place_.resize(used_.size() + 1);
-
-    Space::launch(t.own, MarkOccupied<Dim>{list(), used_.data()});
-    occupied_ = Space::scan(blocks, used_.data(), place_.data());
-    Space::launch(t.own + t.ghosts, PlaceTiles{t.own, t.ghosts, used_.data(), place_.data(), tile_of_.data()});
-    Space::launch(t.node_blocks, MarkNeeded<Dim>{t, tile_of_.data(), used_.data()});
-    for (std::size_t c = 0; c < tables_.kept_nodes.size(); ++c) used_[c] |= tables_.kept_nodes[c];
-    const std::int64_t needed = Space::scan(node_blocks, used_.data(), place_.data());
-    Space::launch(t.node_blocks, PlaceTiles{t.node_blocks, 0, used_.data(), place_.data(), node_of_.data()});
-
-    const int tile_reals = power<Dim>(tile_side(width_)) * node_reals;
-    if (renew(tiles_, static_cast<std::size_t>((occupied_ + t.ghosts) * tile_reals))) ++tile_memory_;
-    renew(nodes_, static_cast<std::size_t>(needed * Block<Dim>::cells * node_reals));
-}
-
 template <class Space, class Real, int Dim>
 void Patch<Space, Real, Dim>::keep_nodes(std::vector<std::uint8_t> needed) {
     tables_.kept_nodes = std::move(needed);
@@ -215,14 +152,7 @@ void Patch<Space, Real, Dim>::refresh_memory(double share) {
     const auto n = static_cast<std::size_t>(count());
     const double loose = static_cast<double>(reordered_) + static_cast<double>(particles.size() - n);
     if (loose <= share * static_cast<double>(n)) return;
-    const std::size_t tiles = tiles_.size();
-    const std::size_t nodes = nodes_.size();
-    ++tile_memory_;
-    tiles_.release();  // of a step; their memory serves as the spare column
-    nodes_.release();
-    particles.permute(slot_.data(), n);
-    tiles_.resize(tiles);
-    nodes_.resize(nodes);
+    storage_.lend([&] { particles.permute(slot_.data(), n); });  // tiles are of a step: a spare column
     for (std::size_t k = 0; k < n; ++k) slot_[k] = static_cast<std::uint32_t>(k);
     free_.clear();
     reordered_ = 0;

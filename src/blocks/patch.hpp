@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "blocks/epoch.hpp"
-#include "core/data/storage.hpp"
+#include "blocks/tile_storage.hpp"
 #include "core/grid/binning.hpp"
 #include "core/particles/particles.hpp"
 
@@ -36,15 +36,15 @@ class Patch {
     const EpochTables<Dim>& tables() const { return tables_; }
     int own() const { return static_cast<int>(tables_.own.size()); }
     std::int64_t count() const { return own() == 0 ? 0 : first_[static_cast<std::size_t>(own())]; }
-    std::int64_t tiles_in_use() const { return occupied_; }
-    std::size_t stored_nodes() const { return nodes_.size() / node_reals; }
+    std::int64_t tiles_in_use() const { return storage_.tiles_in_use(); }
+    std::size_t stored_nodes() const { return storage_.stored_nodes(); }
     /// Changes where the memory of tiles was lost.
-    std::int64_t tile_memory() const { return tile_memory_; }
+    std::int64_t tile_memory() const { return storage_.memory(); }
 
-    BlockTable<Dim> table() const;
+    BlockTable<Dim> table() const { return blocks_.table(tables_); }
     ListView<Dim> list() const { return {first_.data(), cell_first_.data(), slot_.data()}; }
-    TileView<Real> grid() { return {tile_of_.data(), tiles_.data(), node_of_.data(), nodes_.data()}; }
-    std::int32_t* tile_of() { return tile_of_.data(); }
+    TileView<Real> grid() { return storage_.view(); }
+    std::int32_t* tile_of() { return storage_.tile_of(); }
     std::uint16_t* moves() { return moves_.data(); }
     std::uint32_t* outgoing_count() { return outgoing_count_.data(); }
     std::uint8_t* shuffled() { return shuffled_.data(); }
@@ -93,14 +93,12 @@ class Patch {
     }
 
   private:
-    void assign_storage();
+    void assign_storage() { storage_.assign(table(), list(), tables_.kept_nodes, width_); }
     void count_cells(int block);
 
     int width_;
     EpochTables<Dim> tables_;
-    Array<Vec<std::int32_t, Dim>> position_, node_position_;
-    Array<std::int32_t> neighbour_, node_block_, source_;
-    Array<std::uint8_t> border_, node_border_;
+    BlockArrays<Space, Dim> blocks_;
 
     Array<std::uint32_t> first_, cell_first_, slot_, next_slot_, next_count_, next_first_;
     Array<std::uint16_t> moves_;
@@ -111,12 +109,8 @@ class Patch {
     std::vector<std::uint32_t> free_;
     std::uint64_t reordered_ = 0;  ///< particles whose list place no longer follows memory
 
-    Array<std::int32_t> tile_of_, node_of_;
     Array<std::int32_t> boundary_, interior_, every_;
-    Array<std::uint32_t> used_, place_;
-    Array<Real> tiles_, nodes_;
-    std::int64_t occupied_ = 0;
-    std::int64_t tile_memory_ = 0;
+    TileStorage<Space, Real, Dim> storage_;
 };
 
 }  // namespace moraine

@@ -1,13 +1,13 @@
-// The host's engine: the energy budget (core/nodes/node_energy.hpp), where a scene wants it.
+#include "host/host_energy.hpp"
 
-#include "host/host_engine.hpp"
+#include "core/grid/binning.hpp"
 
 namespace moraine {
 
 /// -m g . (x - domain.min), by a gravity [m/s2], of a particle whose place is relative to the block `carry` blocks from
 /// the own one [J].
 template <class Real, int Dim>
-double HostEngine<Real, Dim>::potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry,
+double HostEnergy<Real, Dim>::potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry,
                                            const std::array<double, Dim>& gravity) {
     const ParticleView<Real, Dim> p = patch_.particles.view();
     Vec<std::int32_t, Dim> position = patch_.table().position[block];
@@ -19,23 +19,22 @@ double HostEngine<Real, Dim>::potential_of(int block, std::uint32_t slot, const 
     return potential;
 }
 
-/// Of the particles of each block with pairs, in list order, at its first pair [J].
 template <class Real, int Dim>
-std::vector<double> HostEngine<Real, Dim>::potentials_of(const std::vector<ContactPair>& pairs) {
+std::vector<double> HostEnergy<Real, Dim>::potentials_of(const std::vector<ContactPair>& pairs,
+                                                         const std::array<double, Dim>& gravity) {
     std::vector<double> potentials(pairs.size());
     const ListView<Dim> list = patch_.list();
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const std::int32_t block = pairs[k].block;
         if (k > 0 && pairs[k - 1].block == block) continue;
         for (std::uint32_t i = list.first[block]; i < list.first[block + 1]; ++i)
-            potentials[k] += potential_of(block, list.slot[i], {}, sums_.gravity);
+            potentials[k] += potential_of(block, list.slot[i], {}, gravity);
     }
     return potentials;
 }
 
-/// Soil that is too deep in a structure is put out of it: places alone change (core/structures/particle_depth.hpp).
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::note_put_out(const std::vector<double>& before, const std::vector<double>& after) {
+void HostEnergy<Real, Dim>::note_put_out(const std::vector<double>& before, const std::vector<double>& after) {
     for (std::size_t k = 0; k < before.size(); ++k)
         if (before[k] != after[k]) put_out_.push_back(before[k] - after[k]);
 }
@@ -43,7 +42,7 @@ void HostEngine<Real, Dim>::note_put_out(const std::vector<double>& before, cons
 /// What leaves through open ends. After the gather that moves, while lists still say where particles were: a motion is
 /// less than a cell, so a cell of 3 that follows one of 0 is of the block below.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::count_lost(const StepScales<Dim>& step) {
+void HostEnergy<Real, Dim>::count_lost(const StepScales<Dim>& step, EnergyAccount& account) {
     const ParticleView<Real, Dim> p = patch_.particles.view();
     const ListView<Dim> list = patch_.list();
     for (const std::int32_t block : patch_.blocks()) {
@@ -61,27 +60,24 @@ void HostEngine<Real, Dim>::count_lost(const StepScales<Dim>& step) {
                     const double v = static_cast<double>(p.velocity[s][a]);
                     square += v * v;
                 }
-                EnergyAccount& energy = report_.budget.energy;
-                energy.lost_kinetic.add(step.quantum.of(0.5 * static_cast<double>(p.mass[s]) * square));
-                energy.lost_potential.add(step.quantum.of(potential_of(block, s, carry, step.gravity)));
+                account.lost_kinetic.add(step.quantum.of(0.5 * static_cast<double>(p.mass[s]) * square));
+                account.lost_potential.add(step.quantum.of(potential_of(block, s, carry, step.gravity)));
             }
     }
 }
 
-/// Adds what the nodes and the structures of the round did.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::record_energy(const StepScales<Dim>& step, bool moved) {
-    if (!scene_.output.energy_budget) return;
-    EnergyAccount& energy = report_.budget.energy;
-    for (std::size_t k = 0; k < energy_.size(); ++k) energy.nodes.add(energy_[k]);
-    for (const double freed : put_out_) energy.put_out.add(step.quantum.of(freed));
+void HostEnergy<Real, Dim>::record(const StepScales<Dim>& step, bool moved, EnergyAccount& account) {
+    if (!is_counted()) return;
+    for (std::size_t k = 0; k < nodes_.size(); ++k) account.nodes.add(nodes_[k]);
+    for (const double freed : put_out_) account.put_out.add(step.quantum.of(freed));
     put_out_.clear();
-    if (moved) count_lost(step);
+    if (moved) count_lost(step, account);
 }
 
-template class HostEngine<float, 2>;
-template class HostEngine<float, 3>;
-template class HostEngine<double, 2>;
-template class HostEngine<double, 3>;
+template class HostEnergy<float, 2>;
+template class HostEnergy<float, 3>;
+template class HostEnergy<double, 2>;
+template class HostEnergy<double, 3>;
 
 }  // namespace moraine

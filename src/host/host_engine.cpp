@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "core/structures/particle_depth.hpp"
 #include "host/host_surfaces.hpp"
 
 namespace moraine {
@@ -17,9 +15,11 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       method_(method),
       halo_messages_(comm, 1),
       migration_messages_(comm, 2),
-      patch_(method.needs, method.stencil.width) {
-    whole_cell(method.context.inverse_cell, whole_cell_.data());
-    if (scene.bed == Bed::surface && !scene.structures.empty())
+      patch_(method.needs, method.stencil.width),
+      contact_{scene.bed != Bed::surface || scene.structures.empty()},
+      pressures_(method, patch_),
+      energy_(scene, method, patch_) {
+    if (!contact_.at_nodes)
         surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell, scene.output.energy_budget);
     if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
 }
@@ -40,8 +40,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     patch_.install(std::move(tables), share.binned);
     if (sleepers_) sleepers_->begin_epoch();
     if (surfaces_) surfaces_->blocks.made.in_epoch = false;
-    pairs_.forget();
-    ground_.clear();
+    contact_.forget();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
                                               method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
@@ -118,41 +117,32 @@ TransferCall<Real, Dim> HostEngine<Real, Dim>::transfer_call(std::span<const std
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::find_gaps(const StructureSet<Dim>& structures) {
-    field_ = structures.field();
-    finding_ = true;
-    if (surfaces_) surfaces_->blocks.find(field_, structures.any_moves());
-    if (ground_.empty() && field_.structure[0].shape == StructureShape::ground)
-        ground_.assign(patch_.tables().node_position.size() * Block<Dim>::cells,
-                       {{std::numeric_limits<double>::quiet_NaN(), {}}, 0, 0});
-    if (!pairs_.make(patch_.tables(), field_, structures.any_moves())) return;
-    halo_->reserve(pairs_);
-    if (surfaces_) return;  // contact is not the nodes'
-    gaps_.resize(pairs_.tiles() * static_cast<std::size_t>(power<Dim>(tile_side(method_.stencil.width))));
-    gap_share_ = {&pairs_, gaps_.data()};
+    if (contact_.begin(structures, patch_.tables(), tile_side(method_.stencil.width))) halo_->reserve(contact_.pairs);
+    if (surfaces_) surfaces_->blocks.find(contact_.field, structures.any_moves());
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs) {
     const TransferCall<Real, Dim> call = transfer_call(sleepers_ ? sleepers_->to_sum(blocks, sums_.mean) : blocks);
     const auto count = static_cast<std::int64_t>(pairs.size());
-    const bool weighs = finding_ && scene_.output.energy_budget;
-    const std::vector<double> held = weighs ? potentials_of(pairs) : std::vector<double>{};
-    if (finding_)
-        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, method_.ends, call.table, call.list, field_,
-                                                  pairs.data(), static_cast<int>(count), call.particles.id, &buried_,
-                                                  pairs_.bounds()});
-    if (weighs) note_put_out(held, potentials_of(pairs));
+    const bool weighs = contact_.finding && energy_.is_counted();
+    const std::vector<double> held = weighs ? energy_.potentials_of(pairs, sums_.gravity) : std::vector<double>{};
+    if (contact_.finding)
+        Host::launch(count, LimitDepth<Real, Dim>{call.particles.position, method_.ends, call.table, call.list,
+                                                  contact_.field, pairs.data(), static_cast<int>(count),
+                                                  call.particles.id, &contact_.buried, contact_.pairs.bounds()});
+    if (weighs) energy_.note_put_out(held, energy_.potentials_of(pairs, sums_.gravity));
     method_.kernels.p2g(call, method_.cell);
     if (sleepers_) sleepers_->keep_masses();
-    if (finding_ && !surfaces_)
-        method_.kernels.gaps(call, {field_, gaps_.data(), pairs.data(), count, pairs_.bounds()});
+    if (contact_.to_share())
+        method_.kernels.gaps(call,
+                             {contact_.field, contact_.gaps.data(), pairs.data(), count, contact_.pairs.bounds()});
 }
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::receive_halo() {
-    halo_->finish(patch_.grid(), patch_.tile_of(), finding_ && !surfaces_ ? &gap_share_ : nullptr,
-                  sleepers_ ? sleepers_->asleep() : nullptr);
-    finding_ = false;
+    halo_->finish(patch_.grid(), patch_.tile_of(), contact_.to_share(), sleepers_ ? sleepers_->asleep() : nullptr);
+    contact_.finding = false;
 }
 
 /// The sums of a step with volumes in place of masses; the next step writes all tiles again.
@@ -178,97 +168,6 @@ void HostEngine<Real, Dim>::find(VolumeQuery& query) {
     for (const NodeVolumes& v : volumes) query.volumes.add(v);
 }
 
-template <class Real, int Dim>
-NodeRound<Real, Dim> HostEngine<Real, Dim>::node_round(NodeTask task, double dt, const StepScales<Dim>& step) const {
-    NodeRound<Real, Dim> round{task, static_cast<Real>(dt), {}, method_.damping, static_cast<Real>(step.mass_cutoff)};
-    for (int a = 0; a < Dim; ++a) round.gravity[a] = static_cast<Real>(step.gravity[static_cast<std::size_t>(a)]);
-    return round;
-}
-
-template <class Real, int Dim>
-void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
-    if (round.nodes == NodeTask::hold) held_.resize(patch_.stored_nodes());
-    solve(node_round(round.nodes, step.dt, step), step);
-    if (!surfaces_) return;
-    surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff), held_.data(),
-                           nullptr, report_.felt.data()},
-                          *halo_, pairs_);
-    if (round.nodes == NodeTask::hold) return;
-    surfaces_->forces.act({step.dt, step.dt}, 0);
-    if (scene_.output.energy_budget)
-        surfaces_->forces.count_energy(node_round(round.nodes, step.dt, step), energy_.data());
-}
-
-template <class Real, int Dim>
-void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step) {
-    if (step.structures) report_.felt.resize(step.structures->size());
-    if (!step.structures || surfaces_) return solve<false>(round, step, {});
-    ContactField<Dim> contact = step.structures->field();
-    contact.sums = report_.felt.data();
-    contact.ground = ground_.empty() ? nullptr : ground_.data();
-    solve<true>(round, step, contact);
-}
-
-template <class Real, int Dim>
-template <bool Contact>
-void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
-                                  const ContactField<Dim>& contact) {
-    if (!sleepers_ || round.task != NodeTask::solve) return solve<Contact>(round, step, contact, patch_.node_blocks());
-    const std::span<const std::int32_t> near = surfaces_ ? surfaces_->near_nodes() : std::span<const std::int32_t>{};
-    if (sleepers_->find_still_nodes(Contact ? &contact : nullptr, near)) {
-        NodeRound<Real, Dim> second = round;
-        second.dt = Real(1);
-        solve<false>(second, step, {}, sleepers_->still_nodes());
-        sleepers_->keep_still_nodes(impulse_.data(), step.quantum);
-    }
-    solve<Contact>(round, step, contact, sleepers_->other_nodes());
-}
-
-template <class Real, int Dim>
-template <bool Contact>
-void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
-                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
-    if (scene_.output.energy_budget)
-        solve<Contact, true>(round, step, contact, nodes);
-    else
-        solve<Contact, false>(round, step, contact, nodes);
-}
-
-template <class Real, int Dim>
-template <bool Contact, bool Energy>
-void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step,
-                                  const ContactField<Dim>& contact, std::span<const std::int32_t> nodes) {
-    impulse_.resize(nodes.size() * Dim);
-    if (Energy) energy_.resize(nodes.size());
-    const SolveNodes<Real, Dim, Contact, Energy> kernel{
-        method_.context.walls,
-        patch_.table(),
-        patch_.grid(),
-        nodes.data(),
-        method_.stencil.width,
-        method_.stencil.origin,
-        round,
-        step.quantum,
-        impulse_.data(),
-        contact,
-        {pairs_.structures(), pairs_.tile_of().data(), gaps_.data()},
-        {held_.data(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
-        energy_.data(),
-        Energy && surfaces_ ? surfaces_->motions() : SurfaceMotions<Real, Dim>{}};
-    Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
-}
-
-template <class Real, int Dim>
-void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<Dim>& step) {
-    const ContactField<Dim> field = step.structures ? step.structures->field() : ContactField<Dim>{};
-    sleepers_->wake_by_nodes(step.dt, step.quantum, step.structures ? &field : nullptr, report_.budget);
-    if (sleepers_->woken_nodes().empty()) return;
-    Host::Array<ExactSum> counted;
-    counted.swap(impulse_);
-    solve<false>(node_round(round.nodes, step.dt, step), step, {}, sleepers_->woken_nodes());
-    counted.swap(impulse_);
-}
-
 /// The terms of a round. shifting: null where it does not shift.
 template <class Real, int Dim>
 HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const {
@@ -276,11 +175,11 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
     const FluidTerms<Real>* fluid = method_.fluid();
     const bool limits = round.nodes == NodeTask::solve || round.nodes == NodeTask::hold;
     return {LightTerm<Real>{limits ? method_.stiffness() : nullptr, method_.limits},
-            SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? cells_.data() : nullptr},
-            PressureTerm<Real>{bulk, cells_.data()},
+            SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? pressures_.cells() : nullptr},
+            PressureTerm<Real>{bulk, pressures_.cells()},
             BoxTerm{},
             MeansTerm<Real>{method_.averaged()},
-            ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? held_.data() : nullptr}};
+            ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? pressures_.held() : nullptr}};
 }
 
 template <class Real, int Dim>
@@ -313,15 +212,15 @@ void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved)
         report_.clamped += out.clamped;
         report_.budget.work.add(step.quantum.of(out.work));
     }
-    if (buried_.id != Buried<Dim>{}.id) {
+    if (Buried<Dim>& buried = contact_.buried; buried.id != Buried<Dim>{}.id) {
         report_.faults |= fault_buried;
-        fault_records_.push_back({buried_.id, fault_buried, {}});
-        std::copy_n(buried_.x.e, Dim, fault_records_.back().x.begin());
-        buried_ = {};
+        fault_records_.push_back({buried.id, fault_buried, {}});
+        std::copy_n(buried.x.e, Dim, fault_records_.back().x.begin());
+        buried = {};
     }
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
     if (surfaces_) surfaces_->forces.take_impulse(report_.budget.impulse);
-    record_energy(step, moved);
+    energy_.record(step, moved, report_.budget.energy);
 }
 
 /// Records the faulty particle of a block, before binning moves it on.

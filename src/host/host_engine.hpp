@@ -4,12 +4,14 @@
 #include <bit>
 #include <memory>
 
-#include "blocks/contact_pairs.hpp"
 #include "blocks/lattice_fill.hpp"
 #include "comm/halo.hpp"
 #include "comm/migration.hpp"
-#include "core/structures/particle_depth.hpp"
 #include "engine/engine.hpp"
+#include "host/host_contact.hpp"
+#include "host/host_energy.hpp"
+#include "host/host_pressures.hpp"
+#include "host/host_samples.hpp"
 #include "host/sleepers.hpp"
 
 namespace moraine {
@@ -35,7 +37,6 @@ class HostEngine final : public Engine<Real, Dim> {
     void answer(const EngineQuery<Dim>& query) override {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
-    void find(GravityQuery<Dim>& query);
 
     BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) override {
         return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
@@ -49,12 +50,11 @@ class HostEngine final : public Engine<Real, Dim> {
         sums_ = sums;
     }
     void sum(SharePart part) override {
-        part == SharePart::boundary ? sum(patch_.boundary(), pairs_.boundary())
-                                    : sum(patch_.interior(), pairs_.interior());
+        part == SharePart::boundary ? sum(patch_.boundary(), contact_.pairs.boundary())
+                                    : sum(patch_.interior(), contact_.pairs.interior());
     }
     void send_halo() override {
-        halo_->start(patch_.grid(), finding_ && !surfaces_ ? &gap_share_ : nullptr,
-                     sleepers_ ? sleepers_->asleep() : nullptr);
+        halo_->start(patch_.grid(), contact_.to_share(), sleepers_ ? sleepers_->asleep() : nullptr);
     }
     void receive_halo() override;
     void solve_nodes(const Round& round, const StepScales<Dim>& step) override;
@@ -71,13 +71,13 @@ class HostEngine final : public Engine<Real, Dim> {
     BlockMoveCount begin(EpochTables<Dim> tables, const MovedBlocks& moved);
     BlockMoveCount begin(EpochTables<Dim> tables, const HostShare& share);
     BlockMoveCount begin(EpochTables<Dim> tables, const LatticeShare<Real, Dim>& share);
-    void find(LayerQuery& query);
-    void find(ColumnQuery& query);
-    void find(LineQuery& query);
+    template <class Query>
+    void find(Query& query) {
+        find_samples(patch_, query);
+    }
     void find(VolumeQuery& query);
-    void find(FaultQuery<Dim>& query) const { query.found = fault_records_; }
+    void find(FaultQuery<Dim>& query) { query.found = fault_records_; }
     void find_gaps(const StructureSet<Dim>& structures);
-    void find_pressures(const Substep& first);
     void solve_substep(const Substep& substep, const StepScales<Dim>& step);
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step);
@@ -89,16 +89,8 @@ class HostEngine final : public Engine<Real, Dim> {
     template <bool Contact, bool Energy>
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step, const ContactField<Dim>& contact,
                std::span<const std::int32_t> nodes);
-    double potential_of(int block, std::uint32_t slot, const std::array<int, Dim>& carry,
-                        const std::array<double, Dim>& gravity);
-    std::vector<double> potentials_of(const std::vector<ContactPair>& pairs);
-    void note_put_out(const std::vector<double>& before, const std::vector<double>& after);
-    void count_lost(const StepScales<Dim>& step);
-    void record_energy(const StepScales<Dim>& step, bool moved);
     void wake_sleepers(const Round& round, const StepScales<Dim>& step);
     HostTerms<Real, Dim> terms_of(const Round& round, const Shifting<Real, Dim>* shifting) const;
-    PressureContext<Real, Dim> pressure_context();
-    void sum_pressures(std::span<const std::int32_t> blocks, const Substep& substep);
     TransferCall<Real, Dim> transfer_call(std::span<const std::int32_t> blocks);
     void sum(std::span<const std::int32_t> blocks, const std::vector<ContactPair>& pairs);
     void record_step(const StepScales<Dim>& step, bool moved);
@@ -116,24 +108,14 @@ class HostEngine final : public Engine<Real, Dim> {
     Traffic ended_;                                  ///< of the epochs before
     StepReport<Dim> report_;
     std::vector<FaultRecord<Dim>> fault_records_;
-    Buried<Dim> buried_;  ///< of this step
     Host::Array<ExactSum> impulse_;
-    Host::Array<NodeEnergy> energy_;  ///< with an energy budget, as the next
-    std::vector<double> put_out_;     ///< potential energy that blocks set free in this step [J]
     SumsOfStep<Dim> sums_;
-    Host::Array<HeldNode<Real, Dim>> held_;  ///< of the grid's pressure, as the next two
-    Host::Array<CellPressure<Real>> cells_;
-    Host::Array<CellNode<Real, Dim>> factors_;
-    std::array<CellNode<Real, Dim>, PressureContext<Real, Dim>::nodes> whole_cell_;
     bool moving_ = false;  ///< migration under way: not binned
 
+    HostContact<Dim> contact_;
+    HostPressures<Real, Dim> pressures_;
+    HostEnergy<Real, Dim> energy_;
     std::unique_ptr<HostSurfaces<Real, Dim>> surfaces_;  ///< null: structures act at nodes (Bed::nodes)
-    ContactPairs<Dim> pairs_;
-    std::vector<GroundNode<Dim>> ground_;  ///< at the nodes, in this epoch; empty: there is none, or nothing is known
-    Host::Array<NodeGap> gaps_;
-    GapShare<Dim> gap_share_{};
-    ContactField<Dim> field_{};  ///< of this step's gaps
-    bool finding_ = false;       ///< gaps, in this round
 };
 
 /// Cells of a block that hold particles.

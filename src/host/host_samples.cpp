@@ -1,22 +1,21 @@
-// The host's engine: what maps, sections and changing gravity ask of its particles (core/data/plan_samples.hpp).
+#include "host/host_samples.hpp"
 
 #include <algorithm>
 
 #include "core/data/gravity_work.hpp"
-#include "host/host_engine.hpp"
 
 namespace moraine {
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(LayerQuery& query) {
+void find_samples(Patch<Host, Real, Dim>& patch, LayerQuery& query) {
     if constexpr (Dim == 3) {
         const PlanColumns& columns = query.columns;
-        const ListView<Dim> list = patch_.list();
-        const ParticleView<Real, Dim> p = patch_.particles.view();
-        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        const ListView<Dim> list = patch.list();
+        const ParticleView<Real, Dim> p = patch.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch.tables().position;
         Layers* const all = query.layers.data();
 #pragma omp parallel for schedule(dynamic, 64)
-        for (int b = 0; b < patch_.own(); ++b) {
+        for (int b = 0; b < patch.own(); ++b) {
             const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const std::uint32_t s = list.slot[k];
@@ -32,16 +31,16 @@ void HostEngine<Real, Dim>::find(LayerQuery& query) {
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(ColumnQuery& query) {
+void find_samples(Patch<Host, Real, Dim>& patch, ColumnQuery& query) {
     if constexpr (Dim == 3) {
         const PlanColumns& columns = query.columns;
         double fastest = 0;
-        const ListView<Dim> list = patch_.list();
-        const ParticleView<Real, Dim> p = patch_.particles.view();
-        const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+        const ListView<Dim> list = patch.list();
+        const ParticleView<Real, Dim> p = patch.particles.view();
+        const std::vector<Vec<std::int32_t, Dim>>& position = patch.tables().position;
         std::int64_t* const all = query.sums.data();
 #pragma omp parallel for schedule(dynamic, 64) reduction(max : fastest)
-        for (int b = 0; b < patch_.own(); ++b) {
+        for (int b = 0; b < patch.own(); ++b) {
             const Vec<std::int32_t, Dim>& at = position[static_cast<std::size_t>(b)];
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const std::uint32_t s = list.slot[k];
@@ -63,13 +62,13 @@ void HostEngine<Real, Dim>::find(ColumnQuery& query) {
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(LineQuery& query) {
+void find_samples(Patch<Host, Real, Dim>& patch, LineQuery& query) {
     const PlanLines& lines = query.lines;
     query.near.clear();
-    const ListView<Dim> list = patch_.list();
-    const ParticleView<Real, Dim> p = patch_.particles.view();
-    for (int b = 0; b < patch_.own(); ++b) {
-        const Vec<std::int32_t, Dim>& at = patch_.tables().position[static_cast<std::size_t>(b)];
+    const ListView<Dim> list = patch.list();
+    const ParticleView<Real, Dim> p = patch.particles.view();
+    for (int b = 0; b < patch.own(); ++b) {
+        const Vec<std::int32_t, Dim>& at = patch.tables().position[static_cast<std::size_t>(b)];
         if (list.count(b) == 0 || !lines.is_near_block(at)) continue;
         for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
             const std::uint32_t s = list.slot[k];
@@ -83,10 +82,10 @@ void HostEngine<Real, Dim>::find(LineQuery& query) {
 }
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(GravityQuery<Dim>& query) {
-    const ListView<Dim> list = patch_.list();
-    const ParticleView<Real, Dim> p = patch_.particles.view();
-    const std::vector<Vec<std::int32_t, Dim>>& position = patch_.tables().position;
+void find_samples(Patch<Host, Real, Dim>& patch, GravityQuery<Dim>& query) {
+    const ListView<Dim> list = patch.list();
+    const ParticleView<Real, Dim> p = patch.particles.view();
+    const std::vector<Vec<std::int32_t, Dim>>& position = patch.tables().position;
     double change[Dim];
     std::copy_n(query.change.begin(), Dim, change);
     query.work = {};
@@ -94,7 +93,7 @@ void HostEngine<Real, Dim>::find(GravityQuery<Dim>& query) {
     {
         ExactSum mine;
 #pragma omp for schedule(dynamic, 64) nowait
-        for (int b = 0; b < patch_.own(); ++b)
+        for (int b = 0; b < patch.own(); ++b)
             for (std::uint32_t k = list.first[b]; k < list.first[b + 1]; ++k) {
                 const std::uint32_t s = list.slot[k];
                 const auto u = [&](int a) { return p.position[s][a]; };
@@ -107,11 +106,11 @@ void HostEngine<Real, Dim>::find(GravityQuery<Dim>& query) {
 }
 
 /// Of one precision and dimension.
-#define MORAINE_SAMPLES(Real, Dim)                           \
-    template void HostEngine<Real, Dim>::find(LayerQuery&);  \
-    template void HostEngine<Real, Dim>::find(ColumnQuery&); \
-    template void HostEngine<Real, Dim>::find(LineQuery&);   \
-    template void HostEngine<Real, Dim>::find(GravityQuery<Dim>&);
+#define MORAINE_SAMPLES(Real, Dim)                                     \
+    template void find_samples(Patch<Host, Real, Dim>&, LayerQuery&);  \
+    template void find_samples(Patch<Host, Real, Dim>&, ColumnQuery&); \
+    template void find_samples(Patch<Host, Real, Dim>&, LineQuery&);   \
+    template void find_samples(Patch<Host, Real, Dim>&, GravityQuery<Dim>&);
 MORAINE_SAMPLES(float, 2)
 MORAINE_SAMPLES(float, 3)
 MORAINE_SAMPLES(double, 2)

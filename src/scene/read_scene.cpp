@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include "core/courant.hpp"
 #include "core/data/error.hpp"
@@ -21,6 +20,7 @@
 #include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_values.hpp"
+#include "scene/table_reader.hpp"
 #include "seeding/strength_profile.hpp"
 
 namespace moraine {
@@ -40,15 +40,15 @@ class Reader {
   public:
     Reader(const std::string& path, const std::string& text, const std::vector<std::string>& sets,
            const CodeRights& rights)
-        : file_(path), root_(parse_text(text, path)), places_(path) {
-        for (const std::string& assignment : sets) apply_set(root_, assignment);
-        load_laws(root_, path, rights);
+        : tables_(path, parse_text(text, path), scene_.dimensions) {
+        for (const std::string& assignment : sets) apply_set(tables_.root, assignment);
+        load_laws(tables_.root, path, rights);
     }
 
     Scene read(const std::function<void(const Scene&)>& admit) {
-        refuse_unknown_keys(root_, file_);
-        scene_.source.path = file_;
-        scene_.name = std::filesystem::path(file_).stem().string();
+        refuse_unknown_keys(tables_.root, tables_.file());
+        scene_.source.path = tables_.file();
+        scene_.name = std::filesystem::path(tables_.file()).stem().string();
         read_sections();
         check_domain_is_said();
         if (places_.has("time.cfl") && places_.has("time.dt"))
@@ -58,27 +58,30 @@ class Reader {
         if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
         read_time_tables();
-        each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
-        each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
-        each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
-        read_terrain(section_table(root_, "terrain"));
-        if (const toml::table* hazard = section_table(root_, "hazard")) {
-            read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
+        tables_.each_of("material",
+                        [&](const toml::table& table, const std::string& path) { read_material(table, path); });
+        tables_.each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
+        tables_.each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        read_terrain(TableReader::section_table(tables_.root, "terrain"));
+        if (const toml::table* hazard = TableReader::section_table(tables_.root, "hazard")) {
+            tables_.read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
             check_hazard(scene_, places_);
             load_gauges(scene_, places_);
             load_sections(scene_, places_);
             load_path(scene_, places_);
         }
-        each_of("release", [&](const toml::table& table, const std::string& path) { read_release(table, path); });
-        each_of("inflow", [&](const toml::table& table, const std::string& path) {
+        tables_.each_of("release",
+                        [&](const toml::table& table, const std::string& path) { read_release(table, path); });
+        tables_.each_of("inflow", [&](const toml::table& table, const std::string& path) {
             BodySpec body;
-            read_table(&table, "inflow", path, inflow_rows(), body);
+            tables_.read_table(&table, "inflow", path, inflow_rows(), body);
             body.material = material_of(table, path);
             load_inflow(scene_, body, places_);
             scene_.bodies.push_back(std::move(body));
         });
         load_profiles(scene_, places_);
-        each_of("structure", [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        tables_.each_of("structure",
+                        [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         read_stages();
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
@@ -93,14 +96,15 @@ class Reader {
 
   private:
     /// Of a stage, whose keys are set in `root`.
-    Reader(const Reader& scene, toml::table root) : file_(scene.file_), root_(std::move(root)), places_(scene.file_) {}
+    Reader(const Reader& scene, toml::table root) : tables_(scene.tables_.file(), std::move(root), scene_.dimensions) {}
 
     /// Tables that are written once.
     void read_sections() {
         for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
             const std::string name = section;
             const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
-            read_table(name.empty() ? &root_ : section_table(root_, name), name, name, rows, scene_);
+            tables_.read_table(name.empty() ? &tables_.root : TableReader::section_table(tables_.root, name), name,
+                               name, rows, scene_);
         }
     }
 
@@ -111,11 +115,12 @@ class Reader {
 
     /// What stages may change: materials and walls.
     Scene read_strengths() {
-        refuse_unknown_keys(root_, file_);
+        refuse_unknown_keys(tables_.root, tables_.file());
         read_sections();
-        each_of("material", [&](const toml::table& table, const std::string& path) { read_material(table, path); });
-        each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
-        if (root_.contains("terrain")) open_faces(scene_, places_);
+        tables_.each_of("material",
+                        [&](const toml::table& table, const std::string& path) { read_material(table, path); });
+        tables_.each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
+        if (tables_.root.contains("terrain")) open_faces(scene_, places_);
         close_periodic_axes();
         return scene_;
     }
@@ -133,9 +138,9 @@ class Reader {
     /// Each stage sets keys beside those that the ones before have set. Of the table only these are read from then on.
     void read_stages() {
         std::vector<StageText> texts;
-        each_of("stage", [&](const toml::table& table, const std::string& path) {
+        tables_.each_of("stage", [&](const toml::table& table, const std::string& path) {
             StageText text;
-            read_table(&table, "stage", path, stage_rows(), text);
+            tables_.read_table(&table, "stage", path, stage_rows(), text);
             texts.push_back(std::move(text));
         });
         complete_stages(scene_, texts, places_);
@@ -143,124 +148,66 @@ class Reader {
             const std::string path = "stage." + stage.name + ".set";
             for (const std::string& setting : stage.set) {
                 check_setting(scene_, setting, path, places_);
-                forget_wall(root_, setting);
+                forget_wall(tables_.root, setting);
             }
-            for (const std::string& setting : stage.set) apply_set(root_, setting, path);
-            Reader in_stage(*this, std::move(root_));  // a copy of the table would not know its lines
+            for (const std::string& setting : stage.set) apply_set(tables_.root, setting, path);
+            Reader in_stage(*this, std::move(tables_.root));  // a copy of the table would not know its lines
             const Scene changed = in_stage.read_strengths();
-            root_ = std::move(in_stage.root_);
+            tables_.root = std::move(in_stage.tables_.root);
             check_profiles_stay(scene_, changed, path, places_);
             stage.materials = changed.materials;
             stage.walls = changed.walls;
         }
     }
 
-    const toml::table* section_table(const toml::table& parent, const std::string& name) {
-        const toml::node* node = parent.get(name);
-        return node ? node->as_table() : nullptr;  // refuse_unknown_keys has seen to the type
-    }
-
     /// Over terrain a domain may be left out, as a whole.
     void check_domain_is_said() const {
         const bool min = places_.has("domain.min"), max = places_.has("domain.max");
-        const toml::node* terrain = root_.get("terrain");
+        const toml::node* terrain = tables_.root.get("terrain");
         if ((min && max) || (!min && !max && terrain)) return;
         const std::string missing = min ? "max" : "min";
-        refuse(places_.has("domain") ? places_.of("domain") : file_, fmt::format("domain.{} is missing", missing),
+        refuse(places_.has("domain") ? places_.of("domain") : tables_.file(),
+               fmt::format("domain.{} is missing", missing),
                min || max ? fmt::format("domain.{} is there", min ? "min" : "max")
                           : "must be one number for each dimension [m]; only over terrain the domain may be left out",
                fmt::format("Add {} = ... to this table?", missing));
     }
 
-    template <class F>
-    void each_of(const std::string& list, const F& read) {
-        const toml::node* node = root_.get(list);
-        if (!node) return;
-        int number = 0;
-        for (const toml::node& item : *node->as_array()) {
-            const toml::table& table = *item.as_table();
-            const std::string path = list + "." + label_of(table, list, ++number);
-            if (places_.has(path))
-                refuse(place_of(item, file_), fmt::format("{} is there twice", path),
-                       "the other is at " + places_.of(path), "Rename one of them?");
-            places_.add(path, place_of(item, file_));
-            read(table, path);
-        }
-    }
-
-    /// Where a table that may be absent stands, or would.
-    std::string place_of_table(const toml::table* table, const std::string& path) const {
-        return table && !path.empty() ? place_of(*table, file_) : file_;
-    }
-
-    std::optional<KeyValue> read_key(const SceneKey& key, const toml::table* table, const std::string& table_path,
-                                     const std::string& selected) {
-        const std::string path = table_path.empty() ? key.name : table_path + "." + key.name;
-        const toml::node* node = table ? table->get(key.name) : nullptr;
-        const bool used = key.only.empty() || std::find(key.only.begin(), key.only.end(), selected) != key.only.end();
-        if (node && !used)
-            refuse(place_of(*node, file_), path + " is not used",
-                   fmt::format("it is for {} {}", selector_of(key.table), listed(key.only)),
-                   fmt::format("Remove it, or set {}.{}?", table_path, selector_of(key.table)));
-        if (!used) return std::nullopt;
-        if (node) {
-            places_.add(path, place_of(*node, file_));
-            return read_value(*node, {key, path, place_of(*node, file_), scene_.dimensions});
-        }
-        if (key.required())
-            refuse(place_of_table(table, table_path), path + " is missing", "must be " + type_text(key),
-                   fmt::format("Add {} = ...{}?", key.name, table_path.empty() ? "" : " to this table"));
-        if (key.standard->empty()) return std::nullopt;
-        return standard_value(key, scene_.dimensions);
-    }
-
-    template <class Target>
-    void read_table(const toml::table* table, const std::string& section, const std::string& path,
-                    const std::vector<KeyRow<Target>>& rows, Target& target) {
-        if (table && !path.empty()) places_.add(path, place_of(*table, file_));
-        std::string selected;
-        for (const KeyRow<Target>& row : rows) {
-            if (row.key.table != section) continue;
-            const std::optional<KeyValue> value = read_key(row.key, table, path, selected);
-            if (!value) continue;
-            row.set(target, *value);
-            if (row.key.name == selector_of(section)) selected = value->text;
-        }
-    }
-
     void read_material(const toml::table& table, const std::string& path) {
         MaterialSpec material;
-        read_table(&table, "material", path, material_rows(), material);
+        tables_.read_table(&table, "material", path, material_rows(), material);
         const LawInfo& law = *find_law(material.law);
         StrengthSpec profile;
         for (const Parameter& parameter : law.parameters) {
             const SceneKey key = parameter_key(law, parameter);
             const std::string inner = path + "." + key.name;
-            const toml::table* nested = key.type == KeyType::real_or_profile ? section_table(table, key.name) : nullptr;
-            if (nested) read_table(nested, "material.su", inner, strength_rows(), profile);
+            const toml::table* nested =
+                key.type == KeyType::real_or_profile ? TableReader::section_table(table, key.name) : nullptr;
+            if (nested) tables_.read_table(nested, "material.su", inner, strength_rows(), profile);
             const int position = static_cast<int>(material.parameters.size());
             material.parameters.push_back(nested ? check_profile(profile, position, key, inner, places_)
-                                                 : read_key(key, &table, path, material.law)->real);
+                                                 : tables_.read_key(key, &table, path, material.law)->real);
         }
         if (const char* problem = law.problem(material.parameters.data()))
-            throw InputError(fmt::format("{}: {}: {}", place_of(table, file_), path, problem));
+            throw InputError(fmt::format("{}: {}: {}", place_of(table, tables_.file()), path, problem));
         if (profile.parameter >= 0) set_profile(material, static_cast<std::size_t>(profile.parameter), profile);
         scene_.materials.push_back(std::move(material));
     }
 
     void read_time_tables() {
-        each_of("table", [&](const toml::table& table, const std::string& path) {
+        tables_.each_of("table", [&](const toml::table& table, const std::string& path) {
             TableSpec spec;
-            read_table(&table, "table", path, table_rows(), spec);
+            tables_.read_table(&table, "table", path, table_rows(), spec);
             spec.rows = complete_table(scene_, spec, path, places_);
-            tables_.push_back(std::move(spec));
+            time_tables_.push_back(std::move(spec));
         });
-        if (places_.has("gravity_table")) scene_.course.gravity = table_of(root_, "gravity_table", "gravity_table");
+        if (places_.has("gravity_table"))
+            scene_.course.gravity = table_of(tables_.root, "gravity_table", "gravity_table");
     }
 
     /// The rows of the table of time that a key of a table names.
     const TimeTable& table_of(const toml::table& table, const std::string& key, const std::string& path) const {
-        return table_named(tables_, table.get(key)->as_string()->get(), path, places_);
+        return table_named(time_tables_, table.get(key)->as_string()->get(), path, places_);
     }
 
     /// Position of the material that a body or release names.
@@ -277,10 +224,10 @@ class Reader {
 
     void read_body(const toml::table& table, const std::string& path) {
         BodySpec body;
-        read_table(&table, "body", path, body_rows(), body);
+        tables_.read_table(&table, "body", path, body_rows(), body);
         for (const char* part : {"wave", "geostatic"})
-            if (const toml::table* nested = section_table(table, part))
-                read_table(nested, std::string("body.") + part, path + "." + part, body_rows(), body);
+            if (const toml::table* nested = TableReader::section_table(table, part))
+                tables_.read_table(nested, std::string("body.") + part, path + "." + part, body_rows(), body);
         if (body.seeding == Seeding::lattice) body.jitter = 0;
 
         body.material = material_of(table, path);
@@ -289,7 +236,7 @@ class Reader {
 
     void read_release(const toml::table& table, const std::string& path) {
         BodySpec body;
-        read_table(&table, "release", path, release_rows(), body);
+        tables_.read_table(&table, "release", path, release_rows(), body);
         body.material = material_of(table, path);
         for (BodySpec& part : load_releases(scene_, std::move(body), places_)) {
             const std::string own = "release." + part.name;
@@ -303,17 +250,18 @@ class Reader {
 
     void read_structure(const toml::table& table, const std::string& path) {
         StructureSpec structure;
-        read_table(&table, "structure", path, structure_rows(), structure);
+        tables_.read_table(&table, "structure", path, structure_rows(), structure);
         for (const char* part : {"contact", "motion"})
-            if (const toml::table* nested = section_table(table, part))
-                read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(), structure);
+            if (const toml::table* nested = TableReader::section_table(table, part))
+                tables_.read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(),
+                                   structure);
         complete_law(scene_, structure, path + ".contact", places_);
         if (const std::string key = path + ".motion.table"; places_.has(key)) {
             for (const char* other : {".motion.times", ".motion.factors"})
                 if (places_.has(path + other))
                     refuse(places_.of(path + other), fmt::format("{}{} beside {}", path, other, key),
                            "its rows are in the table", "Remove one of them?");
-            structure.motion.factor = table_of(*section_table(table, "motion"), "table", key);
+            structure.motion.factor = table_of(*TableReader::section_table(table, "motion"), "table", key);
         }
         scene_.structures.push_back(std::move(structure));
     }
@@ -321,9 +269,9 @@ class Reader {
     void read_terrain(const toml::table* table) {
         if (!table) return;
         StructureSpec terrain;
-        read_table(table, "terrain", "terrain", terrain_rows(), terrain);
-        if (const toml::table* contact = section_table(*table, "contact"))
-            read_table(contact, "structure.contact", "terrain.contact", structure_rows(), terrain);
+        tables_.read_table(table, "terrain", "terrain", terrain_rows(), terrain);
+        if (const toml::table* contact = TableReader::section_table(*table, "contact"))
+            tables_.read_table(contact, "structure.contact", "terrain.contact", structure_rows(), terrain);
         complete_law(scene_, terrain, "terrain.contact", places_);
         load_ground(scene_, terrain, places_);
         open_faces(scene_, places_);
@@ -332,7 +280,7 @@ class Reader {
 
     void read_wall(const toml::table& table, const std::string& path) {
         FacedWall faced;
-        read_table(&table, "wall", path, wall_rows(), faced);
+        tables_.read_table(&table, "wall", path, wall_rows(), faced);
         if (faced.face / 2 >= scene_.dimensions)
             refuse(places_.of(path), fmt::format("{} is not there", path), "the scene has 2 dimensions",
                    "Use x-min, x-max, y-min or y-max?");
@@ -358,11 +306,10 @@ class Reader {
         }
     }
 
-    std::string file_;
-    toml::table root_;
-    Places places_;
     Scene scene_;
-    std::vector<TableSpec> tables_;
+    TableReader tables_;
+    Places& places_ = tables_.places;
+    std::vector<TableSpec> time_tables_;
     std::vector<FacedWall> beds_;  ///< that have a law of structures
 };
 

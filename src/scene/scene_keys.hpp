@@ -50,6 +50,10 @@ struct KeyRange {
     }
 };
 
+inline constexpr KeyRange above_zero{.lower = 0, .open_lower = true};
+inline constexpr KeyRange from_zero{.lower = 0};
+inline constexpr KeyRange from_one{.lower = 1};
+
 struct SceneKey {
     std::string table = {};  ///< "", "domain", "body", "body.wave", ...
     std::string name = {};
@@ -85,6 +89,14 @@ struct KeyRow {
     SceneKey key;
     void (*set)(Target&, const KeyValue&);
 };
+
+/// Rows of which the first of a table names it.
+template <class Target>
+std::vector<KeyRow<Target>> in_tables(std::vector<KeyRow<Target>> rows) {
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        if (rows[k].key.table.empty()) rows[k].key.table = rows[k - 1].key.table;
+    return rows;
+}
 
 const std::vector<KeyRow<Scene>>& scene_rows();
 /// Of [time], [rest] and [sleep].

@@ -17,11 +17,10 @@ using enum KeyType;
 using T = StageText;
 using V = KeyValue;
 
-const std::vector<KeyRow<StageText>> rows{
+const std::vector<KeyRow<StageText>> rows = in_tables<StageText>({
     {{.table = "stage", .name = "name", .type = name, .meaning = "In summary.json and messages."},
      [](T& t, const V& v) { t.spec.name = v.text; }},
-    {{.table = "stage",
-      .name = "until",
+    {{.name = "until",
       .type = real_or_text,
       .unit = "s",
       .standard = "",
@@ -30,33 +29,26 @@ const std::vector<KeyRow<StageText>> rows{
           "It ends with the first step at or past this time; \"rest\": once all has come to rest, by [rest]. The "
           "last one ends the run: at time.end, or at rest."},
      [](T& t, const V& v) { t.spec.until = v.real, t.spec.until_rest = v.text == "rest", t.ends_by = v.text; }},
-    {{.table = "stage",
-      .name = "damping",
-      .standard = "",
-      .range = {0, 1},
-      .meaning = "For its length; left out: numerics.damping."},
+    {{.name = "damping", .standard = "", .range = {0, 1}, .meaning = "For its length; left out: numerics.damping."},
      [](T& t, const V& v) { t.spec.damping = v.real, t.has_damping = true; }},
-    {{.table = "stage",
-      .name = "set",
+    {{.name = "set",
       .type = settings,
       .standard = "",
       .meaning = "Strengths of materials and kinds of walls from its begin on, as for --set: { \"material.clay.su\" = "
                  "2e3, \"wall.x-max.kind\" = \"open\" }. Stress that is too much then returns to the law's surface in "
                  "the next step."},
      [](T& t, const V& v) { t.spec.set = v.words; }},
-    {{.table = "stage",
-      .name = "remove",
+    {{.name = "remove",
       .type = words,
       .standard = "[]",
       .meaning = "Names of bodies that are taken away as it begins."},
      [](T& t, const V& v) { t.removes = v.words; }},
-    {{.table = "stage",
-      .name = "add",
+    {{.name = "add",
       .type = words,
       .standard = "[]",
       .meaning = "Names of bodies that come as it begins, and are not there before; seeded as at the start."},
      [](T& t, const V& v) { t.adds = v.words; }},
-};
+});
 
 std::vector<std::string> parts_of(const std::string& key) {
     std::vector<std::string> words(1);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "core/data/error.hpp"
 #include "core/material/laws.hpp"
@@ -23,9 +22,7 @@ using enum KeyType;
 using S = StrengthSpec;
 using V = KeyValue;
 
-constexpr KeyRange from_zero{0, std::numeric_limits<double>::infinity(), false, false};
-
-const std::vector<KeyRow<StrengthSpec>> rows{
+const std::vector<KeyRow<StrengthSpec>> rows = in_tables<StrengthSpec>({
     {{.table = "material.su",
       .name = "surface",
       .type = real_or_text,
@@ -34,22 +31,19 @@ const std::vector<KeyRow<StrengthSpec>> rows{
       .range = from_zero,
       .meaning = "Strength at no depth; or a raster of it over terrain, relative to the scene."},
      [](S& s, const V& v) { s.surface = v.real, s.file = v.text; }},
-    {{.table = "material.su",
-      .name = "gradient",
+    {{.name = "gradient",
       .unit = "Pa/m",
       .standard = "0.0",
       .meaning =
           "What each metre of depth adds. Depth counts along gravity (without it, along the last axis), from where "
           "the line up from a particle leaves its body at the start; of a box, from the plane of its upper face."},
      [](S& s, const V& v) { s.gradient = v.real; }},
-    {{.table = "material.su",
-      .name = "from",
+    {{.name = "from",
       .unit = "m",
       .standard = "",
       .meaning = "Height from which depth counts instead; above it there is none."},
      [](S& s, const V& v) { s.from = v.real; }},
-    {{.table = "material.su",
-      .name = "depth",
+    {{.name = "depth",
       .type = list,
       .unit = "m",
       .standard = "",
@@ -57,15 +51,14 @@ const std::vector<KeyRow<StrengthSpec>> rows{
       .meaning = "Of a table in place of surface and gradient: rising depths, between which the strength is linear and "
                  "beyond which it is constant."},
      [](S& s, const V& v) { s.depth = v.numbers; }},
-    {{.table = "material.su",
-      .name = "value",
+    {{.name = "value",
       .type = list,
       .unit = "Pa",
       .standard = "",
       .range = from_zero,
       .meaning = "The strengths there."},
      [](S& s, const V& v) { s.value = v.numbers; }},
-};
+});
 
 void check_table(const StrengthSpec& profile, const SceneKey& key, const std::string& path, const Places& places) {
     const std::string at = path + ".depth";

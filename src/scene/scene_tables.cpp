@@ -14,25 +14,23 @@ using enum KeyType;
 using T = TableSpec;
 using V = KeyValue;
 
-const std::vector<KeyRow<TableSpec>> rows{
+const std::vector<KeyRow<TableSpec>> rows = in_tables<TableSpec>({
     {{.table = "table", .name = "name", .type = name, .meaning = "By which loads and --set refer to it."},
      [](T& t, const V& v) { t.name = v.text; }},
-    {{.table = "table", .name = "times", .type = list, .unit = "s", .standard = "", .meaning = "From 0 on, rising."},
+    {{.name = "times", .type = list, .unit = "s", .standard = "", .meaning = "From 0 on, rising."},
      [](T& t, const V& v) { t.rows.times = v.numbers; }},
-    {{.table = "table",
-      .name = "values",
+    {{.name = "values",
       .type = list,
       .standard = "",
       .meaning = "As many; linear between the times, constant before the first and after the last. A step takes the "
                  "mean over its length."},
      [](T& t, const V& v) { t.rows.values = v.numbers; }},
-    {{.table = "table",
-      .name = "file",
+    {{.name = "file",
       .type = text,
       .standard = "",
       .meaning = "In place of both: .csv with a line time, value and the rows below it; relative to the scene."},
      [](T& t, const V& v) { t.file = v.text; }},
-};
+});
 
 void check_rows(const TableSpec& table, const std::string& path, const Places& places) {
     const auto& [times, values] = table.rows;

@@ -32,8 +32,8 @@ namespace moraine {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::step() {
-    follows_ = engine_leads();
-    if (follows_) return follow();
+    led_.follows = engine_leads();
+    if (led_.follows) return follow();
     bin();  // incoming particles of the last step; each block's list is binned by cell
     check_sleep();
     apply_body_force();
@@ -41,12 +41,11 @@ void Simulation<Real, Dim>::step() {
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
         phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::boundary); });
-        if (first) start_agreement();  // stable dt, displacement, faults: one reduction, overlapped
+        if (first) start_agreement(true);  // stable dt, displacement, faults: one reduction, overlapped
         phases_.time(Phase::halo, [&] { engine_->send_halo(); });
         phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::interior); });
         if (first) agree_on_dt();
-        if (first && structures_.any_free()) agree_on_forces();  // what they felt: one exact sum
-        if (first) structures_.begin_step(clock_.time, clock_.dt, clock_.gravity, forces_, quantum());
+        if (first) structures_.begin_step(clock_.time, clock_.dt, clock_.gravity, agreed_forces(), quantum());
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         if (round.nodes == NodeTask::hold) make_substeps();
@@ -65,16 +64,17 @@ template <class Real, int Dim>
 bool Simulation<Real, Dim>::engine_leads() {
     bool leads = false;
     phases_.time(Phase::agree, [&] { leads = engine_->leads(); });
-    if (leads || !report_pending_ || asked_ != 0 || body_force_ || scene_.sleep.on || scene_.substeps != 1 ||
+    if (leads || !report_pending_ || agreement_.asks() || body_force_ || scene_.sleep.on || scene_.substeps != 1 ||
         !gravity_stays(scene_, clock_))
         return leads;
-    if (clock_.step >= alone_until_step_ || clock_.time >= alone_until_) return false;
-    if (epoch_.state() == EpochLifetime::State::unbinned || rebalance_.is_under_way() ||
+    if (clock_.step >= led_.until_step || clock_.time >= led_.until) return false;
+    if (epochs_.lifetime().state() == EpochLifetime::State::unbinned || rebalance_.is_under_way() ||
         scene_.balance.trigger == Trigger::every)  // counts steps
         return false;
     LeadRule<Dim> rule{
-        scene_.dt, courant_number(scene_) * scene_.cell, scene_.end, std::min(alone_until_, supply_.next()), {}};
-    LeadClock<Dim> clock{clock_.time, clock_.dt, {}, epoch_.in_guard_layer(), alone_until_step_ - clock_.step};
+        scene_.dt, courant_number(scene_) * scene_.cell, scene_.end, std::min(led_.until, supply_.next()), {}};
+    LeadClock<Dim> clock{
+        clock_.time, clock_.dt, {}, epochs_.lifetime().in_guard_layer(), led_.until_step - clock_.step};
     std::copy_n(clock_.gravity.begin(), Dim, rule.gravity);
     std::copy_n(clock_.gravity_impulse.begin(), Dim, clock.gravity_impulse);
     const LeadRequest<Dim> request{rule, clock, scales()};
@@ -85,11 +85,9 @@ bool Simulation<Real, Dim>::engine_leads() {
 /// A step that a device makes by itself: the report of the step before is agreed on as in any other.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::follow() {
-    const std::uint32_t asked = std::exchange(asked_, 0);  // for when the device stands still
-    start_agreement();
+    start_agreement(false);  // requests are for when the device stands still
     agree_on_dt();
-    if (clock_.dt != led_dt_) throw std::logic_error("a device and its host differ in dt");
-    asked_ = asked;
+    if (clock_.dt != led_.dt) throw std::logic_error("a device and its host differ in dt");
     ++counts_.exchanges;
     report_pending_ = true;
     clock_.time += clock_.dt;
@@ -160,15 +158,8 @@ void Simulation<Real, Dim>::record_step() {
     phases_.add(Phase::p2g, report.seconds[0]);
     phases_.add(Phase::nodes, report.seconds[1]);
     phases_.add(Phase::g2p, report.seconds[2]);
-    own_ = Agreement{};
-    own_.signal = report.signal;
-    own_.square_speed = report.square_speed;
-    own_.moved = report.moved;
-    own_.faults = report.faults;
-    own_.in_guard_layer = report.in_guard_layer;
-    led_dt_ = report.next_dt;
-    own_.seconds = phases_.computing() - computed_;
-    computed_ = phases_.computing();
+    agreement_.report(report, phases_.computing());
+    led_.dt = report.next_dt;
     counts_.clamped_boxes += report.clamped;
     budget_.add(report.budget);
     structures_.take(report.felt);
@@ -176,33 +167,32 @@ void Simulation<Real, Dim>::record_step() {
 }
 
 template <class Real, int Dim>
-void Simulation<Real, Dim>::start_agreement() {
+void Simulation<Real, Dim>::start_agreement(bool with_requests) {
     phases_.time(Phase::agree, [&] { record_step(); });
     const Census census = engine_->census();
-    own_.count = census.particles;
-    own_.asleep_sum = census.asleep;
-    own_.load = load_of(census.particles, census.asleep);
-    own_.blocks = census.blocks;
-    own_.migration_bound = census.migration_bound;
-    own_.making = next_epoch_.is_ready() ? 0 : 1;
-    own_.writing = writing_ ? 1 : 0;
-    own_.stop = asked_;
-    asked_ = 0;
-    reduction_.start(own_);
+    Agreement& own = agreement_.own();
+    own.count = census.particles;
+    own.asleep_sum = census.asleep;
+    own.load = load_of(census.particles, census.asleep);
+    own.blocks = census.blocks;
+    own.migration_bound = census.migration_bound;
+    own.making = epochs_.next().is_ready() ? 0 : 1;
+    agreement_.start(with_requests);
 }
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::agree_on_dt() {
-    phases_.time(Phase::agree, [&] { agreed_ = reduction_.finish(); });
-    if (agreed_.faults) {
+    phases_.time(Phase::agree, [&] { agreement_.finish(); });
+    const Agreement& agreed = agreement_.reached();
+    if (agreed.faults) {
         engine_->receive_halo();  // leave no message behind
         report_faults();
     }
-    clock_.signal = agreed_.signal;
-    clock_.square_speed = agreed_.square_speed;
-    epoch_.step(agreed_.in_guard_layer != 0, agreed_.moved);
-    counts_.add(agreed_, comm_.size());
-    loads_.add(agreed_, own_);
+    clock_.signal = agreed.signal;
+    clock_.square_speed = agreed.square_speed;
+    epochs_.lifetime().step(agreed.in_guard_layer != 0, agreed.moved);
+    counts_.add(agreed, comm_.size());
+    loads_.add(agreed, agreement_.own());
     if (scene_.dt > 0)
         clock_.dt = scene_.dt;
     else if (clock_.signal > 0)
@@ -211,7 +201,7 @@ void Simulation<Real, Dim>::agree_on_dt() {
         clock_.dt = expects_supply() ? (1 + 1e-9) * (supply_.next() - clock_.time) : scene_.end - clock_.time;
     check_step();
     begin_gravity(scene_, plan_places(), *engine_, clock_, budget_);
-    engine_->expect_outgoing(agreed_.migration_bound);
+    engine_->expect_outgoing(agreed.migration_bound);
 }
 
 /// By the wave's and the flow's own time (core/courant.hpp).
@@ -224,13 +214,16 @@ void Simulation<Real, Dim>::choose_step() {
 
 /// Free structures move alike on all ranks: by a sum that does not depend on the owners of nodes.
 template <class Real, int Dim>
-void Simulation<Real, Dim>::agree_on_forces() {
+std::vector<StructureSums<Dim>> Simulation<Real, Dim>::agreed_forces() {
+    std::vector<StructureSums<Dim>> forces;
+    if (!structures_.any_free()) return forces;
     phases_.time(Phase::agree, [&] {
         std::vector<StructureSums<Dim>> mine;
         for (const StructureState<Dim>& state : structures_.states()) mine.push_back(state.pending);
-        forces_ = comm_.exact_sums(mine);
+        forces = comm_.exact_sums(mine);
         structures_.forget_pending();
     });
+    return forces;
 }
 
 template <class Real, int Dim>
@@ -283,8 +276,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::conclude() {
     bin();
     record_step();
-    reduction_.start(own_);
-    const Agreement all = reduction_.finish();
+    const Agreement all = agreement_.conclude();
     if (all.faults) report_faults();
     clock_.signal = all.signal;
     clock_.square_speed = all.square_speed;

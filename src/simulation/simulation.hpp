@@ -8,22 +8,28 @@
 #include <memory>
 
 #include "balance/partitioner.hpp"
-#include "blocks/epoch_lifetime.hpp"
-#include "blocks/next_epoch.hpp"
-#include "comm/async_allgather.hpp"
 #include "comm/host_groups.hpp"
 #include "comm/phases.hpp"
 #include "core/data/error.hpp"
 #include "core/transfer/method.hpp"
-#include "engine/agreement.hpp"
 #include "engine/engine.hpp"
 #include "simulation/measured_loads.hpp"
 #include "simulation/rebalance.hpp"
 #include "simulation/run_clock.hpp"
 #include "simulation/run_counts.hpp"
+#include "simulation/run_epochs.hpp"
+#include "simulation/step_agreement.hpp"
 #include "simulation/supply.hpp"
 
 namespace moraine {
+
+/// What is known of the steps that a device makes by itself.
+struct LedSteps {
+    double until = -1;  ///< the particles are not read before [s]
+    std::int64_t until_step = -1;
+    bool follows = false;  ///< in this step
+    double dt = 0;         ///< that the engine took by itself [s]
+};
 
 template <class Real, int Dim>
 class Simulation {
@@ -58,7 +64,7 @@ class Simulation {
 
     /// Promises that the particles are not read before the first step at or past `time`, nor before `step`. Until then
     /// a device may make steps by itself (engine/lead_rule.hpp), ahead of the clock; without the promise it does not.
-    void leave_alone_until(double time, std::int64_t step) { alone_until_ = time, alone_until_step_ = step; }
+    void leave_alone_until(double time, std::int64_t step) { led_.until = time, led_.until_step = step; }
 
     /// One time step. Throws PhysicsError, the same on all ranks, when the step before went wrong. Collective.
     void step();
@@ -88,9 +94,9 @@ class Simulation {
     void refresh_signal();
     void refresh_speed();
     /// What a signal handler or a wall clock asks for; travels with the next agreement (Agreement::stop).
-    void ask(std::uint32_t what) { asked_ |= what; }
+    void ask(std::uint32_t what) { agreement_.ask(what); }
     /// Whether this rank is writing an output meanwhile; travels with the next agreement (Agreement::writing).
-    void say_writing(bool writing) { writing_ = writing; }
+    void say_writing(bool writing) { agreement_.say_writing(writing); }
     /// Whether the next epoch is made asynchronously, from when the guard layer is reached. By itself it is where the
     /// engine leaves the host free. The same on all ranks.
     void make_epochs_async(bool async);
@@ -106,10 +112,10 @@ class Simulation {
     const Partitioner& partitioner() const { return *partitioner_; }
     const RepartitionTrigger& trigger() const { return trigger_; }
     /// Whether the last step was one that a device made by itself.
-    bool follows() const { return follows_; }
+    bool follows() const { return led_.follows; }
     const RunClock<Dim>& clock() const { return clock_; }
     const Budget<Dim>& budget() const { return budget_; }
-    const Agreement& agreement() const { return agreed_; }
+    const Agreement& agreement() const { return agreement_.reached(); }
     Quantum quantum() const { return {clock_.quantum_scale}; }
     Phases& phases() { return phases_; }
     const StructureSet<Dim>& structures() const { return structures_; }
@@ -148,28 +154,22 @@ class Simulation {
     // simulation.cpp: the parts of a step
     bool engine_leads();
     void follow();
-    void start_agreement();
+    void start_agreement(bool with_requests);
     void record_step();
     void agree_on_dt();
     void choose_step();
     void make_substeps();
     void check_step();
     void report_faults() const;
-    void agree_on_forces();
+    std::vector<StructureSums<Dim>> agreed_forces();
     void apply_body_force();
     void check_sleep();
     void begin_sums();
     StepScales<Dim> scales() const;
 
-    // simulation_epoch.cpp: owners of blocks, and how long an epoch lasts
-    EpochTables<Dim> counted(EpochTables<Dim> tables);
-    EpochTables<Dim> next_epoch(const std::vector<BlockLoad>& loads);
+    // simulation_epoch.cpp: owners of blocks
     void begin_epoch(const BinnedBlocks& binned);
-    void request_next_epoch();
-    void start_next_epoch();
-    void renew_epoch();
     void synchronize();
-    bool must_synchronize() const { return !(async_ && engine_->device().leaves_host_free); }
     void begin_check();
     void continue_check(bool now);
     void repartition(EpochTables<Dim> tables);
@@ -191,7 +191,7 @@ class Simulation {
     RepartitionTrigger trigger_;
     MeasuredLoads loads_;
     std::unique_ptr<Engine<Real, Dim>> engine_;
-    AgreementReduction reduction_;
+    StepAgreement agreement_;
 
     RunClock<Dim> clock_;
     int substeps_ = 1;                               ///< of this step
@@ -199,25 +199,14 @@ class Simulation {
     RunCounts counts_;
     Budget<Dim> budget_;
     StructureSet<Dim> structures_;
-    std::vector<StructureSums<Dim>> forces_;  ///< of the last step on free structures, over all ranks
-    Agreement agreed_, own_;
     Phases phases_;
     Acceleration body_force_;
     Supply supply_;
-    EpochLifetime epoch_;
-    NextEpoch<Dim> next_epoch_;
+    RunEpochs<Real, Dim> epochs_;
     Rebalance<Dim> rebalance_;
-    AsyncAllgather<Key> keys_;                 ///< occupied blocks of all ranks, that the next epoch is made from
     std::int64_t most_ = unlimited_particles;  ///< particles that this rank has memory for
     bool in_place_ = false;                    ///< lattices are seeded by the engine
-    bool async_ = false;                       ///< epochs are made asynchronously
-    double computed_ = 0;                      ///< computing time up to the last step [s]
-    std::uint32_t asked_ = 0;
-    bool writing_ = false;
-    double alone_until_ = -1;  ///< [s]
-    std::int64_t alone_until_step_ = -1;
-    bool follows_ = false;         ///< in this step
-    double led_dt_ = 0;            ///< that the engine took by itself [s]
+    LedSteps led_;
     bool report_pending_ = false;  ///< a step's report is still with the engine
 };
 

@@ -72,7 +72,7 @@ void Simulation<Real, Dim>::begin_stage() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::remove_bodies(const std::vector<int>& bodies) {
     synchronize();
-    keys_.finish();  // what would have been the next epoch
+    epochs_.forget_next();
     const std::vector<std::uint8_t> removed = is_one_of(bodies, scene_.bodies.size());
     RemovedSums<Dim> sums;
     const ParticleView<Real, Dim> p = patch().particles.view();

@@ -93,19 +93,18 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
       partitioner_(make_partitioner(scene.balance, layout_of(domain_, method_.stencil.width), comm, hosts_)),
       trigger_(scene.balance, *partitioner_, make_engine ? device_moves : host_moves),
       loads_(scene.balance, comm, make_engine ? device_costs : host_costs, Block<Dim>::cells),
-      reduction_(comm),
+      agreement_(comm),
       structures_(scene),
       supply_(scene),
-      next_epoch_(
-          domain_, method_.stencil, comm.rank(),
+      epochs_(
+          domain_, method_.stencil, comm, hosts_, counts_,
           [this](const BlockPosition<Dim>& at) {
               Position position{};
               std::copy(at.begin(), at.end(), position.begin());
               return partitioner_->owner_at(position);
           },
           [this](const EpochTables<Dim>& tables) { engine_->prepare(tables); }),
-      rebalance_(scene.balance, comm, *partitioner_, trigger_, next_epoch_),
-      keys_(comm) {
+      rebalance_(scene.balance, comm, *partitioner_, trigger_, epochs_.next()) {
     if (make_engine)
         engine_ = make_engine(method_);
     else
@@ -121,7 +120,7 @@ Simulation<Real, Dim>::~Simulation() = default;
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::make_epochs_async(bool async) {
-    async_ = async;
+    epochs_.set_async(async);
     rebalance_.set_async(async);
 }
 
@@ -158,7 +157,7 @@ void Simulation<Real, Dim>::seed_lattice() {
     partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     for (std::size_t b = 0; b < loads.size(); ++b) loads[b].owner = owners[b];
-    engine_->begin_epoch(next_epoch(loads), LatticeShare<Real, Dim>{lattice});
+    engine_->begin_epoch(epochs_.make(loads), LatticeShare<Real, Dim>{lattice});
 }
 
 template <class Real, int Dim>
@@ -212,7 +211,7 @@ void Simulation<Real, Dim>::refresh_signal() {
         for (std::size_t k = 0; k < slots.size(); ++k)
             signal = std::max(signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]));
     });
-    own_.signal = clock_.signal = comm_.max(signal);
+    agreement_.own().signal = clock_.signal = comm_.max(signal);
     refresh_speed();
 }
 
@@ -228,7 +227,7 @@ void Simulation<Real, Dim>::refresh_speed() {
             most = std::max(most, double(square));
         }
     });
-    own_.square_speed = clock_.square_speed = comm_.max(most);
+    agreement_.own().square_speed = clock_.square_speed = comm_.max(most);
 }
 
 template <class Real, int Dim>
@@ -259,8 +258,8 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     read(ranges, binned.slot);
     begin_epoch(binned);
     if (comm_.is_root()) budget_ = budget;
-    own_.signal = clock_.signal;
-    own_.square_speed = clock_.square_speed;
+    agreement_.own().signal = clock_.signal;
+    agreement_.own().square_speed = clock_.square_speed;
     for (std::size_t k = 1; k < clock_.stages.size(); ++k) supply_.begin_stage(static_cast<int>(k));
     supply_.skip_to(clock_.time);
     loads_.resume(clock_.step);

@@ -70,7 +70,7 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::admit() {
     conclude();
     synchronize();
-    keys_.finish();  // what would have been the next epoch
+    epochs_.forget_next();
     Share& share = patch();
     const BinnedBlocks here = share.binned();
     std::vector<Placed> placed;
@@ -80,7 +80,7 @@ void Simulation<Real, Dim>::admit() {
         clear_structures(scene_, seeds);
         for (const Seed& seed : seeds) {
             const Key key = key_of_seed<Real, Dim>(scene_, method_, domain_, seed);
-            if (next_epoch_.owner_near(key) != comm_.rank()) continue;
+            if (epochs_.next().owner_near(key) != comm_.rank()) continue;
             const std::uint32_t slot = share.take_slots(1).front();
             const ParticleView<Real, Dim> p = share.particles.view();
             place_seed(scene_, method_, domain_, p, seed, slot);
@@ -110,9 +110,9 @@ void Simulation<Real, Dim>::admit() {
     clock_.start_energy += quantum().value(all.energy);
     clock_.start_potential += quantum().value(all.potential);
     for (std::size_t a = 0; a < Dim; ++a) clock_.start_momentum[a] += quantum().value(all.momentum[a]);
-    clock_.signal = own_.signal = std::max(clock_.signal, comm_.max(signal));
+    clock_.signal = agreement_.own().signal = std::max(clock_.signal, comm_.max(signal));
     if (scene_.substeps != 1)
-        clock_.square_speed = own_.square_speed = std::max(clock_.square_speed, comm_.max(square_speed));
+        clock_.square_speed = agreement_.own().square_speed = std::max(clock_.square_speed, comm_.max(square_speed));
     ++counts_.epochs;
 }
 

@@ -5,17 +5,13 @@
 #include "core/nodes/nodes.hpp"
 #include "core/structures/structure_set.hpp"
 #include "core/transfer/scene_walls.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
+using moraine::test::Case;
 using moraine::test::World;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-};
 
 /// A rank's patch in a world: one particle in those occupied blocks that hold any in this run.
 template <class Real, int Dim>
@@ -200,11 +196,6 @@ void same_gaps_as_one_rank(const Comm& comm, std::uint64_t seed) {
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
 
 TEST_CASE_TEMPLATE("nodes are the same to the bit on any number of ranks, and each is counted once", C, Case<float, 2>,
                    Case<double, 2>, Case<float, 3>, Case<double, 3>) {

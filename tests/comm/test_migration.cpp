@@ -1,17 +1,13 @@
 #include "comm/migration.hpp"
 #include "comm/swarm.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
+using moraine::test::Case;
 using moraine::test::fraction;
 using moraine::test::Swarm;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-};
 
 /// Random walks of up to 0.95 cells a step on all ranks and on one; a new epoch every third step.
 template <class Real, int Dim>
@@ -46,11 +42,6 @@ void walks_as_on_one_rank(const Scene& scene, std::uint64_t walkers, bool open) 
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
 
 TEST_CASE_TEMPLATE("random walkers are binned on any number of ranks as on one, to the bit", C, Case<float, 2>,
                    Case<double, 2>, Case<float, 3>, Case<double, 3>) {

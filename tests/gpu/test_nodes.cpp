@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/transfer/scene_walls.hpp"
+#include "every_case.hpp"
 #include "gpu/node_pair.hpp"
 #include "gpu/stopwatch.hpp"
 
@@ -14,13 +15,6 @@ using moraine::test::DeviceSample;
 using moraine::test::Sample;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-12 : 1e-5;
-};
 
 template <class Real, int Dim>
 NodeRound<Real, Dim> round_of(NodeTask task, double damping) {
@@ -56,12 +50,6 @@ void each_pair(const F& f) {
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
 
 TEST_CASE_TEMPLATE("the device marks node blocks with light nodes, and leaves the masses", C, EVERY_CASE) {
     each_pair<C>([](auto& pair) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "every_case.hpp"
 #include "gpu/dense_box.cuh"
 #include "gpu/device_sample.cuh"
 #include "gpu/kernels/p2g/p2g.hpp"
@@ -17,13 +18,6 @@ using moraine::test::NodeSums;
 using moraine::test::Sample;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-12 : 1e-5;
-};
 
 template <class C, class F>
 void each_method(const F& f) {
@@ -141,12 +135,6 @@ bool same_bits(const std::vector<Quad<Real>>& a, const std::vector<Quad<Real>>& 
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
 
 TEST_CASE_TEMPLATE("tiles written on the device add up to the plain sums over particles and nodes", C, EVERY_CASE) {
     each_method<C>([](auto& sample) {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "every_case.hpp"
 #include "gpu/device_sample.cuh"
 #include "gpu/memory/packing.hpp"
 #include "gpu/memory/refresh.hpp"
@@ -65,19 +66,7 @@ class Rows {
     gpu::Array<std::uint16_t> body_;
 };
 
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-};
-
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
 
 TEST_CASE("a refresh brings rows of every size into list order, and the lists count up") {
     std::mt19937_64 random(1);

@@ -4,6 +4,7 @@
 #include "core/sample.hpp"
 #include "core/structures/particle_depth.hpp"
 #include "core/structures/structure_set.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
 using moraine::test::Node;
@@ -11,12 +12,8 @@ using moraine::test::Sample;
 
 namespace {
 
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-7 : 1e-5;  // the numbers are fixed-point
-};
+template <class C>
+constexpr double tolerance = sizeof(typename C::Real) == 8 ? 1e-7 : 1e-5;  // the numbers are fixed-point
 
 /// A slope and a ball.
 void add_structures(Scene& scene) {
@@ -104,12 +101,6 @@ void each_sample(const F& f) {
 
 }  // namespace
 
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
-
 TEST_CASE_TEMPLATE("a node is told the least gap of the particles that reach it, and the area of those that touch", C,
                    EVERY_CASE) {
     each_sample<C>([](auto& sample) {
@@ -126,7 +117,7 @@ TEST_CASE_TEMPLATE("a node is told the least gap of the particles that reach it,
             test::widen(worst, t.at_most - found.cells());
             test::widen(worst, std::fabs(found.faces() - t.area));
         });
-        CHECK(worst <= 4 * C::tolerance);
+        CHECK(worst <= 4 * tolerance<C>);
         CHECK(heard > 20);
     });
 }

@@ -3,19 +3,13 @@
 #include "core/data/hash.hpp"
 #include "core/sample.hpp"
 #include "core/transfer/g2p.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
 using moraine::test::Node;
 using moraine::test::Sample;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-12 : 1e-5;
-};
 
 /// A material that only writes down the velocity gradients it is given.
 template <class Real, int Dim>
@@ -117,12 +111,6 @@ bool near_wall(const Sample<Real, Dim>& sample, const test::PerAxis<double, Dim>
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
 
 TEST_CASE_TEMPLATE("velocities, gradients and affine fields are those of a plain loop over nodes", C, EVERY_CASE) {
     using Real = typename C::Real;

@@ -2,6 +2,7 @@
 
 #include "core/sample.hpp"
 #include "core/transfer/p2g.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
 using moraine::test::Node;
@@ -9,13 +10,6 @@ using moraine::test::NodeSums;
 using moraine::test::Sample;
 
 namespace {
-
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-12 : 1e-5;
-};
 
 /// Runs the kernel and adds all tiles up, in double.
 template <class Real, int Dim>
@@ -63,12 +57,6 @@ void each_method(const F& f) {
 }
 
 }  // namespace
-
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-#define EVERY_CASE Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>
 
 TEST_CASE_TEMPLATE("tiles add up to the sums over particles that a plain loop gives", C, EVERY_CASE) {
     constexpr int dim = C::dim;

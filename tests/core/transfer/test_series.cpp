@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/sample.hpp"
+#include "every_case.hpp"
 
 using namespace moraine;
 using moraine::test::Node;
@@ -12,12 +13,8 @@ namespace {
 
 constexpr double dt = 0.01, cutoff = 1e-9;
 
-template <class R, int D>
-struct Case {
-    using Real = R;
-    static constexpr int dim = D;
-    static constexpr double tolerance = sizeof(R) == 8 ? 1e-11 : 1e-4;
-};
+template <class C>
+constexpr double tolerance = sizeof(typename C::Real) == 8 ? 1e-11 : 1e-4;
 
 template <int Dim>
 Vec<double, Dim> pull() {
@@ -145,13 +142,8 @@ std::array<double, Dim> momentum_of(Sample<Real, Dim>& sample, double& mass) {
 
 }  // namespace
 
-TYPE_TO_STRING_AS("2-D float", Case<float, 2>);
-TYPE_TO_STRING_AS("2-D double", Case<double, 2>);
-TYPE_TO_STRING_AS("3-D float", Case<float, 3>);
-TYPE_TO_STRING_AS("3-D double", Case<double, 3>);
-
 TEST_CASE_TEMPLATE("FMPM of orders 1 to 4 is the series with dense weights, and walls' impulse is all its momentum", C,
-                   Case<float, 2>, Case<double, 2>, Case<float, 3>, Case<double, 3>) {
+                   EVERY_CASE) {
     constexpr int dim = C::dim;
     using moraine::Shape;
     for (Shape shape : {Shape::linear, Shape::gimp, Shape::quadratic, Shape::cubic})
@@ -176,9 +168,9 @@ TEST_CASE_TEMPLATE("FMPM of orders 1 to 4 is the series with dense weights, and 
                 double worst = 0;
                 for (const auto& [s, v] : expected)
                     for (int a = 0; a < dim; ++a) test::widen(worst, std::fabs(double(p.velocity[s][a]) - v[a]));
-                CHECK(worst <= C::tolerance);
+                CHECK(worst <= tolerance<C>);
                 for (std::size_t a = 0; a < dim; ++a)
                     CHECK(std::fabs(after[a] - before[a] - mass * dt * pull<dim>()[static_cast<int>(a)] - impulse[a]) <=
-                          C::tolerance * mass);
+                          tolerance<C> * mass);
             }
 }
