@@ -4,7 +4,6 @@ Runs are made in rounds: first an even design, then where the surfaces through t
 last round's surfaces.
 """
 import pathlib
-import re
 import shutil
 import tempfile
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
@@ -19,13 +18,12 @@ from .parameters import sets_of
 from .posterior import Surfaces
 from .program import check, run, words_of_check
 from .sampling import unit_points
-from .scenario_file import fields_of, open_folder, read_file
+from .scenario_file import RUN, fields_of, is_number, look_at_runs, open_folder, read_file
 from .scene import Path, read_scene, with_sets
 from .search import FILE, Search
 from .targets import parse_targets
 
 SECTIONS = {"search": ("first", "runs", "seed", "round")}
-RUN = re.compile(r"run-\d+")
 
 
 def calibrate(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = None, jobs: Optional[int] = None, ranks: Optional[int] = None,
@@ -41,7 +39,13 @@ def calibrate(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = No
     search = {key: value for key, value in dict(file.given.get("search", {})).items() if key != "runs"}  # more may be asked for later
     seen = [(t.name, t.value, t.error, t.seen.polygons if t.seen else None, t.grid.values.tolist() if t.grid else None) for t in targets]
     identity = file.identity([search, seen])
-    known = open_folder(path, FILE, identity, overwrite)
+
+    def look(known: Mapping[str, Any]) -> None:
+        look_at_runs(known)
+        for name, each in known["runs"].items():
+            if len(each["point"]) != len(file.parameters) or not all(is_number(x) and 0 <= x <= 1 for x in each["point"]):
+                raise ValueError(f"{name} is at no point")
+    known = open_folder(path, FILE, identity, overwrite, look)
     if not known and path.exists():
         for old in path.iterdir():
             if RUN.fullmatch(old.name) and not old.is_symlink():

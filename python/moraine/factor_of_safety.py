@@ -2,6 +2,7 @@
 import dataclasses
 import hashlib
 import json
+import math
 import pathlib
 import re
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence
@@ -10,9 +11,9 @@ from .errors import Error
 from .factor_search import bracket, factor_of, is_uneven
 from .fleet import Orders, jobs_of
 from .levels import fit
-from .scenario_file import open_folder, save_json
+from .scenario_file import is_number, open_folder, save_json
 from .scene import Path, Scene, as_file, read_scene, with_sets
-from .slope_job import Trial
+from .slope_job import trial_of
 from .slope_level import SlopeLevel
 from .slope_result import FactorOfSafety, SlopeResult, as_json
 from .slope_trials import SlopeTrials
@@ -28,9 +29,16 @@ CELL = re.compile(r"cell-[0-9.e+-]+")
 class _Record:
     """stability.json: what is known from call to call."""
 
-    def __init__(self, path: pathlib.Path, identity: str, overwrite: bool) -> None:
+    def __init__(self, path: pathlib.Path, identity: str, tolerance: float, overwrite: bool) -> None:
         self.path, self.identity = path, identity
-        self.known = open_folder(path, FILE, identity, overwrite) or {"levels": {}}
+
+        def look(known: Mapping[str, Any]) -> None:
+            for level in known["levels"].values():
+                if level["height"] is not None and not (is_number(level["height"]) and 0 < level["height"] < math.inf):
+                    raise ValueError(f"no slope is {level['height']} m high")
+                for key, trial in level["trials"].items():
+                    trial_of(key, trial, tolerance)
+        self.known = open_folder(path, FILE, identity, overwrite, look) or {"levels": {}}
         if overwrite and path.is_dir():
             for old in path.iterdir():
                 if CELL.fullmatch(old.name):
@@ -57,7 +65,7 @@ def _search(record: _Record, level: SlopeLevel, wanted: Wanted, jobs: int, near:
         known["trials"] = {str(k): dataclasses.asdict(trial) for k, trial in trials.trials.items()}
         record.save({})
     trials = SlopeTrials(level, wanted.tolerance, jobs, told, save)
-    trials.trials = {int(k): Trial(**trial) for k, trial in known["trials"].items()}
+    trials.trials = {int(k): trial_of(k, trial, wanted.tolerance) for k, trial in known["trials"].items()}
     save()
     settled = trials.settle()
     told(f"cell {level.level.cell:.6g} m: settled at F = {wanted.settle:g} after {settled.time:.3g} s, way {settled.way:.3g} m of a height of {rule.height:.4g} m")
@@ -98,7 +106,7 @@ def stability(scene: Scene, output: Optional[Path] = None, tolerance: float = 0.
     strengths = strengths_of(keys, keep, softening)
     name = "scene" if isinstance(scene, Mapping) else pathlib.Path(scene).stem
     path = pathlib.Path(output or f"runs/stability-{name}")
-    record = _Record(path, _identity(keys, wanted), overwrite)
+    record = _Record(path, _identity(keys, wanted), tolerance, overwrite)
     found = FactorOfSafety(path, str(keys.get("title") or name), remarks=remarks_of(keys))
     first = float(cell or keys["domain"]["cell"])
     with as_file(scene) as file:

@@ -2,13 +2,17 @@
 import dataclasses
 import hashlib
 import json
+import math
 import pathlib
-from typing import Any, Dict, List, Mapping, Sequence, Tuple, Union
+import re
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Union
 
 from .errors import Error
 from .parameters import Parameter, parse_parameters
 from .quantity import Quantity, parse_quantities
 from .scene import Path, read_scene, with_sets
+
+RUN = re.compile(r"run-\d+")  # the folder of a run
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,20 +71,39 @@ def whole_number(table: Mapping[str, Any], name: str, standard: int, least: int)
     return value
 
 
-def open_folder(path: pathlib.Path, file: str, identity: str, overwrite: bool) -> Dict[str, Any]:
-    """What is known in the folder of a study: {} of a new one. Raises Error where another is there."""
+def open_folder(path: pathlib.Path, file: str, identity: str, overwrite: bool, look: Callable[[Dict[str, Any]], None]) -> Dict[str, Any]:
+    """What is known in the folder of a study: {} of a new one. Raises Error where another is there.
+
+    look: called with what is to be gone on with; fails where no study has written such: the file may be damaged, or anybody's.
+    """
     if not path.exists() or not any(path.iterdir()):
         return {}
     try:
         known = json.loads((path / file).read_text(encoding="utf-8"))
         same = known["identity"] == identity
+        if same and not overwrite:
+            look(known)
     except OSError:
         raise Error(f"{path} is taken (there is no {file} in it). Another --output?") from None
-    except (ValueError, LookupError, TypeError) as wrong:
-        raise Error(f"{path / file} is damaged ({wrong or type(wrong).__name__}). Another --output, or remove that directory?") from None
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError) as wrong:
+        if overwrite:
+            return {}
+        raise Error(f"{path / file} is damaged ({' '.join(str(wrong).split()) or type(wrong).__name__}). Another --output, or --overwrite?") from None
     if not same and not overwrite:
         raise Error(f"{path} has another study (of another scene, other parameters or sampling). Another --output, or --overwrite?")
     return dict(known) if same and not overwrite else {}
+
+
+def is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and not math.isnan(value)
+
+
+def look_at_runs(known: Mapping[str, Any]) -> None:
+    """Fails where the runs of a study or a calibration are not as they are written. Their names are those of folders in its own."""
+    for name, each in known["runs"].items():
+        code, problem, wall_s = each["code"], each["problem"], each["wall_s"]
+        if not RUN.fullmatch(name) or not (code is None or type(code) is int) or not isinstance(problem, str) or not is_number(wall_s):
+            raise ValueError(f"no run is as {name[:40]!a}")
 
 
 def save_json(path: pathlib.Path, what: Mapping[str, Any]) -> None:

@@ -1,7 +1,6 @@
 """`moraine.run_study`: one scene with many values of its parameters, and what that does to quantities and maps."""
 import dataclasses
 import pathlib
-import re
 import shutil
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
@@ -14,14 +13,13 @@ from .program import check, run, words_of_check
 from .results import Run
 from .sampling import METHODS, design, shares_of
 from .scenario_data import Scenarios, write_tables
-from .scenario_file import ScenarioFile, fields_of, open_folder, read_file, save_json, whole_number
+from .scenario_file import RUN, ScenarioFile, fields_of, look_at_runs, open_folder, read_file, save_json, whole_number
 from .scenario_maps import map_statistics
 from .scene import Path, read_scene, with_sets
 from .sensitivity import influences
 
 FILE = "study.json"
 SECTIONS = {"sampling": ("method", "runs", "seed"), "cells": ("levels", "coarsest", "ratio")}
-RUN = re.compile(r"run-\d+")
 
 
 def _method(file: ScenarioFile) -> Dict[str, Any]:
@@ -76,7 +74,7 @@ def run_study(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = No
     name = "study" if isinstance(given, Mapping) else pathlib.Path(given).stem
     path = pathlib.Path(output or f"runs/study-{name}")
     identity = file.identity([sampling, [q.text for q in file.quantities if q.fields is not None]])
-    known = open_folder(path, FILE, identity, overwrite)
+    known = open_folder(path, FILE, identity, overwrite, look_at_runs)
     wide = len(str(len(points)))
     members = [Member(f"run-{k + 1:0{wide}d}", point) for k, point in enumerate(points)]
     if not known and path.exists():

@@ -3,11 +3,14 @@ import dataclasses
 import pathlib
 import subprocess
 import time
-from typing import List, Optional
+from typing import Any, List, Mapping, Optional
 
 from .errors import Error
+from .factor_search import factor_of
 from .fleet import LOG
 from .program import problem_of
+from .scenario_file import is_number
+from .verdict import FAILS, STANDS, UNDECIDED
 from .waiting import parse_progress
 
 
@@ -21,6 +24,16 @@ class Trial:
     ways: List[float] = dataclasses.field(default_factory=list)
     wall_s: float = 0.0
     part: int = 0
+
+
+def trial_of(key: str, kept: Mapping[str, Any], tolerance: float) -> Trial:
+    """One of stability.json. Fails where none is written so: ways may be infinite, of who has left the domain."""
+    trial = Trial(**kept)
+    numbers = [trial.factor, trial.wall_s, *trial.times, *trial.ways]
+    if not all(map(is_number, numbers)) or len(trial.times) != len(trial.ways) or type(trial.part) is not int or trial.part < 0 \
+            or trial.verdict not in ("", STANDS, FAILS, UNDECIDED) or trial.factor != factor_of(int(key), tolerance):
+        raise ValueError(f"no trial is as {key[:40]!a}")
+    return trial
 
 
 class Job:

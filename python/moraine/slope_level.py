@@ -94,16 +94,21 @@ class SlopeLevel:
         directory = self.folder / "settle"
         try:
             ended = json.loads((directory / "summary.json").read_text())["ended_by"]
-        except (OSError, ValueError, LookupError):
+        except (OSError, ValueError, LookupError, TypeError):
             return None
         if ended not in ("rest", "end"):
             return None
         if ended == "end":
             raise self.unsettled()
         found = Run(directory)
+        if not found.checkpoints:
+            return None
         checkpoint = found.checkpoints[-1]
         step = int(checkpoint.stem.rpartition("-")[2])
-        output = int(numpy.flatnonzero(found.history["step"] == step)[-1])
+        rows = numpy.flatnonzero(found.history.get("step", numpy.zeros(0)) == step)
+        if len(rows) == 0:
+            raise Error(f"{directory / 'history.csv'} is damaged (it has no row of step {step}). --overwrite?")
+        output = int(rows[-1])
         assert self.rule
         with found.particles as series:
             way = Ways(series, 0, self.periodic, self.rule.mass)

@@ -1,6 +1,7 @@
 """Small runs for the tests of the package, made once each, and what tests/program has for tests of the program."""
 import functools
 import importlib.util
+import json
 import os
 import pathlib
 import re
@@ -73,3 +74,20 @@ class PackageTest(unittest.TestCase):
         self.assertRegex(str(raised.exception), "^" + PROBLEM.pattern + "$")
         self.assertEqual(raised.exception.code, code)
         return str(raised.exception)
+
+    def refuses_damage(self, file, places, call):
+        """A record of a study with another text, or a word at any of these places (keys, one behind the other), is refused in words and stays."""
+        whole = file.read_text()
+        texts = ["", "null", "[]", "{}", whole[:-9]]
+        for place in places:
+            inner = found = json.loads(whole)
+            for key in place[:-1]:
+                inner = inner[key]
+            inner[place[-1]] = "x"
+            texts.append(json.dumps(found))
+        for text in texts:
+            with self.subTest(text=text[:200]):
+                file.write_text(text)
+                self.assertIn("is damaged", self.problem(call))
+                self.assertEqual(file.read_text(), text)
+        file.write_text(whole)

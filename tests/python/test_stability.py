@@ -180,12 +180,17 @@ class Slope(PackageTest):
         self.assertEqual([(level.stands, level.fails) for level in alone.levels], [(level.stands, level.fails) for level in found.levels])
 
     def names_what_is_there(self, found):
-        """Another scene, a foreign folder; --overwrite removes its own folders alone."""
+        """Another scene, a damaged record, a foreign folder; --overwrite removes its own folders alone."""
+        last, key = found.levels[0].folder, str(round(found.levels[0].fails / 0.05))
+        places = [["levels"], ["levels", last], *(["levels", last, name] for name in ("height", "trials")), ["levels", last, "trials", key],
+                  *(["levels", last, "trials", key, name] for name in ("factor", "verdict", "times", "ways", "wall_s", "part", "more"))]
+        self.refuses_damage(found.path / "stability.json", places, lambda: self.stability("layer"))
         self.assertIn("another study", self.problem(self.stability, "layer", with_material(friction_angle=31.0)))
         (found.path / "notes.txt").write_text("mine")
         folder("foreign").mkdir()
         (folder("foreign") / "mine").write_text("mine")
         self.assertIn("is taken", self.problem(self.stability, "foreign", overwrite=True))
+        (found.path / "stability.json").write_text("")
         self.problem(self.stability, "layer", with_material(matching=0, young=-1.0), overwrite=True)
         self.assertEqual(sorted(path.name for path in found.path.iterdir() if path.name.startswith("cell")), [])
         self.assertEqual((found.path / "notes.txt").read_text(), "mine")
