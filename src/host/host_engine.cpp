@@ -279,6 +279,7 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
             SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? cells_.data() : nullptr},
             PressureTerm<Real>{bulk, cells_.data()},
             BoxTerm{},
+            TractionTerm{},
             MeansTerm<Real>{method_.averaged()},
             ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? held_.data() : nullptr}};
 }
@@ -312,6 +313,7 @@ void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved)
         if (out.faults) note_fault(b, out, moved);
         report_.clamped += out.clamped;
         report_.budget.work.add(step.quantum.of(out.work));
+        if (method_.needs.loads) count_loads(out, step.quantum, report_.budget);
     }
     if (buried_.id != Buried<Dim>{}.id) {
         report_.faults |= fault_buried;

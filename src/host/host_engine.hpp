@@ -10,6 +10,7 @@
 #include "comm/migration.hpp"
 #include "core/structures/particle_depth.hpp"
 #include "engine/engine.hpp"
+#include "host/host_loads.hpp"
 #include "host/sleepers.hpp"
 
 namespace moraine {
@@ -47,6 +48,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) override {
         if (structures) find_gaps(*structures);
         sums_ = sums;
+        if (method_.needs.loads) set_loads(method_.tractions(), sums.load_factors, patch_);
     }
     void sum(SharePart part) override {
         part == SharePart::boundary ? sum(patch_.boundary(), pairs_.boundary())
