@@ -20,6 +20,7 @@
 #include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"
 #include "seeding/strength_profile.hpp"
+#include "seeding/traction_place.hpp"
 
 namespace moraine {
 namespace {
@@ -142,11 +143,24 @@ std::string stage_lines(const Scene& scene) {
     return text;
 }
 
+/// "traction   crest: 2e+04 Pa on 4 m2 of body.slope, dead; by a table, at most 1 of it"
+std::string traction_lines(const Scene& scene) {
+    std::string text;
+    for (const TractionSpec& t : scene.course.tractions)
+        text +=
+            fmt::format("traction   {}: {:.4g} Pa on {:.4g} {} of {}, {}{}\n", t.name,
+                        std::hypot(t.pressure, t.shear[0], std::hypot(t.shear[1], t.shear[2])),
+                        loaded_part(scene, t).area, scene.dimensions == 2 ? "m" : "m2",
+                        path_of(scene.bodies[static_cast<std::size_t>(t.body)]), t.follows ? "follower" : "dead",
+                        t.factor.empty() ? "" : fmt::format("; by a table, at most {:.4g} of it", t.factor.largest()));
+    return text;
+}
+
 /// What changes over time, and whether rest is looked for.
 std::string course_lines(const Scene& scene) {
     const auto rests = [](const StageSpec& s) { return s.until_rest; };
     const CourseSpec& course = scene.course;
-    std::string text = stage_lines(scene);
+    std::string text = stage_lines(scene) + traction_lines(scene);
     if (const TimeTable& t = course.gravity; !t.empty())
         text +=
             fmt::format("gravity    by a table: {:.4g} of it until {:.4g} s, {:.4g} from {:.4g} s on, at most {:.4g}\n",

@@ -91,6 +91,9 @@ void check_device_scene(const Scene& scene) {
                                      scene.source.path));
     if (!scene.course.stages.empty())
         throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
+    if (!scene.course.tractions.empty())
+        throw InputError(
+            fmt::format("{}: [[traction]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));

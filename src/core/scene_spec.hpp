@@ -209,6 +209,20 @@ struct BalanceSpec {
     int axis = 0;             ///< of slabs
 };
 
+/// A traction on a flat part of a body's surface (core/particles/traction.hpp).
+struct TractionSpec {
+    std::string name;
+    int body = 0;                             ///< its place in Scene::bodies
+    Triple normal{};                          ///< outward at the start, of length 1
+    std::vector<std::array<double, 2>> area;  ///< polygon in x, y around the loaded part; empty: all that faces so [m]
+    double pressure = 0;                      ///< inward [Pa]
+    Triple shear{};                           ///< along the surface [Pa]
+    bool follows = false;                     ///< turns with the surface, per area of now
+    double depth = 0;                         ///< of the soil that takes it [m]
+    double spacing = 0;                       ///< of the body's particles along the normal [m]
+    TimeTable factor;                         ///< empty: 1
+};
+
 /// A part of a run: what holds from the end of the stage before to its own (simulation/simulation_stages.cpp).
 struct StageSpec {
     std::string name;
@@ -218,12 +232,14 @@ struct StageSpec {
     std::vector<std::string> set;  ///< KEY=VALUE, since the stage before
     std::vector<MaterialSpec> materials;  ///< in place of Scene::materials
     WallSpecs walls;                      ///< in place of Scene::walls
+    std::vector<TractionSpec> tractions;  ///< in place of those of CourseSpec
     std::vector<int> removes;             ///< bodies that are taken away as it begins
 };
 
 /// What of a scene changes over time.
 struct CourseSpec {
-    TimeTable gravity;              ///< factor of Scene::gravity; empty: 1
+    TimeTable gravity;  ///< factor of Scene::gravity; empty: 1
+    std::vector<TractionSpec> tractions;
     std::vector<StageSpec> stages;  ///< in order; empty: the run is one
 };
 

@@ -39,8 +39,9 @@ struct StepReport {
 /// What holds for the sums of a step, whose dt is not known yet.
 template <int Dim>
 struct SumsOfStep {
-    NodeMean mean = NodeMean::none;     ///< that they find besides mass and momentum, for fluids
-    std::array<double, Dim> gravity{};  ///< of the step before [m/s2]
+    NodeMean mean = NodeMean::none;         ///< that they find besides mass and momentum, for fluids
+    std::array<double, Dim> gravity{};      ///< of the step before [m/s2]
+    std::vector<double> load_factors = {};  ///< by traction
 };
 
 /// What holds for all particles of a step.

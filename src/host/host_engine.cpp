@@ -178,6 +178,7 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
             SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? pressures_.cells() : nullptr},
             PressureTerm<Real>{bulk, pressures_.cells()},
             BoxTerm{},
+            TractionTerm{},
             MeansTerm<Real>{method_.averaged()},
             ShiftingTerm<Real, Dim>{fluid, fluid ? shifting : nullptr, bulk ? pressures_.held() : nullptr}};
 }
@@ -211,6 +212,7 @@ void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved)
         if (out.faults) note_fault(b, out, moved);
         report_.clamped += out.clamped;
         report_.budget.work.add(step.quantum.of(out.work));
+        if (method_.needs.loads) count_loads(out, step.quantum, report_.budget);
     }
     if (Buried<Dim>& buried = contact_.buried; buried.id != Buried<Dim>{}.id) {
         report_.faults |= fault_buried;

@@ -10,6 +10,7 @@
 #include "engine/engine.hpp"
 #include "host/host_contact.hpp"
 #include "host/host_energy.hpp"
+#include "host/host_loads.hpp"
 #include "host/host_pressures.hpp"
 #include "host/host_samples.hpp"
 #include "host/sleepers.hpp"
@@ -48,6 +49,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) override {
         if (structures) find_gaps(*structures);
         sums_ = sums;
+        if (method_.needs.loads) set_loads(method_.tractions(), sums.load_factors, patch_);
     }
     void sum(SharePart part) override {
         part == SharePart::boundary ? sum(patch_.boundary(), contact_.pairs.boundary())

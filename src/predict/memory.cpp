@@ -33,7 +33,7 @@ ParticleSize size_of(const ColumnNeeds& needs) {
     bool row[row_groups][most_group_rows] = {};
     each_variable<double, Dim>([&](const auto& v) {
         if (std::is_integral_v<typename std::decay_t<decltype(v)>::Type>) return;  // id, body
-        if (!v.present(needs) || v.lives != Lifetime::run) return;
+        if (!v.present(needs) || v.lives == Lifetime::step) return;
         size.reals += v.components();
         size.widest = std::max(size.widest, v.components());
         size.scalars += v.places[0].lanes == 0;

@@ -37,6 +37,13 @@ void each_sleep_entry(Budget<Dim>& budget, const F& f) {
     for (std::size_t a = 0; a < Dim; ++a) f("slept_momentum_" + std::string(1, "xyz"[a]), budget.slept_momentum[a]);
 }
 
+/// The same of tractions; only in scenes that have some.
+template <int Dim, class F>
+void each_load_entry(Budget<Dim>& budget, const F& f) {
+    f("load_work", budget.load_work);
+    for (std::size_t a = 0; a < Dim; ++a) f("load_impulse_" + std::string(1, "xyz"[a]), budget.load_impulse[a]);
+}
+
 /// The same of the energy budget; only in scenes that want it. has_surfaces: they act where they are.
 template <int Dim, class F>
 void each_energy_entry(Budget<Dim>& budget, bool has_surfaces, const F& f) {

@@ -146,6 +146,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         each_energy_entry(budget, sim.scene().bed == Bed::surface, store);
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
+    if (!sim.scene().course.tractions.empty()) each_load_entry(budget, store);
     if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
     if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
@@ -232,6 +233,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     each_budget_entry(budget, take);
     RunClock<Dim> clock = clock_of<Dim>(file);
     clock.gravity = sim.clock().gravity;  // of the start
+    if (!sim.scene().course.tractions.empty()) each_load_entry(budget, take);
     if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
     if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);
     if (sim.scene().sleep.on) {

@@ -48,8 +48,11 @@ struct TimeSeriesRow {
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
     double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
     bool gravity_changes = false;
-    std::size_t stage = 0;  ///< its number, from 1 on; 0: the scene has none
-    double slept = 0;       ///< kinetic energy that sleep took [J]
+    bool has_tractions = false;
+    std::array<double, Dim> load_impulse{};  ///< of tractions
+    double load_work = 0;                    ///< likewise [J]
+    std::size_t stage = 0;                   ///< its number, from 1 on; 0: the scene has none
+    double slept = 0;                        ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
@@ -76,6 +79,10 @@ struct TimeSeriesRow {
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
         if (!scene.course.stages.empty()) names.emplace_back("stage");
         if (!scene.course.gravity.empty()) names.emplace_back("gravity_work_J");
+        if (!scene.course.tractions.empty()) {
+            per_axis("traction_impulse", "kg_m_s");
+            names.emplace_back("traction_work_J");
+        }
         if (scene.output.energy_budget) {
             const std::vector<std::string> more = EnergyBudget::columns(scene.bed == Bed::surface);
             names.insert(names.end(), more.begin(), more.end());
@@ -100,6 +107,7 @@ struct TimeSeriesRow {
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
         if (stage > 0) v.push_back(static_cast<double>(stage));
         if (gravity_changes) v.push_back(gravity_work);
+        if (has_tractions) add(load_impulse), v.push_back(load_work);
         if (energy) {
             const auto more = energy->values();
             v.insert(v.end(), more.begin(), more.end());
@@ -167,6 +175,8 @@ void observe_momentum(TimeSeriesRow<Dim>& row, const Simulation<Real, Dim>& sim,
         row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
         row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
+        row.load_impulse[a] = value(budget.load_impulse[a]);
+        if (row.has_tractions) row.momentum_error[a] -= row.load_impulse[a];
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
         if (sim.scene().sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
     }
@@ -196,6 +206,8 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.potential = potential_energy(scene, clock.gravity, row.totals);
     for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && scene.gravity[a] != 0;
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
+    row.has_tractions = !scene.course.tractions.empty();
+    row.load_work = value(budget.load_work);
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     observe_momentum(row, sim, budget, felt);
     row.stage = clock.stages.size();
@@ -203,6 +215,7 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.gravity_changes = !scene.course.gravity.empty();
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
     if (row.gravity_changes) row.unaccounted += row.gravity_work;
+    if (row.has_tractions) row.unaccounted += row.load_work;
     if (scene.sleep.on) {
         row.asleep = all.asleep;
         row.slept = value(budget.slept_kinetic);

@@ -19,6 +19,7 @@
 #include "scene/scene_strength.hpp"
 #include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
+#include "scene/scene_tractions.hpp"
 #include "scene/scene_values.hpp"
 #include "scene/table_reader.hpp"
 #include "seeding/strength_profile.hpp"
@@ -82,6 +83,7 @@ class Reader {
         load_profiles(scene_, places_);
         tables_.each_of("structure",
                         [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
+        read_tractions();
         read_stages();
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
@@ -90,6 +92,7 @@ class Reader {
         if (admit) admit(scene_);
         check_particles(scene_, places_);
         check_structures(scene_, places_);
+        check_tractions(scene_, places_);
         close_periodic_axes();
         return scene_;
     }
@@ -113,8 +116,25 @@ class Reader {
             if (scene_.periodic[a]) scene_.walls[a][0].kind = scene_.walls[a][1].kind = WallKind::periodic;
     }
 
-    /// What stages may change: materials and walls.
-    Scene read_strengths() {
+    std::vector<TractionText> tractions() {
+        std::vector<TractionText> texts;
+        tables_.each_of("traction", [&](const toml::table& table, const std::string& path) {
+            tables_.read_table(&table, "traction", path, traction_rows(), texts.emplace_back());
+        });
+        return texts;
+    }
+
+    void read_tractions() {
+        for (const TractionText& text : tractions()) {
+            const std::string path = "traction." + text.spec.name;
+            scene_.course.tractions.push_back(complete_traction(scene_, text, path, places_));
+            if (!text.table.empty())
+                scene_.course.tractions.back().factor = table_named(time_tables_, text.table, path + ".table", places_);
+        }
+    }
+
+    /// What stages may change: materials and walls, and of `scene` the tractions.
+    Scene read_strengths(const Scene& scene) {
         refuse_unknown_keys(tables_.root, tables_.file());
         read_sections();
         tables_.each_of("material",
@@ -122,6 +142,7 @@ class Reader {
         tables_.each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
         if (tables_.root.contains("terrain")) open_faces(scene_, places_);
         close_periodic_axes();
+        scene_.course.tractions = tractions_in_stage(scene, tractions(), places_);
         return scene_;
     }
 
@@ -152,11 +173,12 @@ class Reader {
             }
             for (const std::string& setting : stage.set) apply_set(tables_.root, setting, path);
             Reader in_stage(*this, std::move(tables_.root));  // a copy of the table would not know its lines
-            const Scene changed = in_stage.read_strengths();
+            const Scene changed = in_stage.read_strengths(scene_);
             tables_.root = std::move(in_stage.tables_.root);
             check_profiles_stay(scene_, changed, path, places_);
             stage.materials = changed.materials;
             stage.walls = changed.walls;
+            stage.tractions = changed.course.tractions;
         }
     }
 

@@ -50,6 +50,7 @@ bool may_change(const Scene& scene, const std::string& key) {
         const LawInfo& law = *find_law(m.law);
         if (!law.of_file() && has_parameter(law, key.substr(table.size()))) return true;
     }
+    if (key.starts_with("traction.")) return key.ends_with(".pressure") || key.ends_with(".shear");
     if (key.starts_with("wall.")) return key.ends_with(".friction");
     if (!key.starts_with("structure.")) return false;
     return key.ends_with(".contact.friction") || key.ends_with(".contact.alpha") || key.ends_with(".contact.su");

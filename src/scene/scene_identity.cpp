@@ -113,6 +113,21 @@ void add_stages(Entries& all, const Scene& s) {
     }
 }
 
+void add_tractions(Entries& all, const Scene& s) {
+    for (const TractionSpec& t : s.course.tractions) {
+        const std::string key = "traction." + t.name;
+        add(all, key + ".body", t.body);
+        add(all, key + ".normal", t.normal);
+        add(all, key + ".area", t.area);
+        add(all, key + ".pressure", t.pressure);
+        add(all, key + ".shear", t.shear);
+        add(all, key + ".kind", t.follows);
+        add(all, key + ".depth", t.depth);
+        add(all, key + ".times", t.factor.times);
+        add(all, key + ".values", t.factor.values);
+    }
+}
+
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
         const std::string key = path_of(b);
@@ -193,6 +208,7 @@ Entries scene_identity(const Scene& scene) {
     add_numerics(all, scene);
     add_materials(all, scene);
     add_bodies(all, scene);
+    add_tractions(all, scene);
     add_stages(all, scene);
     add_structures(all, scene);
     if (scene.hazard.cell > 0) add(all, "hazard.cell", scene.hazard.cell);

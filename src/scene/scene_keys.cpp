@@ -10,6 +10,7 @@
 #include "io/input_error.hpp"
 #include "scene/scene_stages.hpp"
 #include "scene/scene_tables.hpp"
+#include "scene/scene_tractions.hpp"
 
 namespace moraine {
 namespace {
@@ -66,6 +67,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, release_rows());
     append(keys, inflow_rows());
     append(keys, structure_rows());
+    append(keys, traction_rows());
     append(keys, stage_rows());
     return keys;
 }

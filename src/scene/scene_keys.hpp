@@ -119,6 +119,9 @@ const std::vector<KeyRow<BodySpec>>& inflow_rows();
 /// Of [[table]].
 struct TableSpec;
 const std::vector<KeyRow<TableSpec>>& table_rows();
+/// Of [[traction]].
+struct TractionText;
+const std::vector<KeyRow<TractionText>>& traction_rows();
 /// Of [[stage]].
 struct StageText;
 const std::vector<KeyRow<StageText>>& stage_rows();

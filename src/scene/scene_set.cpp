@@ -73,7 +73,7 @@ toml::table& listed_member(toml::table& root, const std::string& list, const std
 std::string label_of_list(const std::string& table) {
     if (table == "wall") return "face";
     return table == "material" || table == "body" || table == "structure" || table == "release" || table == "inflow" ||
-                   table == "table" || table == "stage"
+                   table == "table" || table == "stage" || table == "traction"
                ? "name"
                : "";
 }

@@ -34,8 +34,9 @@ const std::vector<KeyRow<StageText>> rows = in_tables<StageText>({
     {{.name = "set",
       .type = settings,
       .standard = "",
-      .meaning = "Strengths of materials and kinds of walls from its begin on, as for --set: { \"material.clay.su\" = "
-                 "2e3, \"wall.x-max.kind\" = \"open\" }. Stress that is too much then returns to the law's surface in "
+      .meaning = "Strengths of materials, kinds of walls, and tractions from its begin on, as for --set: { "
+                 "\"material.clay.su\" = 2e3, \"wall.x-max.kind\" = \"open\" }. Stress that is too much then returns "
+                 "to the law's surface in "
                  "the next step."},
      [](T& t, const V& v) { t.spec.set = v.words; }},
     {{.name = "remove",
@@ -148,10 +149,12 @@ void check_setting(const Scene& scene, const std::string& setting, const std::st
     const std::vector<std::string> words = parts_of(key);
     const bool wall = words.size() == 3 && words[0] == "wall" && (words[2] == "kind" || words[2] == "friction");
     const bool strength = words.size() == 3 && words[0] == "material" && is_strength(words.back());
-    if (!wall && !strength)
+    const bool load = words.size() == 3 && words[0] == "traction" && (words[2] == "pressure" || words[2] == "shear");
+    if (!wall && !strength && !load)
         refuse(places.of(path), fmt::format("{} has {}", path, quote(key)),
-               "stages change strengths of materials, and kind and friction of walls",
-               "Is it material.NAME.su, cohesion, friction_angle, yield_stress, or wall.FACE.kind?");
+               "stages change strengths of materials, kind and friction of walls, and tractions",
+               "Is it material.NAME.su, cohesion, friction_angle, yield_stress, wall.FACE.kind, or "
+               "traction.NAME.pressure?");
     for (const MaterialSpec& m : scene.materials)
         if (strength && m.name == words[1] && find_law(m.law)->of_file())
             refuse(places.of(path), fmt::format("{} has {}", path, quote(key)),

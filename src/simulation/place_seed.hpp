@@ -4,6 +4,7 @@
 #include "blocks/topology.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/strength_profile.hpp"
+#include "seeding/traction_place.hpp"
 
 namespace moraine {
 
@@ -46,6 +47,9 @@ Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const 
     method.law_of(seed.body).begin(body.start, p, slot);
     if (const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)]; m.has_profile())
         p.history[m.strength.scalar][slot] = static_cast<Real>(strength_at(scene, body, seed.x));
+    for (std::size_t k = 0; k < scene.course.tractions.size(); ++k)
+        p.load_place[slot][static_cast<int>(k)] =
+            static_cast<Real>(load_place(scene, scene.course.tractions[k], seed.body, seed.x));
     return Morton<Dim>::encode(block);
 }
 

@@ -147,7 +147,10 @@ void Simulation<Real, Dim>::check_sleep() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::begin_sums() {
     if (!structures_.empty()) structures_.place();
-    engine_->begin_sums({method_.mean_of(clock_.step), clock_.gravity}, structures_.empty() ? nullptr : &structures_);
+    SumsOfStep<Dim> sums{method_.mean_of(clock_.step), clock_.gravity, {}};
+    for (const TractionSpec& t : scene_.course.tractions)
+        sums.load_factors.push_back(t.factor.empty() ? 1 : t.factor.mean_from(clock_.time, clock_.dt));
+    engine_->begin_sums(sums, structures_.empty() ? nullptr : &structures_);
 }
 
 /// Adds the report of the last step to the budget and to this rank's part of the next agreement.

@@ -14,6 +14,7 @@ inline Scene scene_in_stage(const Scene& scene, std::size_t number) {
     const StageSpec& stage = scene.course.stages[number];
     in_stage.materials = stage.materials;
     in_stage.walls = stage.walls;
+    in_stage.course.tractions = stage.tractions;
     in_stage.damping = stage.damping;
     return in_stage;
 }

@@ -44,6 +44,9 @@ struct TimeTable {
         return begin == from ? rest : (sum + rest * (to - begin)) / (to - from);
     }
 
+    /// Over a length of time from t on, which may be none.
+    double mean_from(double t, double length) const { return length > 0 ? mean(t, t + length) : at(t); }
+
     /// Of the sizes of its values.
     double largest() const {
         double most = 0;

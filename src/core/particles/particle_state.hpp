@@ -24,6 +24,11 @@
 
 namespace moraine {
 
+/// Tractions that a scene may have.
+inline constexpr int most_tractions = 6;
+template <class Real>
+using LoadPlace = Vec<Real, most_tractions>;
+
 /// Pointers to the columns; null: the scene has no such column.
 template <class Real, int Dim>
 struct ParticleView {
@@ -40,6 +45,10 @@ struct ParticleView {
     Vec<Real, Dim>* log_stretch;           ///< of a contiguous GIMP box, per axis [-]
     Real* history[max_history];            ///< scalars of the material
     Vec<Real, Dim>* body_force;            ///< manufactured acceleration of this step [m/s2]
+    LoadPlace<Real>* load_place;           ///< under each traction's surface (core/particles/traction.hpp)
+    Mat<Real, Dim>* deformation;           ///< F - I since the start, of scenes with tractions [-]
+    Vec<Real, Dim>* load_force;            ///< of tractions in this step [N]
+    Mat<Real, Dim>* load_couple;           ///< likewise, by axes of the force and the lever [N m]
     std::uint64_t* rest_place;             ///< place at the last sleep check, and whether asleep (core/sleep/sleep.hpp)
     std::uint64_t* rest_stress;            ///< measures of the stress then
 
@@ -76,6 +85,7 @@ struct ColumnNeeds {
     int history = 0;
     bool body_force = false;
     bool sleep = false;
+    bool loads = false;
 };
 
 /// Rows of a device that come and go together; own: no row but a column of the variable's own.
@@ -94,7 +104,8 @@ struct RowPlace {
 using RowPlaces = std::array<RowPlace, 3>;
 
 enum class FirstValue { seed, zero };  ///< the body's seeds have it, or it is zero
-enum class Lifetime { run, step };     ///< step: made anew in each, so it is no part of the state
+/// step: made anew in each, so it is no part of the state; host_run: devices do not have it.
+enum class Lifetime { run, step, host_run };
 
 /// One variable: its type, its column of a ParticleView, and all that is known of it.
 template <class T, class Pointer>
@@ -142,6 +153,26 @@ constexpr auto sleep_variables() {
             "rest_place", "", 8, present, FirstValue::zero, [](auto& v) -> auto& { return v.rest_place; }),
         variable<std::uint64_t>(
             "rest_stress", "", 8, present, FirstValue::zero, [](auto& v) -> auto& { return v.rest_stress; })};
+}
+
+/// Of scenes with tractions, which devices refuse.
+template <class Real, int Dim>
+constexpr auto load_variables() {
+    using enum FirstValue;
+    constexpr auto present = [](const ColumnNeeds& n) { return n.loads; };
+    constexpr std::size_t real = sizeof(Real);
+    return std::tuple{
+        variable<LoadPlace<Real>>(
+            "load_place", "m", real, present, zero, [](auto& v) -> auto& { return v.load_place; }, {},
+            Lifetime::host_run),
+        variable<Mat<Real, Dim>>(
+            "deformation", "", real, present, zero, [](auto& v) -> auto& { return v.deformation; }, {},
+            Lifetime::host_run),
+        variable<Vec<Real, Dim>>(
+            "load_force", "N", real, present, zero, [](auto& v) -> auto& { return v.load_force; }, {}, Lifetime::step),
+        variable<Mat<Real, Dim>>(
+            "load_couple", "N m", real, present, zero, [](auto& v) -> auto& { return v.load_couple; }, {},
+            Lifetime::step)};
 }
 
 /// A symmetric tensor in one row of four, or in two of three, from a row of its group on.
@@ -203,7 +234,7 @@ constexpr auto particle_state() {
         std::tuple{variable<Vec<Real, Dim>>(
             "body_force", "m/s2", real, [](const ColumnNeeds& n) { return n.body_force; }, zero,
             [](auto& v) -> auto& { return v.body_force; }, RowPlaces{}, Lifetime::step)},
-        detail::sleep_variables<Real, Dim>());
+        detail::sleep_variables<Real, Dim>(), detail::load_variables<Real, Dim>());
 }
 
 /// Calls f(variable) for each entry of the table.
@@ -246,8 +277,7 @@ consteval bool places_are_right() {
                 right = right && !here;
                 here = true;
             }
-        right =
-            right && (placed == v.components() || (placed == 0 && v.components() == 1) || v.lives == Lifetime::step);
+        right = right && (placed == v.components() || (placed == 0 && v.components() == 1) || v.lives != Lifetime::run);
     });
     return right;
 }

@@ -21,7 +21,7 @@ template <class Space, class Real, int Dim>
 std::vector<ColumnBytes> Particles<Space, Real, Dim>::columns() {
     std::vector<ColumnBytes> all;
     each_column([&](const auto& variable, auto& column) {
-        if (variable.lives == Lifetime::run)
+        if (variable.lives != Lifetime::step)
             all.push_back({variable.name, variable.unit, sizeof(*column.data()), variable.scalar_bytes,
                            reinterpret_cast<std::byte*>(column.data())});
     });

@@ -25,10 +25,12 @@ enum Fault : std::uint32_t {
 
 /// What one block's particles tell the step control.
 struct BlockOutcome {
-    double signal = 0;        ///< largest c + |v| [m/s]
-    double moved = 0;         ///< largest displacement along an axis in this step [cells]
-    double work = 0;          ///< of the stresses in this step [J]
-    double square_speed = 0;  ///< largest |v|^2, with the grid's pressure [m2/s2]
+    double signal = 0;            ///< largest c + |v| [m/s]
+    double moved = 0;             ///< largest displacement along an axis in this step [cells]
+    double work = 0;              ///< of the stresses in this step [J]
+    double square_speed = 0;      ///< largest |v|^2, with the grid's pressure [m2/s2]
+    double load_work = 0;         ///< of tractions in this step [J]
+    double load_impulse[3] = {};  ///< likewise [kg m/s]
     std::uint32_t faults = 0;
     std::uint32_t clamped = 0;                    ///< contiguous GIMP boxes held at half a cell
     std::uint64_t faulty_id = ~std::uint64_t(0);  ///< lowest id with a fault

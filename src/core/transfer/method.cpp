@@ -116,6 +116,7 @@ ColumnNeeds needs_of(const Scene& scene) {
     needs.affine = is_affine(scene.transfer);
     needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
     needs.sleep = scene.sleep.on;
+    needs.loads = !scene.course.tractions.empty();
     for (const MaterialSpec& m : scene.materials) {
         const LawInfo& law = *find_law(m.law);
         needs.left_stretch = needs.left_stretch || law.uses_left_stretch;
@@ -161,6 +162,7 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
     context.half_size = half_size_.data();
     limits = reaction_limits<Real>(scene);
     shifts_ = has_shifts(scene);
+    for (const TractionSpec& t : scene.course.tractions) tractions_.push_back(make_traction<Real, Dim>(scene, t));
     list_terms(scene);
 }
 

@@ -10,6 +10,7 @@
 #include "core/fluid/particle_shifting.hpp"
 #include "core/material/laws.hpp"
 #include "core/nodes/nodes.hpp"
+#include "core/particles/traction.hpp"
 #include "core/scene_spec.hpp"
 #include "core/transfer/kernel_list.hpp"
 #include "core/transfer/scene_walls.hpp"
@@ -76,6 +77,7 @@ struct Method {
     }
     /// By body: K where the pressure is the grid's, else 0 [Pa]; null: nowhere (grid_pressure.hpp).
     const Real* grid_bulk() const { return grid_bulk_.empty() ? nullptr : grid_bulk_.data(); }
+    const std::vector<Traction<Real, Dim>>& tractions() const { return tractions_; }
     bool shifts() const { return shifts_; }  ///< some body's particles
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
@@ -92,7 +94,8 @@ struct Method {
     std::vector<Stiffness<Real>> stiffness_;  ///< by body; empty: not wanted
     std::vector<FluidTerms<Real>> fluid_;     ///< by body; empty: none
     std::vector<Real> grid_bulk_;             ///< by body; empty: none
-    bool shifts_ = false;                     ///< some body's particles are shifted
+    std::vector<Traction<Real, Dim>> tractions_;
+    bool shifts_ = false;  ///< some body's particles are shifted
 };
 
 ColumnNeeds needs_of(const Scene& scene);

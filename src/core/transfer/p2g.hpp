@@ -3,7 +3,8 @@
 //
 //   m_i = sum_p w_ip m_p                                                       [kg]
 //   q_i = sum_p w_ip m_p (v_p + C_p (x_i - x_p))                               [kg m/s]
-//   f_i = sum_p (w_ip m_p b_p - V_p sigma_p grad w_ip)                         [N]
+//   f_i = sum_p (w_ip (m_p b_p + l_p) + (c_p - V_p sigma_p) grad w_ip)                         [N]
+//   l_p, c_p: of tractions (particles/traction.hpp)
 //   s_i = sum_p w_ip m_p (tr sigma_p / 3 + rho g . x_p), or sum_p w_ip V_p, for fluids that want it (NodeMean)
 //
 // Mass, momentum and internal force stay apart, so that no dt is needed yet. One team sums the
@@ -124,9 +125,10 @@ struct ParticlesToGrid {
         const Real pressure = sigma.trace() * Real(1.0 / 3.0);
         const bool of_grid = grid_bulk && grid_bulk[p.body[s]] > Real(0);
         for (int a = 0; of_grid && a < 3; ++a) sigma[a] -= pressure;
-        load.has_body_force = p.body_force != nullptr || mean != NodeMean::none;
+        load.has_body_force = p.body_force || p.load_force || mean != NodeMean::none;
         if (load.has_body_force) {
             Q body_force = p.body_force ? Q::scaled(m, p.body_force[s]) : none;
+            if (p.load_force) body_force = body_force + Q::scaled(Real(1), p.load_force[s]);
             if (mean != NodeMean::none) {
                 const Real s_of_p = mean == NodeMean::volume
                                         ? (grid_bulk && !of_grid ? Real(0) : p.volume[s])
@@ -140,6 +142,10 @@ struct ParticlesToGrid {
             Vec<Real, Dim> column;
             for (int a = 0; a < Dim; ++a) column[a] = sigma(a, b);
             traction[b] = Q::scaled(-p.volume[s], column);
+            if (p.load_couple) {
+                for (int a = 0; a < Dim; ++a) column[a] = p.load_couple[s](a, b);
+                traction[b] = traction[b] + Q::scaled(Real(1), column);
+            }
             if constexpr (Affine) {
                 for (int a = 0; a < Dim; ++a) column[a] = p.affine[s](a, b) * cell;
                 const Q slope = Q::scaled_after(Real(0), m, column);

@@ -118,6 +118,8 @@ struct Budget {
     std::array<ExactSum, Dim> lost_gravity_impulse;  ///< sum of m_p times the integral of g up to its loss [kg m/s]
     std::int64_t lost_count = 0;
     ExactSum gravity_work;                       ///< of who changes gravity (core/gravity.hpp) [J]
+    ExactSum load_work;                          ///< of tractions [J]
+    std::array<ExactSum, Dim> load_impulse{};    ///< likewise [kg m/s]
     ExactSum slept_kinetic;                      ///< taken from what fell asleep, and from sleepers [J]
     std::array<ExactSum, Dim> slept_momentum{};  ///< likewise [kg m/s]
     EnergyAccount energy;                        ///< zero but in scenes that want it
@@ -126,6 +128,7 @@ struct Budget {
         work.add(o.work);
         lost_mass.add(o.lost_mass);
         gravity_work.add(o.gravity_work);
+        load_work.add(o.load_work);
         slept_kinetic.add(o.slept_kinetic);
         energy.add(o.energy);
         for (std::size_t a = 0; a < Dim; ++a) {
@@ -133,6 +136,7 @@ struct Budget {
             lost_momentum[a].add(o.lost_momentum[a]);
             lost_gravity_impulse[a].add(o.lost_gravity_impulse[a]);
             slept_momentum[a].add(o.slept_momentum[a]);
+            load_impulse[a].add(o.load_impulse[a]);
         }
         lost_count += o.lost_count;
     }
