@@ -29,9 +29,9 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures)
-        work.contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
+    if (step.structures) work.contact = contact_of_nodes(step);
     kernels_.pressure.hold_nodes(work, stream_);
+    if (surfaces_) surfaces_->begin_step(surface_work(step, {}), stream_);
     summed_ = false;
 }
 
@@ -39,7 +39,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
     switch (stage) {
         case SubstepStage::find_pressures:
-            return find_pressures(substep);
+            return find_pressures(substep, step);
         case SubstepStage::sum_boundary:
             return sum_pressures(SharePart::boundary, substep);
         case SubstepStage::sum_interior:
@@ -50,13 +50,22 @@ void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
+void DeviceEngine<Real, Dim>::find_pressures(const Substep& first, const StepScales<Dim>& step) {
     const auto find = [&](const Chosen& chosen, int blocks) {
         kernels_.pressure.find_pressures(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first,
                                          stream_);
     };
     if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
     find(epoch_.lists.interior(), interior_blocks());
+    if (surfaces_) surfaces_->find_cells(open_work(step, {}), first, stream_);
+}
+
+template <class Real, int Dim>
+OpenWork<Real, Dim> DeviceEngine<Real, Dim>::open_work(const StepScales<Dim>& step, const ContactTime& time) const {
+    OpenWork<Real, Dim> work{};
+    static_cast<SurfaceWork<Real, Dim>&>(work) = surface_work(step, time);
+    work.pressure = fluid_.pressure.view();
+    return work;
 }
 
 template <class Real, int Dim>
@@ -84,9 +93,16 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     const auto solve = [&](const NodeContact<Dim>* contact) {
         kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
-    if (step.structures) {
-        const NodeContact<Dim> contact =
-            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
+    if (surfaces_) {
+        contact_of_nodes(step);
+        const OpenWork<Real, Dim> work = open_work(step, {substep.dt, step.dt});
+        surfaces_->press(work, substep, stream_);
+        solve(nullptr);
+        surfaces_->act(work, substep.damping(), stream_);
+        surfaces_->find_fluxes(work, stream_);
+        contact_.structures.fetch(stream_);
+    } else if (step.structures) {
+        const NodeContact<Dim> contact = contact_of_nodes(step);
         solve(&contact);
         contact_.structures.fetch(stream_);
     } else {
@@ -98,6 +114,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (exchange_)
         kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
     kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
+    if (surfaces_) surfaces_->finish(open_work(step, {}), substep, stream_);
     reports_.watch.end(1, stream_);
 }
 

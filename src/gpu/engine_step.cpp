@@ -50,6 +50,7 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) {
     if (structures) contact_.begin(*structures, epoch_.tables, epoch_.table.view(), method_.stencil, stream_);
+    if (structures && surfaces_) surfaces_->begin(*structures, epoch_.tables, stream_);
     fluid_.mean = sums.mean;
 }
 
@@ -75,20 +76,24 @@ void DeviceEngine<Real, Dim>::queue_sums() {
             limit_depths(view(), method_.ends, contact_.field, contact_.gaps, contact_.gaps.boundary(),
                          exchange_->stream);
         sum_part(0, exchange_->stream);
-        if (contact_.finds_gaps)
-            gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, contact_.gaps.boundary(),
-                           exchange_->stream);
+        if (contact_.finds_gaps) find_gaps(contact_.gaps.boundary(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
     if (limiting) limit_depths(view(), method_.ends, contact_.field, contact_.gaps, contact_.gaps.interior(), stream_);
     sum_part(1, stream_);
-    if (contact_.finds_gaps)
-        gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, contact_.gaps.interior(), stream_);
+    if (contact_.finds_gaps) find_gaps(contact_.gaps.interior(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     if (sleepers_) sleepers_->summed(view(), store_.rows.rest(), stream_);
     reports_.watch.end(0, stream_);
     share_is_of_now_ = false;
     summed_ = true;
+}
+
+/// Of nodes, or of elements.
+template <class Real, int Dim>
+void DeviceEngine<Real, Dim>::find_gaps(const Array<ContactPair>& pairs, cudaStream_t stream) const {
+    if (surfaces_) return surfaces_->find_gaps(view(), contact_.field, contact_.gaps, pairs, stream);
+    gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, pairs, stream);
 }
 
 template <class Real, int Dim>
@@ -164,15 +169,40 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
-        const NodeContact<Dim> contact =
-            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
-        run_nodes(args, step.quantum, marks, &contact);
+        const NodeContact<Dim> contact = contact_of_nodes(step);
+        run_nodes(args, step.quantum, marks, surfaces_ && !method_.fluid() ? nullptr : &contact);
+        if (surfaces_) {
+            const SurfaceWork<Real, Dim> work = surface_work(step, {step.dt, step.dt});
+            surfaces_->begin_step(work, stream_);
+            surfaces_->act(work, 0, stream_);
+        }
         contact_.structures.fetch(stream_);
     } else {
         run_nodes(args, step.quantum, marks, nullptr);
     }
     reports_.watch.end(1, stream_);
     summed_ = false;
+}
+
+/// The structures as nodes see them: where they act on surfaces, nodes only know where they are.
+template <class Real, int Dim>
+NodeContact<Dim> DeviceEngine<Real, Dim>::contact_of_nodes(const StepScales<Dim>& step) {
+    NodeContact<Dim> contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
+    contact.acts = !surfaces_;
+    return contact;
+}
+
+template <class Real, int Dim>
+SurfaceWork<Real, Dim> DeviceEngine<Real, Dim>::surface_work(const StepScales<Dim>& step,
+                                                             const ContactTime& time) const {
+    SurfaceWork<Real, Dim> work{};
+    work.view = view();
+    work.field = contact_.at_nodes.field;
+    work.gaps = contact_.gaps.view();
+    work.mass_cutoff = static_cast<Real>(step.mass_cutoff);
+    work.quantum = step.quantum;
+    work.time = time;
+    return work;
 }
 
 template <class Real, int Dim>
