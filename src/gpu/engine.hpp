@@ -107,11 +107,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     // engine_step.cpp and engine_fluid.cpp: sums, nodes, reports
     void queue_sums();
     void sum_part(int part, cudaStream_t stream);
-    void find_gaps(const Array<ContactPair>& pairs, cudaStream_t stream) const;
     void run_nodes(const NodeRound<Real, Dim>& round, const Quantum& quantum, const LightMarks<Real>& marks,
                    const NodeContact<Dim>* contact);
-    NodeContact<Dim> contact_of_nodes(const StepScales<Dim>& step);
-    SurfaceWork<Real, Dim> surface_work(const StepScales<Dim>& step, const ContactTime& time) const;
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     LightMarks<Real> light_marks_of(const Round& round) const;
     bool limits(const Round& round) const {
@@ -123,7 +120,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
     // engine_pressure.cpp: the grid's pressure
     void hold(const Round& round, const StepScales<Dim>& step);
     void find_pressures(const Substep& first, const StepScales<Dim>& step);
-    OpenWork<Real, Dim> open_work(const StepScales<Dim>& step, const ContactTime& time) const;
     void sum_pressures(SharePart part, const Substep& substep);
     void solve_substep(const Substep& substep, const StepScales<Dim>& step);
 

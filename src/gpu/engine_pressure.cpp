@@ -29,9 +29,10 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
                              method_.capacity,
                              light_marks_of(round),
                              {}};
-    if (step.structures) work.contact = contact_of_nodes(step);
+    if (step.structures)
+        work.contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
     kernels_.pressure.hold_nodes(work, stream_);
-    if (surfaces_) surfaces_->begin_step(surface_work(step, {}), stream_);
+    if (surfaces_) surfaces_->begin_step({view(), contact_, step, fluid_.pressure.view()}, stream_);
     summed_ = false;
 }
 
@@ -57,15 +58,7 @@ void DeviceEngine<Real, Dim>::find_pressures(const Substep& first, const StepSca
     };
     if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
     find(epoch_.lists.interior(), interior_blocks());
-    if (surfaces_) surfaces_->find_cells(open_work(step, {}), first, stream_);
-}
-
-template <class Real, int Dim>
-OpenWork<Real, Dim> DeviceEngine<Real, Dim>::open_work(const StepScales<Dim>& step, const ContactTime& time) const {
-    OpenWork<Real, Dim> work{};
-    static_cast<SurfaceWork<Real, Dim>&>(work) = surface_work(step, time);
-    work.pressure = fluid_.pressure.view();
-    return work;
+    if (surfaces_) surfaces_->find_cells({view(), contact_, step, fluid_.pressure.view()}, first, stream_);
 }
 
 template <class Real, int Dim>
@@ -93,17 +86,16 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     const auto solve = [&](const NodeContact<Dim>* contact) {
         kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
-    if (surfaces_) {
-        contact_of_nodes(step);
-        const OpenWork<Real, Dim> work = open_work(step, {substep.dt, step.dt});
-        surfaces_->press(work, substep, stream_);
-        solve(nullptr);
-        surfaces_->act(work, substep.damping(), stream_);
-        surfaces_->find_fluxes(work, stream_);
-        contact_.structures.fetch(stream_);
-    } else if (step.structures) {
-        const NodeContact<Dim> contact = contact_of_nodes(step);
-        solve(&contact);
+    const SurfaceShare<Real, Dim> share{view(), contact_, step, pressure};
+    if (step.structures) {
+        const NodeContact<Dim> contact =
+            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
+        if (surfaces_) surfaces_->press(share, substep, stream_);
+        solve(surfaces_ ? nullptr : &contact);
+        if (surfaces_) {
+            surfaces_->act(share, {substep.dt, step.dt}, substep.damping(), stream_);
+            surfaces_->find_fluxes(share, stream_);
+        }
         contact_.structures.fetch(stream_);
     } else {
         solve(nullptr);
@@ -114,7 +106,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (exchange_)
         kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
     kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
-    if (surfaces_) surfaces_->finish(open_work(step, {}), substep, stream_);
+    if (surfaces_) surfaces_->finish(share, substep, stream_);
     reports_.watch.end(1, stream_);
 }
 

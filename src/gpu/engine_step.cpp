@@ -69,6 +69,10 @@ void DeviceEngine<Real, Dim>::sum(SharePart part) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::queue_sums() {
     const bool limiting = std::exchange(contact_.limits_depths, false);
+    const auto find_gaps = [&](const Array<ContactPair>& pairs, cudaStream_t stream) {  // of nodes, or of elements
+        if (surfaces_) return surfaces_->find_gaps(view(), contact_, pairs, stream);
+        gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, pairs, stream);
+    };
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
@@ -87,13 +91,6 @@ void DeviceEngine<Real, Dim>::queue_sums() {
     reports_.watch.end(0, stream_);
     share_is_of_now_ = false;
     summed_ = true;
-}
-
-/// Of nodes, or of elements.
-template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_gaps(const Array<ContactPair>& pairs, cudaStream_t stream) const {
-    if (surfaces_) return surfaces_->find_gaps(view(), contact_.field, contact_.gaps, pairs, stream);
-    gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, pairs, stream);
 }
 
 template <class Real, int Dim>
@@ -169,12 +166,13 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
     if (step.structures) {
-        const NodeContact<Dim> contact = contact_of_nodes(step);
+        const NodeContact<Dim> contact =
+            contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
         run_nodes(args, step.quantum, marks, surfaces_ && !method_.fluid() ? nullptr : &contact);
         if (surfaces_) {
-            const SurfaceWork<Real, Dim> work = surface_work(step, {step.dt, step.dt});
-            surfaces_->begin_step(work, stream_);
-            surfaces_->act(work, 0, stream_);
+            const SurfaceShare<Real, Dim> share{view(), contact_, step, {}};
+            surfaces_->begin_step(share, stream_);
+            surfaces_->act(share, {step.dt, step.dt}, 0, stream_);
         }
         contact_.structures.fetch(stream_);
     } else {
@@ -182,27 +180,6 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     }
     reports_.watch.end(1, stream_);
     summed_ = false;
-}
-
-/// The structures as nodes see them: where they act on surfaces, nodes only know where they are.
-template <class Real, int Dim>
-NodeContact<Dim> DeviceEngine<Real, Dim>::contact_of_nodes(const StepScales<Dim>& step) {
-    NodeContact<Dim> contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
-    contact.acts = !surfaces_;
-    return contact;
-}
-
-template <class Real, int Dim>
-SurfaceWork<Real, Dim> DeviceEngine<Real, Dim>::surface_work(const StepScales<Dim>& step,
-                                                             const ContactTime& time) const {
-    SurfaceWork<Real, Dim> work{};
-    work.view = view();
-    work.field = contact_.at_nodes.field;
-    work.gaps = contact_.gaps.view();
-    work.mass_cutoff = static_cast<Real>(step.mass_cutoff);
-    work.quantum = step.quantum;
-    work.time = time;
-    return work;
 }
 
 template <class Real, int Dim>

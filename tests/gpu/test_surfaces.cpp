@@ -74,6 +74,10 @@ TEST_CASE("surfaces matter to the device") {
     const Outcome surface = run<double, 2>(scene, 80, true);
     scene.bed = Bed::nodes;
     CHECK(difference(surface.values.front(), run<double, 2>(scene, 80, true).values.front()) > 1e-5);
+    Scene valley = on_surface(small_valley(InterfaceLaw::voellmy, true));
+    const Outcome of_valley = run<double, 3>(valley, 80, true);
+    valley.bed = Bed::nodes;
+    CHECK(difference(of_valley.values.front(), run<double, 3>(valley, 80, true).values.front()) > 1e-6);
 }
 
 TEST_CASE("structures that rest, move and are free give the host's answer") {
@@ -129,13 +133,17 @@ TEST_CASE("fluids smoothed and shifted by their particles give the host's answer
 TEST_CASE("single precision follows the host's") {
     Scene flat = slurry_on_plane(InterfaceLaw::coulomb, 20),
           deep = on_surface(small_valley(InterfaceLaw::voellmy, true));
+    for (BodySpec& body : deep.bodies) body.velocity = {2, 0.3, -8};  // on the ground early in the few steps
     flat.precision = deep.precision = Precision::single_;
     compare(flat, 40, 1e-4);
     compare(deep, 40, 1e-4);
 }
 
 TEST_CASE("a restart goes on with the same bits") {
-    const Scene scene = on_surface(layers_on_slope(2));
+    Scene scene = on_surface(layers_on_slope(2));
+    scene.materials.pop_back();
+    scene.bodies[1].material = 0;
+    scene.bodies[0].name = "below", scene.bodies[1].name = "above";
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
     const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));

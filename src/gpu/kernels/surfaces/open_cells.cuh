@@ -235,6 +235,24 @@ __global__ void __launch_bounds__(surface_threads, 1)
     }
 }
 
+/// What the structure bears of a cell's pressure.
+template <class Real, int Dim>
+__device__ __forceinline__ void tell_pressure(const OpenBlock<Real, Dim>& block, int c, double impulse) {
+    const OpenWork<Real, Dim>& w = block.all;
+    const int structure = block.place(c).structure;
+    const Vec<std::int32_t, Dim> node = block.node(c);
+    Vec<double, Dim> given, at;
+    bool any = false;
+    for (int a = 0; a < Dim; ++a) {
+        given[a] = impulse * double(block.cell(c).bed[a]);
+        any = any || given[a] != 0;
+        at[a] = w.field.origin[a] + w.field.cell * node[a];
+    }
+    double values[StructureSums<Dim>::count];
+    structure_values(w.field, w.field.structure[structure], given, at, zero_vec<double, Dim>(), values);
+    if (any) add_together(w.field.sums[structure].sum, w.quantum, values);
+}
+
 /// Children; what a substep's flux makes of the cells (w.updates); and their forces (w.presses).
 template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1)
@@ -260,21 +278,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
             to = cell.state;
             to.head = head;
         }
-        if (w.presses && on) {
-            const SurfaceCell<Dim>& place = block.place(c);
-            const Vec<std::int32_t, Dim> node = block.node(c);
-            Vec<double, Dim> given, at;
-            bool any = false;
-            for (int a = 0; a < Dim; ++a) {
-                given[a] = double(force[c]) * w.dt * double(cell.bed[a]);
-                any = any || given[a] != 0;
-                at[a] = w.field.origin[a] + w.field.cell * node[a];
-            }
-            double values[StructureSums<Dim>::count];
-            const Structure<Dim>& s = w.field.structure[place.structure];
-            structure_values(w.field, s, given, at, zero_vec<double, Dim>(), values);
-            if (any) add_together(w.field.sums[place.structure].sum, w.quantum, values);
-        }
+        if (w.presses && on) tell_pressure(block, c, double(force[c]) * w.dt);
     }
     const bool gives = __syncthreads_or(on);
     if (!w.presses) return;

@@ -21,8 +21,7 @@ struct SlaveNode {
 /// where its elements and slaves begin.
 template <int Dim>
 struct SurfaceTables {
-    const std::int32_t* bed_of;    ///< by own block: its number among those near a surface, or -1
-    const std::int32_t* giver_of;  ///< by own block, or -1
+    const std::int32_t* bed_of;  ///< by own block: its number among those near a surface, or -1
     const std::int32_t* giver;
     const std::int32_t* first_element;
     const std::int32_t* first_slave;
@@ -34,7 +33,7 @@ struct SurfaceTables {
     const std::int32_t* first_ring;     ///< of them
     const std::uint16_t* around;        ///< elements of the block's ring that are a cell or beside it
     const std::uint32_t* first_around;  ///< by block near a surface and cell
-    int givers, near;
+    int near;                           ///< node blocks
 };
 
 /// Sums of a pass: tiles of givers, and which of them gave.
