@@ -21,6 +21,7 @@ struct ContactState {
     NodeContact<Dim> at_nodes{};  ///< of this step's nodes
     bool finds_gaps = false;      ///< in this round
     bool limits_depths = false;   ///< in the next sums
+    bool at_surfaces = false;     ///< they act there, and nodes only know where they are
     bool rests = false;           ///< all that is here holds for the rest of the epoch: no structure moves
 
     /// Gaps are found in the next sums. Asynchronous.
@@ -36,7 +37,8 @@ struct ContactState {
                                           const Stencil& stencil, cudaStream_t stream) {
         ContactField<Dim> now = structures.place(set, stream);
         now.ground = field.ground;
-        at_nodes = {now, gaps.view(), near_blocks.find(table, now, stencil.origin, set.any_moves(), stream)};
+        at_nodes = {now, gaps.view(), near_blocks.find(table, now, stencil.origin, set.any_moves(), stream),
+                    !at_surfaces};
         rests = !set.any_moves();
         return at_nodes;
     }

@@ -30,6 +30,8 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
       bodies_(scene, method) {
     if (kernels_.key.way == GatherWay::by_material)
         materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, kernels_.key, bodies_.material_of.data());
+    if (kernels_.key.surfaces) surfaces_ = std::make_unique<SurfaceState<Real, Dim>>(kernels_.key, method, scene.cell);
+    contact_.at_surfaces = kernels_.key.surfaces;
     fluid_.start(method, scene.bodies.size());
     light_.start(method, scene.bodies.size());
     if (scene.sleep.on)

@@ -28,6 +28,7 @@
 #include "gpu/material_gathers.hpp"
 #include "gpu/particle_store.hpp"
 #include "gpu/step_reports.hpp"
+#include "gpu/surface_state.hpp"
 
 namespace moraine::gpu {
 
@@ -118,7 +119,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
 
     // engine_pressure.cpp: the grid's pressure
     void hold(const Round& round, const StepScales<Dim>& step);
-    void find_pressures(const Substep& first);
+    void find_pressures(const Substep& first, const StepScales<Dim>& step);
     void sum_pressures(SharePart part, const Substep& substep);
     void solve_substep(const Substep& substep, const StepScales<Dim>& step);
 
@@ -165,6 +166,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<MaterialGathers<Real, Dim>> materials_;  ///< of blocks of one material; null: none is apart
     std::unique_ptr<Exchange<Real, Dim>> exchange_;          ///< null: this rank is alone
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;    ///< null: none sleep in this scene
+    std::unique_ptr<SurfaceState<Real, Dim>> surfaces_;      ///< null: structures act at nodes (Bed::nodes)
     std::unique_ptr<Lead<Real, Dim>> lead_;                  ///< null: the host makes dt
 
     Census census_;

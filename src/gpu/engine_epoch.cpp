@@ -60,6 +60,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     if (sleepers_) sleepers_->open(own, epoch_.tables.ghost.size(), stream_);
     reports_.is_of_epoch = false;
     contact_.forget();
+    if (surfaces_) surfaces_->forget();
     if (exchange_) exchange_->open(epoch_.tables, scene_.structures.size(), stream_);
 }
 

@@ -117,6 +117,7 @@ void DeviceEngine<Real, Dim>::capture_lead(bool next, const StepScales<Dim>& ste
 /// the next epoch in time.
 template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::begin_lead(const LeadRequest<Dim>& request) {
+    if (surfaces_) return false;
     const LeadClock<Dim>& clock = request.clock;
     const StepScales<Dim>& step = request.step;
     if (!can_lead() || (!moving_ && !reports_.is_missing)) return false;

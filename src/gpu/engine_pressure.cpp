@@ -32,6 +32,7 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
     if (step.structures)
         work.contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
     kernels_.pressure.hold_nodes(work, stream_);
+    if (surfaces_) surfaces_->begin_step({view(), contact_, step, fluid_.pressure.view()}, stream_);
     summed_ = false;
 }
 
@@ -39,7 +40,7 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
     switch (stage) {
         case SubstepStage::find_pressures:
-            return find_pressures(substep);
+            return find_pressures(substep, step);
         case SubstepStage::sum_boundary:
             return sum_pressures(SharePart::boundary, substep);
         case SubstepStage::sum_interior:
@@ -50,13 +51,14 @@ void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep
 }
 
 template <class Real, int Dim>
-void DeviceEngine<Real, Dim>::find_pressures(const Substep& first) {
+void DeviceEngine<Real, Dim>::find_pressures(const Substep& first, const StepScales<Dim>& step) {
     const auto find = [&](const Chosen& chosen, int blocks) {
         kernels_.pressure.find_pressures(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first,
                                          stream_);
     };
     if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
     find(epoch_.lists.interior(), interior_blocks());
+    if (surfaces_) surfaces_->find_cells({view(), contact_, step, fluid_.pressure.view()}, first, stream_);
 }
 
 template <class Real, int Dim>
@@ -84,10 +86,16 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     const auto solve = [&](const NodeContact<Dim>* contact) {
         kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
+    const SurfaceShare<Real, Dim> share{view(), contact_, step, pressure};
     if (step.structures) {
         const NodeContact<Dim> contact =
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
-        solve(&contact);
+        if (surfaces_) surfaces_->press(share, substep, stream_);
+        solve(surfaces_ ? nullptr : &contact);
+        if (surfaces_) {
+            surfaces_->act(share, {substep.dt, step.dt}, substep.damping(), stream_);
+            surfaces_->find_fluxes(share, stream_);
+        }
         contact_.structures.fetch(stream_);
     } else {
         solve(nullptr);
@@ -98,6 +106,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (exchange_)
         kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
     kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
+    if (surfaces_) surfaces_->finish(share, substep, stream_);
     reports_.watch.end(1, stream_);
 }
 

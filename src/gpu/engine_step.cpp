@@ -50,6 +50,7 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) {
     if (structures) contact_.begin(*structures, epoch_.tables, epoch_.table.view(), method_.stencil, stream_);
+    if (structures && surfaces_) surfaces_->begin(*structures, epoch_.tables, stream_);
     fluid_.mean = sums.mean;
 }
 
@@ -68,6 +69,10 @@ void DeviceEngine<Real, Dim>::sum(SharePart part) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::queue_sums() {
     const bool limiting = std::exchange(contact_.limits_depths, false);
+    const auto find_gaps = [&](const Array<ContactPair>& pairs, cudaStream_t stream) {  // of nodes, or of elements
+        if (surfaces_) return surfaces_->find_gaps(view(), contact_, pairs, stream);
+        gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, pairs, stream);
+    };
     if (exchange_) {
         exchange_->binned.record(stream_);
         exchange_->stream.wait_for(exchange_->binned);
@@ -75,15 +80,12 @@ void DeviceEngine<Real, Dim>::queue_sums() {
             limit_depths(view(), method_.ends, contact_.field, contact_.gaps, contact_.gaps.boundary(),
                          exchange_->stream);
         sum_part(0, exchange_->stream);
-        if (contact_.finds_gaps)
-            gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, contact_.gaps.boundary(),
-                           exchange_->stream);
+        if (contact_.finds_gaps) find_gaps(contact_.gaps.boundary(), exchange_->stream);
         exchange_->boundary_summed.record(exchange_->stream);
     }
     if (limiting) limit_depths(view(), method_.ends, contact_.field, contact_.gaps, contact_.gaps.interior(), stream_);
     sum_part(1, stream_);
-    if (contact_.finds_gaps)
-        gpu::find_gaps(view(), scene_.shape, contact_.field, contact_.gaps, contact_.gaps.interior(), stream_);
+    if (contact_.finds_gaps) find_gaps(contact_.gaps.interior(), stream_);
     if (exchange_) stream_.wait_for(exchange_->boundary_summed);  // of the watch alone; the nodes wait for more
     if (sleepers_) sleepers_->summed(view(), store_.rows.rest(), stream_);
     reports_.watch.end(0, stream_);
@@ -166,7 +168,12 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     if (step.structures) {
         const NodeContact<Dim> contact =
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
-        run_nodes(args, step.quantum, marks, &contact);
+        run_nodes(args, step.quantum, marks, surfaces_ && !method_.fluid() ? nullptr : &contact);
+        if (surfaces_) {
+            const SurfaceShare<Real, Dim> share{view(), contact_, step, {}};
+            surfaces_->begin_step(share, stream_);
+            surfaces_->act(share, {step.dt, step.dt}, 0, stream_);
+        }
         contact_.structures.fetch(stream_);
     } else {
         run_nodes(args, step.quantum, marks, nullptr);

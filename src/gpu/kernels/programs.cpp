@@ -160,6 +160,19 @@ Program pressure_program(const KernelKey& key) {
     return program;
 }
 
+Program surfaces_program(const KernelKey& key) {
+    Program program{"surfaces", {"gpu/kernels/surfaces/surface_gaps.cuh", "gpu/kernels/surfaces/elements.cuh"}, {}};
+    for (const char* name :
+         {"surface_gaps", "weigh_elements", "sum_shares", "act_on_elements", "close_slaves", "apply_impulses"})
+        program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
+    if (key.fluid != FluidGrid::pressure) return program;
+    program.headers.push_back("gpu/kernels/surfaces/open_cells.cuh");
+    for (const char* name : {"keep_held", "find_open_cells", "sum_pass", "close_open_cells", "fill_open_holes",
+                             "press_open_cells", "hold_forces", "find_fluxes"})
+        program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
+    return program;
+}
+
 Program waves_program(const KernelKey& key, std::size_t material) {
     return {"waves of " + key.laws[material].name,
             {"core/material/law_list.hpp", "gpu/kernels/sleep/waves.cuh"},
@@ -187,6 +200,7 @@ std::vector<Program> programs_of(const KernelKey& key) {
         if (key.light_nodes) programs.push_back(nodes_program(key, true, false));
         if (!key.light_nodes || !key.single_round) programs.push_back(nodes_program(key, false, false));
     }
+    if (key.surfaces) programs.push_back(surfaces_program(key));
     if (key.sleep)
         for (std::size_t m = 0; m < materials; ++m) programs.push_back(waves_program(key, m));
     return programs;

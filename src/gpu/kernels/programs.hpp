@@ -26,6 +26,10 @@ Program nodes_program(const KernelKey& key, bool marks, bool fluid);
 /// hold_nodes, substep (each: no structure near, and where there are any near one), find_pressures, advance_pressures.
 Program pressure_program(const KernelKey& key);
 
+/// Gaps of elements, weighing, sums of shares, acting, closing slaves, applying (gpu/kernels/surfaces);
+/// with the grid's pressure the cells beside surfaces, too.
+Program surfaces_program(const KernelKey& key);
+
 Program waves_program(const KernelKey& key, std::size_t material);
 
 /// The scene's key in this precision and dimension.

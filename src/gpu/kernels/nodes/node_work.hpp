@@ -27,6 +27,7 @@ struct NodeContact {
     ContactField<Dim> field;
     GapTiles gaps;
     NearBlocks near;
+    bool acts = true;  ///< at nodes: not where surfaces act themselves (gpu/kernels/surfaces)
 };
 
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.

@@ -76,8 +76,8 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
             const auto tell = [&](int k, const auto& values) {
                 if (counting) add_together(field.sums[k].sum, w.quantum, values);
             };
-            return touch_structures(field, node, sums[0], w.round.contact_time(), gap_of, tell, v, given,
-                                    ground ? ground + n : nullptr);
+            return w.contact.acts && touch_structures(field, node, sums[0], w.round.contact_time(), gap_of, tell, v,
+                                                      given, ground ? ground + n : nullptr);
         });
     } else {
         motion = move_node(w.round, w.view.context.walls, sums, force, former, border ? node : nullptr);

@@ -1,0 +1,257 @@
+#pragma once
+// Contact on surfaces (core/surfaces/element_rule.hpp): a thread block per giver, a thread per element or slave, then a
+// thread per node of the tile, which adds up what they give it in their order; and a thread per node near a surface,
+// which sums the tiles.
+
+#include "gpu/kernels/surfaces/surface_nodes.cuh"
+
+namespace moraine::gpu {
+
+/// The gap of an element, from the tiles around the middle of its cell.
+template <class Real, int Dim>
+__device__ __forceinline__ NodeGap gap_of_element(const SurfaceWork<Real, Dim>& w, int block,
+                                                  const SurfaceElement<Dim>& e) {
+    int corner = 0, at = 0;
+    for (int a = 0; a < Dim; ++a) {
+        const int x = ((e.cell >> (2 * a)) & 3) + 1;
+        corner |= (x >> 2) << a, at |= (x & 3) << (2 * a);
+    }
+    const std::int32_t c = w.view.table.node_block[block * Block<Dim>::corners + corner];
+    return gap_at_node(w.gaps, w.view.table, w.view.grid.tile_of, 3, c, at, e.structure);
+}
+
+/// Which elements the soil touches, and their W_i.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    weigh_elements_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    const Giver<Real, Dim> giver{w};
+    const int first = giver.first_element(), count = giver.elements();
+    bool touches = false;
+    if (static_cast<int>(threadIdx.x) < count) {
+        SurfaceElement<Dim>& e = w.tables.elements[first + static_cast<int>(threadIdx.x)];
+        double face = 1;
+        for (int a = 1; a < Dim; ++a) face *= w.field.cell;
+        take_gap(gap_of_element(w, giver.block, e), face, w.field.structure[e.structure].law, e);
+        touches = e.touches;
+    }
+    const bool any = __syncthreads_or(touches);
+    if (threadIdx.x == 0) giver.gives(any);
+    if (!any) return;
+    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+        Real sum[node_reals];
+#pragma unroll
+        for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
+        for (int k = 0; k < count; ++k) {
+            const SurfaceElement<Dim>& e = w.tables.elements[first + k];
+            const int i = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
+            if (i < 0) continue;
+#pragma unroll
+            for (int q = 0; q <= SurfaceShares<Dim>::count; ++q)
+                sum[sum_lane<Dim>(q)] += static_cast<Real>(share_lane(e, i, q));
+        }
+        Real* to = giver.tile() + n * node_reals;
+#pragma unroll
+        for (int q = 0; q < node_reals; ++q) to[q] = sum[q];
+    }
+}
+
+/// W_i of the nodes, and their masses, which not all nodes' kernels leave: 0 where no block has soil.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    sum_shares_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    each_near_node(w, [&](int j, int c, int n) {
+        if (j < 0) return;
+        Quad<Real> sums[2];
+        sum_given(w, c, n, sums);
+        const std::size_t at = std::size_t(j) * Block<Dim>::cells + std::size_t(n);
+        store_quads(w.shares + at * node_reals, sums[0], sums[1]);
+        Real mass = Real(0);
+        bool own = false;
+        for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+            const std::int32_t source = w.view.table.source[c * Block<Dim>::corners + delta];
+            const std::int32_t tile = source < 0 ? -1 : w.view.grid.tile_of[source];
+            const int from = tile < 0 ? -1 : tile_node<Dim>(n, delta, 3);
+            own = own || (tile >= 0 && source < w.view.table.own);
+            if (from < 0) continue;
+            mass += w.view.grid.tiles[(std::size_t(tile) * surface_tile<Dim> + std::size_t(from)) * node_reals];
+        }
+        w.view.grid.nodes[(std::size_t(c) * Block<Dim>::cells + std::size_t(n)) * node_reals + quad - 1] =
+            own ? mass : Real(0);
+    });
+}
+
+template <int Dim>
+struct GivenByElements {
+    TileNodes<Dim> nodes;
+    Vec<double, Dim> given[Block<Dim>::cells];
+};
+
+/// N_e.
+template <class Real, int Dim>
+__device__ __forceinline__ double pressure_at(const SurfaceWork<Real, Dim>& w, int g, const SurfaceElement<Dim>& e) {
+    return w.cells ? pressure_on_surface(w.cells[g * Block<Dim>::cells + e.cell], w.damping) : 0.0;
+}
+
+/// What an element gives to the structure.
+template <class Real, int Dim>
+__device__ __forceinline__ void tell_structure(const SurfaceWork<Real, Dim>& w, const SurfaceElement<Dim>& e,
+                                               const ElementImpulse<Dim>& impulse,
+                                               const ElementNodes<Real, Dim>& nodes) {
+    double heavy = 0;
+    int i = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        if (nodes.values(at)) heavy += e.weight[i];
+        ++i;
+    });
+    double all[StructureSums<Dim>::count];
+    structure_values(w.field, w.field.structure[e.structure], heavy * impulse.given, e.place, impulse.follows, all);
+    add_together(w.field.sums[e.structure].sum, w.quantum, all);
+}
+
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    act_on_elements_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    __shared__ GivenByElements<Dim> shared;
+    const Giver<Real, Dim> giver{w};
+    if (w.tiles.tile_of[giver.block] < 0) return;
+    shared.nodes.find(w, giver.block);
+    const int first = giver.first_element(), count = giver.elements(), k = static_cast<int>(threadIdx.x);
+    if (k < count && w.tables.elements[first + k].touches) {
+        const SurfaceElement<Dim>& e = w.tables.elements[first + k];
+        const ElementNodes<Real, Dim> nodes{w, shared.nodes, tile_offset<Dim, 3>(e.cell)};
+        const ElementImpulse<Dim> impulse =
+            act_on_element(e, w.field.structure[e.structure], w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
+        shared.given[k] = impulse.given;
+        tell_structure(w, e, impulse, nodes);
+    }
+    __syncthreads();
+    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+        Quad<Real> sum = Quad<Real>::zero();
+        for (int i = 0; i < count && shared.nodes.stored[n] >= 0; ++i) {
+            const SurfaceElement<Dim>& e = w.tables.elements[first + i];
+            const int at = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
+            if (at < 0) continue;
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) sum[a] -= static_cast<Real>(e.weight[at] * shared.given[i][a]);
+        }
+        store_row(reinterpret_cast<Quad<Real>*>(giver.tile() + n * node_reals), sum);
+    }
+}
+
+template <int Dim>
+struct GivenBySlaves {
+    TileNodes<Dim> nodes;
+    Slave slave[surface_threads];
+    Vec<double, Dim> given[surface_threads];
+    bool acts[surface_threads];
+};
+
+template <class Real, int Dim>
+__device__ __forceinline__ bool close_slave(const SurfaceWork<Real, Dim>& w, const SlaveNode<Dim>& slave,
+                                            const TileNodes<Dim>& tile, Vec<double, Dim>& given) {
+    const ElementNodes<Real, Dim> nodes{w, tile, 0};
+    const Real *own = nodes.values(slave.nodes.own), *one = nodes.values(slave.nodes.one),
+               *two = nodes.values(slave.nodes.two);
+    if (!slave_acts(own, one, two, nodes.shares(slave.nodes.own))) return false;
+    given = slave_impulse(slave.surface, w.field.structure[slave.surface.structure].law, own, one, two);
+    return true;
+}
+
+/// What closes slaves.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    close_slaves_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    constexpr int mine = (surface_tile<Dim> + surface_threads - 1) / surface_threads;
+    __shared__ GivenBySlaves<Dim> shared;
+    const Giver<Real, Dim> giver{w};
+    const int first = giver.first_slave(), count = giver.slaves(), k = static_cast<int>(threadIdx.x);
+    if (count > 0) shared.nodes.find(w, giver.block);
+    Quad<Real> sum[mine];
+#pragma unroll
+    for (int r = 0; r < mine; ++r) sum[r] = Quad<Real>::zero();
+    bool any = false;
+    for (int from = 0; from < count; from += surface_threads) {
+        const bool is = from + k < count;
+        if (is) shared.slave[k] = w.tables.slaves[first + from + k].nodes;
+        shared.acts[k] = is && close_slave(w, w.tables.slaves[first + from + k], shared.nodes, shared.given[k]);
+        if (!__syncthreads_or(shared.acts[k])) continue;
+        any = true;
+        const int last = count - from < surface_threads ? count - from : surface_threads;
+        for (int i = 0; i < last; ++i) {
+            if (!shared.acts[i]) continue;
+#pragma unroll
+            for (int r = 0; r < mine; ++r) {
+                const int n = k + r * surface_threads;
+                const bool once = n == shared.slave[i].own || n == shared.slave[i].two,
+                           twice = n == shared.slave[i].one;
+#pragma unroll
+                for (int a = 0; a < Dim; ++a) {
+                    if (once) sum[r][a] += static_cast<Real>(shared.given[i][a]);
+                    if (twice) sum[r][a] -= static_cast<Real>(2 * shared.given[i][a]);
+                }
+            }
+        }
+        __syncthreads();
+    }
+    if (k == 0) giver.gives(any);
+    if (!any) return;
+#pragma unroll
+    for (int r = 0; r < mine; ++r) {
+        const int n = k + r * surface_threads;
+        if (n < surface_tile<Dim>) store_row(reinterpret_cast<Quad<Real>*>(giver.tile() + n * node_reals), sum[r]);
+    }
+}
+
+/// Whether this rank counts what walls give a node: it owns the first occupied block whose tile covers it.
+template <class Real, int Dim>
+__device__ __forceinline__ bool is_counted_here(const View<Real, Dim>& v, int c, int n) {
+    for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+        const std::int32_t source = v.table.source[c * Block<Dim>::corners + delta];
+        if (source < 0 || v.grid.tile_of[source] < 0 || tile_node<Dim>(n, delta, 3) < 0) continue;
+        return source < v.table.own;
+    }
+    return false;
+}
+
+/// A node's velocity with the impulse that it got, and walls again.
+template <class Real, int Dim>
+__device__ __forceinline__ void apply_to_node(const SurfaceWork<Real, Dim>& w, int c, int n, const Quad<Real>& impulse,
+                                              ExactSum (&of_walls)[Dim]) {
+    auto* values = reinterpret_cast<Quad<Real>*>(w.view.grid.nodes +
+                                                 (std::size_t(c) * Block<Dim>::cells + std::size_t(n)) * node_reals);
+    Quad<Real> first = load_row(values), second = load_row(values + 1);
+    const Real mass = first[quad - 1];
+    if (!(mass > w.mass_cutoff)) return;
+    Vec<Real, Dim> v;
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) v[a] = first[a] + impulse[a] / mass;
+    Vec<Real, Dim> end = v;
+    if (w.view.table.node_border[c] != 0) {
+        int at[Dim];
+        for (int a = 0; a < Dim; ++a) at[a] = 4 * w.view.table.node_position[c][a] - w.origin + ((n >> (2 * a)) & 3);
+        w.view.context.walls.constrain(at, end);
+        if (is_counted_here(w.view, c, n))
+            for (int a = 0; a < Dim; ++a) of_walls[a] = w.quantum.of(double(mass) * (double(end[a]) - double(v[a])));
+    }
+#pragma unroll
+    for (int a = 0; a < Dim; ++a) {
+        second[a] += end[a] - first[a];
+        first[a] = end[a];
+    }
+    store_row(values, first);
+    store_row(values + 1, second);
+}
+
+/// Impulses to velocities.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    apply_impulses_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    each_near_node(w, [&](int j, int c, int n) {
+        Quad<Real> impulse[1];
+        ExactSum of_walls[Dim];
+        if (j >= 0 && sum_given(w, c, n, impulse)) apply_to_node(w, c, n, impulse[0], of_walls);
+        fold_sums(of_walls, w.view.accounts[blockIdx.x % account_parts].impulse);
+    });
+}
+
+}  // namespace moraine::gpu

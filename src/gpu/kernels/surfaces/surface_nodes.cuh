@@ -1,0 +1,134 @@
+#pragma once
+// How kernels of surfaces see the nodes of a block's tile and the sums at nodes (gpu/kernels/surfaces/surfaces.hpp).
+
+#include "core/data/quad.hpp"
+#include "core/surfaces/element_rule.hpp"
+#include "gpu/kernels/account.cuh"
+#include "gpu/kernels/surfaces/surface_work.hpp"
+
+namespace moraine::gpu {
+
+inline constexpr int surface_threads = 128;
+
+template <int Dim>
+inline constexpr int surface_tile = power<Dim>(tile_side(3));
+
+/// Place of the middle of a cell's stencil behind its first node, in a tile.
+template <int Dim>
+inline constexpr int to_middle = Dim == 2 ? 1 + tile_side(3) : 1 + tile_side(3) * (1 + tile_side(3));
+
+/// Of the nodes of a block's tile: node block times cells plus node, as nodes are stored; and number among near ones.
+template <int Dim>
+struct TileNodes {
+    std::int32_t place[surface_tile<Dim>];
+    std::int32_t stored[surface_tile<Dim>];  ///< the same; -1: it holds no soil
+    std::int32_t near[surface_tile<Dim>];
+
+    /// By all threads of the thread block, which wait for each other.
+    template <class Real>
+    __device__ __forceinline__ void find(const SurfaceWork<Real, Dim>& w, int block) {
+        constexpr int side = tile_side(3), cells = Block<Dim>::cells;
+        for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+            int corner = 0, at = 0;
+            for (int a = 0, rest = n; a < Dim; ++a, rest /= side) {
+                const int x = rest % side;
+                corner |= (x >> 2) << a, at |= (x & 3) << (2 * a);
+            }
+            const std::int32_t c = w.view.table.node_block[block * Block<Dim>::corners + corner];
+            const std::int32_t i = c * cells + at;
+            const Real mass = w.view.grid.nodes[std::size_t(i) * node_reals + quad - 1];
+            place[n] = i;
+            stored[n] = mass > w.mass_cutoff ? i : -1;
+            near[n] = w.tables.near_of[c] * cells + at;
+        }
+        __syncthreads();
+    }
+};
+
+/// A giver.
+template <class Real, int Dim>
+struct Giver {
+    const SurfaceWork<Real, Dim>& w;
+    const int g = static_cast<int>(blockIdx.x);
+    const std::int32_t block = w.tables.giver[g];
+
+    __device__ __forceinline__ int first_element() const { return w.tables.first_element[g]; }
+    __device__ __forceinline__ int elements() const { return w.tables.first_element[g + 1] - first_element(); }
+    __device__ __forceinline__ int first_slave() const { return w.tables.first_slave[g]; }
+    __device__ __forceinline__ int slaves() const { return w.tables.first_slave[g + 1] - first_slave(); }
+    __device__ __forceinline__ Real* tile() const {
+        return w.tiles.tile + std::size_t(g) * surface_tile<Dim> * node_reals;
+    }
+    /// By one thread.
+    __device__ __forceinline__ void gives(bool any) const { w.tiles.tile_of[block] = any ? g : -1; }
+};
+
+/// What the nodes of an element hold (core/surfaces/element_rule.hpp).
+template <class Real, int Dim>
+struct ElementNodes {
+    const SurfaceWork<Real, Dim>& w;
+    const TileNodes<Dim>& nodes;
+    int corner;
+
+    __device__ __forceinline__ const Real* values(int at) const {
+        const std::int32_t i = nodes.stored[corner + at];
+        return i < 0 ? nullptr : w.view.grid.nodes + std::size_t(i) * node_reals;
+    }
+    __device__ __forceinline__ SurfaceShares<Dim> shares(int at) const {
+        return shares_of<Dim>(w.shares + std::size_t(nodes.near[corner + at]) * node_reals);
+    }
+};
+
+/// Place of node n of a tile in the stencil of a cell, or -1.
+template <int Dim>
+__device__ __forceinline__ int place_in_cell(int n, int cell) {
+    constexpr int side = tile_side(3);
+    int place = 0, rest = n;
+#pragma unroll
+    for (int a = 0, stride = 1; a < Dim; ++a, stride *= 3, rest /= side) {
+        const int o = rest % side - ((cell >> (2 * a)) & 3);
+        if (o < 0 || o > 2) return -1;
+        place += stride * o;
+    }
+    return place;
+}
+
+/// +0 plus the tiles of those that give, by offset, as in core/grid/tile_sums.hpp. Returns whether somebody does.
+template <int Quads, class Real, int Dim>
+__device__ __forceinline__ bool sum_given(const SurfaceWork<Real, Dim>& w, int c, int n, Quad<Real> (&sums)[Quads]) {
+    bool known = false;
+#pragma unroll
+    for (int q = 0; q < Quads; ++q) sums[q] = Quad<Real>::zero();
+    for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
+        const std::int32_t source = w.view.table.source[c * Block<Dim>::corners + delta];
+        const std::int32_t tile = source < 0 ? -1 : w.tiles.tile_of[source];
+        if (tile < 0) continue;
+        known = true;
+        const int at = tile_node<Dim>(n, delta, 3);
+        if (at < 0) continue;
+        const auto* from = reinterpret_cast<const Quad<Real>*>(w.tiles.tile) +
+                           (std::size_t(tile) * surface_tile<Dim> + std::size_t(at)) * 2;
+#pragma unroll
+        for (int q = 0; q < Quads; ++q) sums[q] = sums[q] + from[q];
+    }
+    return known;
+}
+
+/// f(near node block j, node block c, node n) of all nodes near surfaces, in whole warps; j < 0: none is left.
+template <class Real, int Dim, class F>
+__device__ __forceinline__ void each_near_node(const SurfaceWork<Real, Dim>& w, const F& f) {
+    constexpr int cells = Block<Dim>::cells, blocks = surface_threads / cells;
+    const int j = static_cast<int>(blockIdx.x) * blocks + static_cast<int>(threadIdx.x) / cells;
+    const int n = static_cast<int>(threadIdx.x) % cells;
+    const bool there = j < w.tables.near;
+    f(there ? j : -1, there ? w.tables.near_nodes[j] : -1, n);
+}
+
+/// Writes one real of each lane of the first `Quads` quads of a node of a tile.
+template <class Real>
+__device__ __forceinline__ void store_quads(Real* to, const Quad<Real>& first, const Quad<Real>& second) {
+    store_row(reinterpret_cast<Quad<Real>*>(to), first);
+    store_row(reinterpret_cast<Quad<Real>*>(to) + 1, second);
+}
+
+}  // namespace moraine::gpu

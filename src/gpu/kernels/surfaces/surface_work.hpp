@@ -1,0 +1,101 @@
+#pragma once
+// What the kernels of surfaces are told (gpu/kernels/surfaces/surfaces.hpp). Plain data, for kernels and their launches
+// alike.
+
+#include "core/structures/contact.hpp"
+#include "core/structures/particle_gaps.hpp"
+#include "core/surfaces/open_rule.hpp"
+#include "core/surfaces/surface_elements.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
+
+namespace moraine::gpu {
+
+/// A slave, and what it finds of the surface.
+template <int Dim>
+struct SlaveNode {
+    Slave nodes;
+    SurfaceNode<Dim> surface;
+};
+
+/// Of an epoch (blocks/surface_plan.hpp). A giver is an own block that has elements or slaves; by giver: own block, and
+/// where its elements and slaves begin.
+template <int Dim>
+struct SurfaceTables {
+    const std::int32_t* bed_of;  ///< by own block: its number among those near a surface, or -1
+    const std::int32_t* giver;
+    const std::int32_t* first_element;
+    const std::int32_t* first_slave;
+    const std::int32_t* near_nodes;  ///< node blocks
+    const std::int32_t* near_of;     ///< by node block, or -1
+    SurfaceElement<Dim>* elements;   ///< gap, covered and touches are of the step
+    const SlaveNode<Dim>* slaves;
+    const RingElement<Dim>* ring;       ///< of the blocks near a surface, by their numbers
+    const std::int32_t* first_ring;     ///< of them
+    const std::uint16_t* around;        ///< elements of the block's ring that are a cell or beside it
+    const std::uint32_t* first_around;  ///< by block near a surface and cell
+    int near;                           ///< node blocks
+};
+
+/// Sums of a pass: tiles of givers, and which of them gave.
+template <class Real>
+struct SurfaceTiles {
+    Real* tile;             ///< [giver][node of tile][node_reals]
+    std::int32_t* tile_of;  ///< by own block: its tile, or -1: it gives nothing
+};
+
+template <class Real, int Dim>
+struct SurfaceWork {
+    View<Real, Dim> view;
+    ContactField<Dim> field;
+    GapTiles gaps;
+    SurfaceTables<Dim> tables;
+    SurfaceTiles<Real> tiles;
+    Real* shares;  ///< W_i [near node block][node][node_reals]
+    int origin;    ///< of the stencil
+    Real mass_cutoff;
+    Quantum quantum;
+    ContactTime time;
+    const OpenCell<Real, Dim>* cells;  ///< [giver][cell]; null: pressures are the particles'
+    double damping;                    ///< d of the grid's pressure [-]
+};
+
+/// What a node finds of the surfaces, as cells ask for it.
+struct OpenNode {
+    double distance, capacity;
+};
+
+/// Cells beside surfaces.
+template <class Real, int Dim>
+struct OpenTables {
+    OpenGrid<Real, Dim> grid;
+    const SurfaceCell<Dim>* place;           ///< [giver][cell]
+    const OpenNode* node;                    ///< [near node block][node]
+    OpenCell<Real, Dim>* cell;               ///< [giver][cell]
+    Real* sums;                              ///< of a pass [near node block][node][node_reals]
+    Vec<Real, Dim>* acceleration;            ///< HeldNode's, without cells [near node block][node]
+    std::uint8_t *has_children, *has_roots;  ///< by giver
+};
+
+template <class Real, int Dim>
+struct OpenWork : SurfaceWork<Real, Dim> {
+    PressureView<Real, Dim> pressure;
+    OpenTables<Real, Dim> open;
+    double dt;         ///< dts [s]
+    double half_time;  ///< half of that from the start of the step to the middle of the substep that updates [s]
+    bool takes_roots;  ///< children have not been told yet
+    bool updates;      ///< cells take the flux of the substep before
+    bool presses;      ///< and push; else they are done and go to the gather
+};
+
+/// Of the kernel that finds gaps.
+template <class Real, int Dim>
+struct SurfaceGapWork {
+    View<Real, Dim> view;
+    ContactField<Dim> field;
+    SurfaceTables<Dim> tables;
+    const ContactPair* pairs;
+    NodeGap* tiles;
+    const GroundBound<Dim>* bounds;  ///< by own block; null: there is no ground
+};
+
+}  // namespace moraine::gpu
