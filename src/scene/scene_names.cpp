@@ -49,6 +49,9 @@ std::vector<std::string> valid_names(const toml::table& table, const std::string
 
 std::string suggestion_for(const std::string& name, const std::string& path, const std::vector<std::string>& valid) {
     const std::string prefix = path.empty() ? "" : path + ".";
+    if (path.empty())  // a key without its table
+        for (const SceneKey& key : all_scene_keys())
+            if (key.name == name) return fmt::format("Did you mean {}?", full_name(key));
     if (const std::string near = nearest(name, valid); !near.empty())
         return fmt::format("Did you mean {}{}?", prefix, near);
     std::vector<std::string> elsewhere;

@@ -124,7 +124,7 @@ class Tractions(moraine.ProgramTest):
         self.assertIn("particles are 0.125 m apart", said("pressure", "depth = 0.1\npressure"))
         self.assertIn("there is no such table", said("pressure", 'table = "rampe"\npressure'))
         self.assertIn("with numerics.sleep", said("pressure", "pressure", whole, *sets(numerics__sleep="on")))
-        newton = whole.replace('"neo-hookean"', '"newtonian"').replace("young = 1.0e5\npoisson = 0.3", "bulk_modulus = 1e5\nviscosity = 1.0\nvolumetric = \"grid\"")
+        newton = whole.replace('"neo-hookean"', '"newtonian"').replace("poisson = 0.3", "poisson = 0.49\nviscosity = 1.0\nvolumetric = \"grid\"")
         self.assertIn('with volumetric = "grid"', said("pressure = ", "pressure = ", newton))
         stages = whole + '[[stage]]\nname = "one"\nuntil = 0.05\n[[stage]]\nname = "two"\nset = { "traction.push.KEY" = 1 }\n'
         self.assertIn("stages change", said("KEY", "depth", stages))
