@@ -89,6 +89,11 @@ void check_device_scene(const Scene& scene) {
     if (scene.bed == Bed::surface)
         throw InputError(fmt::format("{}: numerics.bed = \"surface\" (devices do not have it). Use --device cpu?",
                                      scene.source.path));
+    for (const auto& axis : scene.walls)
+        for (const WallSpec& wall : axis)
+            if (wall.absorbs)
+                throw InputError(fmt::format("{}: a wall of kind absorbing (devices do not have it). Use --device cpu?",
+                                             scene.source.path));
     if (!scene.course.stages.empty())
         throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.tractions.empty())

@@ -150,6 +150,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
     if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
     if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
+    if (!sim.clock().ends.empty()) header["ends"] = stored_ends(sim.clock().ends);
     save_structures(sim, comm, header);
 
     std::vector<Column> columns;
@@ -235,6 +236,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     clock.gravity = sim.clock().gravity;  // of the start
     if (!sim.scene().course.tractions.empty()) each_load_entry(budget, take);
     if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
+    take_ends(file, clock);
     if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);

@@ -153,7 +153,8 @@ class Reader {
         if (!walls || !setting.starts_with("wall.") || kind == std::string::npos) return;
         for (toml::node& wall : *walls)
             if (wall.as_table()->get("face")->value_or(std::string()) == setting.substr(5, kind - 5))
-                for (const char* key : {"friction", "alpha", "su", "xi", "density"}) wall.as_table()->erase(key);
+                for (const char* key : {"friction", "alpha", "su", "xi", "density", "material"})
+                    wall.as_table()->erase(key);
     }
 
     /// Each stage sets keys beside those that the ones before have set. Of the table only these are read from then on.

@@ -38,6 +38,7 @@ void add_domain(Entries& all, const Scene& s) {
             const std::string key = fmt::format("wall.{}-{}", "xyz"[a], side == 0 ? "min" : "max");
             add(all, key + ".kind", s.walls[a][side].kind);
             add(all, key + ".friction", s.walls[a][side].friction);
+            if (s.walls[a][side].absorbs) add(all, key + ".absorbs", s.walls[a][side].material);
         }
 }
 
