@@ -15,6 +15,7 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_shaking.hpp"
 #include "scene/scene_stages.hpp"
 #include "scene/scene_strength.hpp"
 #include "scene/scene_tables.hpp"
@@ -59,6 +60,7 @@ class Reader {
         if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
         read_time_tables();
+        read_shaking(TableReader::section_table(tables_.root, "shaking"));
         tables_.each_of("material",
                         [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         tables_.each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
@@ -85,6 +87,7 @@ class Reader {
                         [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         read_tractions();
         read_stages();
+        complete_shaking(scene_, places_);
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
@@ -226,6 +229,12 @@ class Reader {
         });
         if (places_.has("gravity_table"))
             scene_.course.gravity = table_of(tables_.root, "gravity_table", "gravity_table");
+    }
+
+    void read_shaking(const toml::table* table) {
+        if (!table) return;
+        tables_.read_table(table, "shaking", "shaking", shaking_rows(), scene_);
+        scene_.course.shaking.table = table_of(*table, "table", "shaking.table");
     }
 
     /// The rows of the table of time that a key of a table names.

@@ -68,6 +68,14 @@ void add_numerics(Entries& all, const Scene& s) {
         add(all, "gravity_table.times", s.course.gravity.times);
         add(all, "gravity_table.values", s.course.gravity.values);
     }
+    if (const ShakingSpec& shaking = s.course.shaking; !shaking.table.empty()) {
+        add(all, "shaking.times", shaking.table.times);
+        add(all, "shaking.values", shaking.table.values);
+        add(all, "shaking.quantity", shaking.of_velocity);
+        add(all, "shaking.direction", shaking.direction);
+        add(all, "shaking.motion", shaking.motion);
+        add(all, "shaking.stage", shaking.stage);
+    }
     add(all, "seed", s.seed);
 }
 
