@@ -126,7 +126,7 @@ bool add_drags(const EndQuery<Dim>& query, const Walls<Real, Dim>& walls, const 
 }  // namespace
 
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(EndQuery<Dim>& query) {
+void HostEngine<Real, Dim>::measure(EndQuery<Dim>& query) {
     const Walls<Real, Dim>& walls = method_.context.walls;
     const BlockTable<Dim> table = patch_.table();
     const std::vector<std::int32_t> chosen = blocks_at(walls, table, method_.stencil.origin, [&](int a, int s) {
@@ -218,9 +218,9 @@ template class HostEnds<float, 2>;
 template class HostEnds<float, 3>;
 template class HostEnds<double, 2>;
 template class HostEnds<double, 3>;
-template void HostEngine<float, 2>::find(EndQuery<2>&);
-template void HostEngine<float, 3>::find(EndQuery<3>&);
-template void HostEngine<double, 2>::find(EndQuery<2>&);
-template void HostEngine<double, 3>::find(EndQuery<3>&);
+template void HostEngine<float, 2>::measure(EndQuery<2>&);
+template void HostEngine<float, 3>::measure(EndQuery<3>&);
+template void HostEngine<double, 2>::measure(EndQuery<2>&);
+template void HostEngine<double, 3>::measure(EndQuery<3>&);
 
 }  // namespace moraine

@@ -39,7 +39,8 @@ class HostEngine final : public Engine<Real, Dim> {
     void answer(const EngineQuery<Dim>& query) override {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
-    void find(EndQuery<Dim>& query);
+    void find(EndQuery<Dim>& query) { measure(query); }
+    void measure(EndQuery<Dim>& query);  ///< host_ends.cpp
     void hold_ends(const EndNodes<Dim>& ends) override { ends_ = std::make_unique<HostEnds<Real, Dim>>(ends); }
     /// The sums of a step with another column in place of masses; the next step writes all tiles again.
     void sum_column(Real* mass);

@@ -48,8 +48,7 @@ struct TimeSeriesRow {
                                ///< structures: transfer, friction on walls, what left [J]
     double front = 0;          ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
-    double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
-    bool has_gravity_work = false;
+    std::optional<double> gravity_work;   ///< of who changes gravity (core/gravity.hpp); none: it stays [J]
     std::optional<double> base_velocity;  ///< of one that shakes [m/s]
     bool has_tractions = false;
     std::array<double, Dim> load_impulse{};  ///< of tractions
@@ -110,7 +109,7 @@ struct TimeSeriesRow {
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
         if (stage > 0) v.push_back(static_cast<double>(stage));
-        if (has_gravity_work) v.push_back(gravity_work);
+        if (gravity_work) v.push_back(*gravity_work);
         if (base_velocity) v.push_back(*base_velocity);
         if (has_tractions) add(load_impulse), v.push_back(load_work);
         if (energy) {
@@ -157,8 +156,8 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     const double put_out = value(account.put_out);
     EnergyBudget energy;
     energy.transfer = start_kinetic + value(account.nodes.gain) - row.totals.kinetic - lost_kinetic;
-    energy.shift =
-        clock.start_potential + row.gravity_work - row.potential - lost_potential - value(account.nodes.fall) - put_out;
+    energy.shift = clock.start_potential + row.gravity_work.value_or(0) - row.potential - lost_potential -
+                   value(account.nodes.fall) - put_out;
     energy.wall = value(account.nodes.walls);
     energy.contact = value(account.nodes.contact) - work + put_out;
     energy.damping = value(account.nodes.damping);
@@ -216,12 +215,11 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     observe_momentum(row, sim, budget, felt);
     row.stage = clock.stages.size();
-    row.gravity_work = value(budget.gravity_work);
-    row.has_gravity_work = gravity_changes(scene);
+    if (gravity_changes(scene)) row.gravity_work = value(budget.gravity_work);
     if (!scene.course.shaking.table.empty())
         row.base_velocity = base_velocity(scene.course.shaking, shaking_begin(scene, clock), clock.time);
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
-    if (row.has_gravity_work) row.unaccounted += row.gravity_work;
+    if (row.gravity_work) row.unaccounted += *row.gravity_work;
     if (row.has_tractions) row.unaccounted += row.load_work;
     if (scene.sleep.on) {
         row.asleep = all.asleep;
