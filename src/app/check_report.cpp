@@ -165,6 +165,10 @@ std::string course_lines(const Scene& scene) {
         text +=
             fmt::format("gravity    by a table: {:.4g} of it until {:.4g} s, {:.4g} from {:.4g} s on, at most {:.4g}\n",
                         t.values.front(), t.times.front(), t.values.back(), t.end(), t.largest());
+    if (const ShakingSpec& s = course.shaking; !s.table.empty())
+        text += fmt::format("shaking    for {:.4g} s{}, at most {:.4g} {}\n", s.table.end(),
+                            s.stage < 0 ? "" : " from the begin of stage " + s.stage_name, s.table.largest(),
+                            s.of_velocity ? "m/s" : "m/s2");
     if (scene.rest.stops || std::any_of(course.stages.begin(), course.stages.end(), rests))
         text += fmt::format("rest       may end it: {:.6g} % of the mass within {:.4g} m for {} times {:.4g} s\n",
                             100 * scene.rest.mass, scene.rest.displacement * scene.cell, scene.rest.intervals,

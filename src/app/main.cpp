@@ -98,6 +98,11 @@ void check_device_scene(const Scene& scene, int ranks) {
                 "--device cpu?",
                 scene.source.path, m.name));
     if (scene.bed == Bed::surface) check_device_bed(scene, ranks);
+    for (const auto& axis : scene.walls)
+        for (const WallSpec& wall : axis)
+            if (wall.absorbs)
+                throw InputError(fmt::format("{}: a wall of kind absorbing (devices do not have it). Use --device cpu?",
+                                             scene.source.path));
     if (!scene.course.stages.empty())
         throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.tractions.empty())

@@ -24,6 +24,8 @@ struct Ground;  // core/structures/ground.hpp
 struct WallSpec {
     WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error
     double friction = 0;             ///< Coulomb coefficient [-]
+    bool absorbs = false;            ///< of kind law, too, but by core/nodes/absorbing_ends.hpp
+    std::string material;            ///< absorbs: of what is behind it; empty: the soil beside it goes on
 };
 
 /// A parameter of a law over depth or place, instead of one number (seeding/strength_profile.hpp).
@@ -236,10 +238,25 @@ struct StageSpec {
     std::vector<int> removes;             ///< bodies that are taken away as it begins
 };
 
+/// What a table of shaking is the motion of: the base itself, rock where it crops out, or the wave that comes up in it.
+enum class BaseMotion { base, outcrop, upgoing };
+
+/// A base that shakes (core/gravity.hpp).
+struct ShakingSpec {
+    TimeTable table;           ///< acceleration or velocity along `direction` [m/s2, m/s]; empty: none
+    bool of_velocity = false;  ///< what the table is of
+    Triple direction{};        ///< of length 1
+    BaseMotion motion = BaseMotion::base;
+    bool keeps_drift = false;  ///< the base need not come back to rest where it was
+    std::string stage_name;    ///< with whose begin the table begins; empty: with the run
+    int stage = -1;            ///< its place; -1: the run's
+};
+
 /// What of a scene changes over time.
 struct CourseSpec {
     TimeTable gravity;  ///< factor of Scene::gravity; empty: 1
     std::vector<TractionSpec> tractions;
+    ShakingSpec shaking;
     std::vector<StageSpec> stages;  ///< in order; empty: the run is one
 };
 

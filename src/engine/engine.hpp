@@ -139,6 +139,8 @@ class Engine {
     /// Begins an epoch with these particles (epoch_start.hpp); what travelled. Binned state only, but for KeptBlocks
     /// with an engine that leaves the host free: there it may begin with the next binning. Collective.
     virtual BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) = 0;
+    /// From now on absorbing ends act by these, which must outlive the engine. Host only. Not collective.
+    virtual void hold_ends(const EndNodes<Dim>& /*ends*/) {}
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;
 

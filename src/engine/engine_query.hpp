@@ -8,6 +8,7 @@
 #include "core/data/exact_sum.hpp"
 #include "core/data/plan_samples.hpp"
 #include "core/fluid/over_filling.hpp"
+#include "core/nodes/absorbing_ends.hpp"
 
 namespace moraine {
 
@@ -59,8 +60,23 @@ struct FaultQuery {
     std::vector<FaultRecord<Dim>> found;  ///< answer
 };
 
+/// Absorbing ends are measured: all of the scene's at the nodes of those that are `asked`
+/// (core/nodes/absorbing_ends.hpp). Host only. Collective over peers.
 template <int Dim>
-using EngineQuery =
-    std::variant<LayerQuery*, ColumnQuery*, LineQuery*, VolumeQuery*, GravityQuery<Dim>*, FaultQuery<Dim>*>;
+struct EndQuery {
+    /// Of one face.
+    struct Face {
+        bool absorbs = false, asked = false;
+        double p = 0, s = 0;  ///< impedance of what is behind it, rho c_p and rho c_s; both 0: the soil's own [kg/m2s]
+    };
+    std::array<std::array<Face, 2>, Dim> face{};
+    std::array<double, Dim> gravity{};  ///< [m/s2]
+    double mass_cutoff = 0;             ///< [kg]
+    EndNodes<Dim> found;                ///< answer: nodes that this rank counts, in any order
+};
+
+template <int Dim>
+using EngineQuery = std::variant<LayerQuery*, ColumnQuery*, LineQuery*, VolumeQuery*, GravityQuery<Dim>*,
+                                 FaultQuery<Dim>*, EndQuery<Dim>*>;
 
 }  // namespace moraine

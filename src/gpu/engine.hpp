@@ -50,6 +50,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
     void find(GravityQuery<Dim>& query);
+    void find(EndQuery<Dim>&) { throw std::logic_error("devices measure no absorbing ends"); }  // refused before
     Census census() const override { return census_; }
     BlockCounts block_counts(bool with_cells) override;
     Traffic traffic() const override;

@@ -41,6 +41,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     if (sleepers_) sleepers_->begin_epoch();
     if (surfaces_) surfaces_->blocks.made.in_epoch = false;
     contact_.forget();
+    if (ends_) ends_->begin_epoch();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
                                               method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
@@ -145,20 +146,24 @@ void HostEngine<Real, Dim>::receive_halo() {
     contact_.finding = false;
 }
 
-/// The sums of a step with volumes in place of masses; the next step writes all tiles again.
 template <class Real, int Dim>
-void HostEngine<Real, Dim>::find(VolumeQuery& query) {
-    const auto sum_volumes = [&](std::span<const std::int32_t> blocks) {
+void HostEngine<Real, Dim>::sum_column(Real* mass) {
+    const auto sum_part = [&](std::span<const std::int32_t> blocks) {
         TransferCall<Real, Dim> call = transfer_call(blocks);
-        call.particles.mass = call.particles.volume;
+        call.particles.mass = mass;
         call.mean = NodeMean::none;
         call.grid_bulk = nullptr;
         method_.kernels.p2g(call, method_.cell);
     };
-    sum_volumes(patch_.boundary());
+    sum_part(patch_.boundary());
     send_halo();
-    sum_volumes(patch_.interior());
+    sum_part(patch_.interior());
     receive_halo();
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::find(VolumeQuery& query) {
+    sum_column(patch_.particles.view().volume);
     std::vector<NodeVolumes> volumes(patch_.node_blocks().size());
     Host::launch_teams(static_cast<std::int64_t>(volumes.size()),
                        CountVolumes<Real, Dim>{method_.capacity, patch_.table(), patch_.grid(), method_.stencil.width,

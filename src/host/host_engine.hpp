@@ -9,6 +9,7 @@
 #include "comm/migration.hpp"
 #include "engine/engine.hpp"
 #include "host/host_contact.hpp"
+#include "host/host_ends.hpp"
 #include "host/host_energy.hpp"
 #include "host/host_loads.hpp"
 #include "host/host_pressures.hpp"
@@ -38,6 +39,11 @@ class HostEngine final : public Engine<Real, Dim> {
     void answer(const EngineQuery<Dim>& query) override {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
+    void find(EndQuery<Dim>& query) { measure(query); }
+    void measure(EndQuery<Dim>& query);  ///< host_ends.cpp
+    void hold_ends(const EndNodes<Dim>& ends) override { ends_ = std::make_unique<HostEnds<Real, Dim>>(ends); }
+    /// The sums of a step with another column in place of masses; the next step writes all tiles again.
+    void sum_column(Real* mass);
 
     BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) override {
         return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
@@ -118,6 +124,7 @@ class HostEngine final : public Engine<Real, Dim> {
     HostPressures<Real, Dim> pressures_;
     HostEnergy<Real, Dim> energy_;
     std::unique_ptr<HostSurfaces<Real, Dim>> surfaces_;  ///< null: structures act at nodes (Bed::nodes)
+    std::unique_ptr<HostEnds<Real, Dim>> ends_;          ///< null: none absorb
 };
 
 /// Cells of a block that hold particles.

@@ -17,6 +17,10 @@ NodeRound<Real, Dim> HostEngine<Real, Dim>::node_round(NodeTask task, double dt,
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim>& step) {
     if (round.nodes == NodeTask::hold) pressures_.hold();
+    if (ends_ && solves(round.nodes)) {
+        ends_->act(method_, patch_, node_round(round.nodes, step.dt, step));
+        ends_->count(step.quantum, energy_.is_counted(), report_.budget);
+    }
     solve(node_round(round.nodes, step.dt, step), step);
     if (!surfaces_) return;
     surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff),

@@ -110,6 +110,40 @@ void take_stages(const CheckpointReader& file, std::size_t most, RunClock<Dim>& 
     }
 }
 
+/// Absorbing ends, number by number; only in scenes that have them.
+template <int Dim>
+std::vector<double> stored_ends(const EndNodes<Dim>& ends) {
+    std::vector<double> all;
+    for (const EndNode<Dim>& e : ends) {
+        for (const int n : e.node) all.push_back(n);
+        all.insert(all.end(), e.hold.begin(), e.hold.end());
+        all.insert(all.end(), e.drag.begin(), e.drag.end());
+    }
+    return all;
+}
+template <int Dim>
+void take_ends(const CheckpointReader& file, RunClock<Dim>& clock) {
+    if (!file.header().contains("ends")) return;
+    const auto& all = file.get<std::vector<double>>("ends");
+    const auto fits = [](double x) { return std::isfinite(x) && std::fabs(x) < 1e30; };
+    if (all.size() % (3 * Dim) != 0 || !std::all_of(all.begin(), all.end(), fits))
+        file.refuse("no run has such absorbing ends");
+    for (auto from = all.begin(); from != all.end(); from += 3 * Dim) {
+        EndNode<Dim> e;
+        for (std::size_t a = 0; a < Dim; ++a) {
+            const double node = from[static_cast<std::ptrdiff_t>(a)];
+            if (std::fabs(node) > 1 << 30 || node != std::floor(node)) file.refuse("no run has such absorbing ends");
+            e.node[a] = static_cast<int>(node);
+        }
+        std::copy_n(from + Dim, Dim, e.hold.begin());
+        std::copy_n(from + 2 * Dim, Dim, e.drag.begin());
+        const bool rises = clock.ends.empty() || clock.ends.back().node < e.node;
+        if (!rises || *std::min_element(e.drag.begin(), e.drag.end()) < 0)
+            file.refuse("no run has such absorbing ends");
+        clock.ends.push_back(e);
+    }
+}
+
 /// Names of the sums of all structures, and the sums.
 template <int Dim, class F>
 void each_structure_sum(StructureSet<Dim>& set, const F& f) {

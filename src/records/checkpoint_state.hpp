@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/data/error.hpp"
+#include "core/gravity.hpp"
 #include "core/particles/particle_bytes.hpp"
 #include "io/checkpoint.hpp"
 #include "io/input_error.hpp"
@@ -147,9 +148,10 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
     if (!sim.scene().course.tractions.empty()) each_load_entry(budget, store);
-    if (!sim.scene().course.gravity.empty()) save_gravity(sim.clock(), budget, header);
+    if (gravity_changes(sim.scene())) save_gravity(sim.clock(), budget, header);
     if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
+    if (!sim.clock().ends.empty()) header["ends"] = stored_ends(sim.clock().ends);
     save_structures(sim, comm, header);
 
     std::vector<Column> columns;
@@ -234,7 +236,8 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     RunClock<Dim> clock = clock_of<Dim>(file);
     clock.gravity = sim.clock().gravity;  // of the start
     if (!sim.scene().course.tractions.empty()) each_load_entry(budget, take);
-    if (!sim.scene().course.gravity.empty()) take_gravity(file, clock, budget);
+    if (gravity_changes(sim.scene())) take_gravity(file, clock, budget);
+    take_ends(file, clock);
     if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);
     if (sim.scene().sleep.on) {
         each_sleep_entry(budget, take);

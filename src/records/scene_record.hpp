@@ -24,12 +24,15 @@ inline Json vector(const Scene& scene, const Triple& v) {
 }
 
 inline Json walls(const Scene& scene) {
-    constexpr const char* kinds[] = {"none", "no-slip", "free-slip", "friction", "open", "periodic", "law"};
+    constexpr const char* kinds[] = {"none", "no-slip",  "free-slip", "friction",
+                                     "open", "periodic", "law",       "absorbing"};
     std::vector<Json> list;
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
         for (std::size_t side = 0; side < 2; ++side)
-            list.push_back(Json::Named{{"face", std::string(1, "xyz"[a]) + (side == 0 ? "-min" : "-max")},
-                                       {"kind", kinds[static_cast<int>(scene.walls[a][side].kind)]}});
+            list.push_back(Json::Named{
+                {"face", std::string(1, "xyz"[a]) + (side == 0 ? "-min" : "-max")},
+                {"kind",
+                 scene.walls[a][side].absorbs ? "absorbing" : kinds[static_cast<int>(scene.walls[a][side].kind)]}});
     return list;
 }
 

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/gravity.hpp"
 #include "records/structure_record.hpp"
 #include "simulation/diagnostics.hpp"
+#include "simulation/gravity_step.hpp"
 
 namespace moraine {
 
@@ -46,8 +48,8 @@ struct TimeSeriesRow {
                                ///< structures: transfer, friction on walls, what left [J]
     double front = 0;          ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
-    double gravity_work = 0;  ///< of who changes gravity (core/gravity.hpp) [J]
-    bool gravity_changes = false;
+    std::optional<double> gravity_work;   ///< of who changes gravity (core/gravity.hpp); none: it stays [J]
+    std::optional<double> base_velocity;  ///< of one that shakes [m/s]
     bool has_tractions = false;
     std::array<double, Dim> load_impulse{};  ///< of tractions
     double load_work = 0;                    ///< likewise [J]
@@ -78,7 +80,8 @@ struct TimeSeriesRow {
         names.push_back("over_filling");
         if (scene.sleep.on) names.insert(names.end(), {"asleep", "slept_J"});
         if (!scene.course.stages.empty()) names.emplace_back("stage");
-        if (!scene.course.gravity.empty()) names.emplace_back("gravity_work_J");
+        if (gravity_changes(scene)) names.emplace_back("gravity_work_J");
+        if (!scene.course.shaking.table.empty()) names.emplace_back("base_velocity_m_s");
         if (!scene.course.tractions.empty()) {
             per_axis("traction_impulse", "kg_m_s");
             names.emplace_back("traction_work_J");
@@ -106,7 +109,8 @@ struct TimeSeriesRow {
         v.push_back(over_filling);
         if (asleep >= 0) v.insert(v.end(), {static_cast<double>(asleep), slept});
         if (stage > 0) v.push_back(static_cast<double>(stage));
-        if (gravity_changes) v.push_back(gravity_work);
+        if (gravity_work) v.push_back(*gravity_work);
+        if (base_velocity) v.push_back(*base_velocity);
         if (has_tractions) add(load_impulse), v.push_back(load_work);
         if (energy) {
             const auto more = energy->values();
@@ -152,8 +156,8 @@ EnergyBudget energy_budget_of(const TimeSeriesRow<Dim>& row, const RunClock<Dim>
     const double put_out = value(account.put_out);
     EnergyBudget energy;
     energy.transfer = start_kinetic + value(account.nodes.gain) - row.totals.kinetic - lost_kinetic;
-    energy.shift =
-        clock.start_potential + row.gravity_work - row.potential - lost_potential - value(account.nodes.fall) - put_out;
+    energy.shift = clock.start_potential + row.gravity_work.value_or(0) - row.potential - lost_potential -
+                   value(account.nodes.fall) - put_out;
     energy.wall = value(account.nodes.walls);
     energy.contact = value(account.nodes.contact) - work + put_out;
     energy.damping = value(account.nodes.damping);
@@ -204,17 +208,18 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.lost_mass = value(budget.lost_mass);
     row.front = front_of(column_volumes(sim), scene);
     row.potential = potential_energy(scene, clock.gravity, row.totals);
-    for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && scene.gravity[a] != 0;
+    for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && may_fall(scene, a);
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
     row.has_tractions = !scene.course.tractions.empty();
     row.load_work = value(budget.load_work);
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     observe_momentum(row, sim, budget, felt);
     row.stage = clock.stages.size();
-    row.gravity_work = value(budget.gravity_work);
-    row.gravity_changes = !scene.course.gravity.empty();
+    if (gravity_changes(scene)) row.gravity_work = value(budget.gravity_work);
+    if (!scene.course.shaking.table.empty())
+        row.base_velocity = base_velocity(scene.course.shaking, shaking_begin(scene, clock), clock.time);
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
-    if (row.gravity_changes) row.unaccounted += row.gravity_work;
+    if (row.gravity_work) row.unaccounted += *row.gravity_work;
     if (row.has_tractions) row.unaccounted += row.load_work;
     if (scene.sleep.on) {
         row.asleep = all.asleep;

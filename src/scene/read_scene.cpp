@@ -15,6 +15,7 @@
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
 #include "scene/scene_set.hpp"
+#include "scene/scene_shaking.hpp"
 #include "scene/scene_stages.hpp"
 #include "scene/scene_strength.hpp"
 #include "scene/scene_tables.hpp"
@@ -59,6 +60,7 @@ class Reader {
         if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
         if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
         read_time_tables();
+        read_shaking(TableReader::section_table(tables_.root, "shaking"));
         tables_.each_of("material",
                         [&](const toml::table& table, const std::string& path) { read_material(table, path); });
         tables_.each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
@@ -85,6 +87,7 @@ class Reader {
                         [&](const toml::table& table, const std::string& path) { read_structure(table, path); });
         read_tractions();
         read_stages();
+        complete_shaking(scene_, places_);
         if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
@@ -153,7 +156,8 @@ class Reader {
         if (!walls || !setting.starts_with("wall.") || kind == std::string::npos) return;
         for (toml::node& wall : *walls)
             if (wall.as_table()->get("face")->value_or(std::string()) == setting.substr(5, kind - 5))
-                for (const char* key : {"friction", "alpha", "su", "xi", "density"}) wall.as_table()->erase(key);
+                for (const char* key : {"friction", "alpha", "su", "xi", "density", "material"})
+                    wall.as_table()->erase(key);
     }
 
     /// Each stage sets keys beside those that the ones before have set. Of the table only these are read from then on.
@@ -225,6 +229,12 @@ class Reader {
         });
         if (places_.has("gravity_table"))
             scene_.course.gravity = table_of(tables_.root, "gravity_table", "gravity_table");
+    }
+
+    void read_shaking(const toml::table* table) {
+        if (!table) return;
+        tables_.read_table(table, "shaking", "shaking", shaking_rows(), scene_);
+        scene_.course.shaking.table = table_of(*table, "table", "shaking.table");
     }
 
     /// The rows of the table of time that a key of a table names.

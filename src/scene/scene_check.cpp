@@ -212,6 +212,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_energy_budget(scene, places);
     check_bed(scene, places);
     check_stages(scene, places);
+    check_ends(scene, places);
 }
 
 }  // namespace moraine

@@ -37,6 +37,9 @@ void check_time(const Scene& scene, const Places& places);
 /// Which methods output.energy_budget knows.
 void check_energy_budget(const Scene& scene, const Places& places);
 
+/// What absorbing ends bear, and what they cannot do with.
+void check_ends(const Scene& scene, const Places& places);
+
 /// What surfaces that act where they are need (Bed::surface).
 void check_bed(const Scene& scene, const Places& places);
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/gravity.hpp"
 #include "scene/scene_check.hpp"
 
 namespace moraine {
@@ -16,8 +17,10 @@ void check_energy_budget(const Scene& scene, const Places& places) {
         refuse(place, on + " with numerics.sleep = \"on\"", "nodes of sleeping blocks are not stepped",
                "Leave one out?");
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
-        if (scene.periodic[a] && scene.gravity[a] != 0)
-            refuse(place, fmt::format("{} with gravity along {}, which is periodic", on, "xyz"[a]),
+        if (scene.periodic[a] && may_fall(scene, a))
+            refuse(place,
+                   fmt::format("{} with {} along {}, which is periodic", on,
+                               scene.gravity[a] != 0 ? "gravity" : "shaking", "xyz"[a]),
                    "the potential energy jumps where particles come round", "Leave it out?");
 }
 

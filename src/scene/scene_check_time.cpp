@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/gravity.hpp"
 #include "core/rest_interval.hpp"
 #include "core/transfer/method.hpp"
 #include "predict/prediction.hpp"
@@ -54,24 +55,25 @@ void check_rest(const Scene& scene, const Places& places) {
                    scene.rest.stops ? "Use time.stop = \"end\"?" : "Use a time?");
 }
 
-/// What takes gravity as it is for all of a run.
-std::optional<Hindrance> gravity_table_hindered_by(const Scene& scene) {
+/// What takes gravity as it is for all of a run. key: what changes it.
+std::optional<Hindrance> changing_gravity_hindered_by(const Scene& scene, const std::string& key) {
     const auto smooths = [](const MaterialSpec& m) { return has_fluid_terms(m); };
-    if (scene.gravity == Triple{})
-        return Hindrance{"gravity_table", "without gravity", "its values are factors of gravity", "Set gravity?"};
     if (scene.sleep.on || scene.output.sleep_forecast)
-        return Hindrance{"gravity_table", "with numerics.sleep or its forecast",
-                         "sleepers would not feel that gravity changes", "Leave one of them out?"};
+        return Hindrance{key, "with numerics.sleep or its forecast", "sleepers would not feel that gravity changes",
+                         "Leave one of them out?"};
     if (std::any_of(scene.materials.begin(), scene.materials.end(), smooths))
-        return Hindrance{"gravity_table", "with pressure_smoothing or particle_shifting",
+        return Hindrance{key, "with pressure_smoothing or particle_shifting",
                          "they go by the head of a gravity that stays", "Leave one of them out?"};
     return std::nullopt;
 }
 
 void check_gravity(const Scene& scene, const Places& places) {
-    if (scene.course.gravity.empty()) return;
-    if (const std::optional<Hindrance> found = gravity_table_hindered_by(scene))
-        refuse(places.of(found->key), "gravity_table " + found->what, found->why, found->help);
+    if (!gravity_changes(scene)) return;
+    const std::string key = scene.course.gravity.empty() ? "shaking" : "gravity_table";
+    if (!scene.course.gravity.empty() && scene.gravity == Triple{})
+        refuse(places.of(key), "gravity_table without gravity", "its values are factors of gravity", "Set gravity?");
+    if (const std::optional<Hindrance> found = changing_gravity_hindered_by(scene, key))
+        refuse(places.of(found->key), key + " " + found->what, found->why, found->help);
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ void add_domain(Entries& all, const Scene& s) {
             const std::string key = fmt::format("wall.{}-{}", "xyz"[a], side == 0 ? "min" : "max");
             add(all, key + ".kind", s.walls[a][side].kind);
             add(all, key + ".friction", s.walls[a][side].friction);
+            if (s.walls[a][side].absorbs) add(all, key + ".absorbs", s.walls[a][side].material);
         }
 }
 
@@ -66,6 +67,14 @@ void add_numerics(Entries& all, const Scene& s) {
     if (!s.course.gravity.empty()) {
         add(all, "gravity_table.times", s.course.gravity.times);
         add(all, "gravity_table.values", s.course.gravity.values);
+    }
+    if (const ShakingSpec& shaking = s.course.shaking; !shaking.table.empty()) {
+        add(all, "shaking.times", shaking.table.times);
+        add(all, "shaking.values", shaking.table.values);
+        add(all, "shaking.quantity", shaking.of_velocity);
+        add(all, "shaking.direction", shaking.direction);
+        add(all, "shaking.motion", shaking.motion);
+        add(all, "shaking.stage", shaking.stage);
     }
     add(all, "seed", s.seed);
 }

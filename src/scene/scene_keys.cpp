@@ -54,6 +54,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, scene_rows());
     append(keys, time_rows());
     append(keys, table_rows());
+    append(keys, shaking_rows());
     append(keys, material_rows());
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);

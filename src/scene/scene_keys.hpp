@@ -122,6 +122,7 @@ const std::vector<KeyRow<TableSpec>>& table_rows();
 /// Of [[traction]].
 struct TractionText;
 const std::vector<KeyRow<TractionText>>& traction_rows();
+const std::vector<KeyRow<Scene>>& shaking_rows();
 /// Of [[stage]].
 struct StageText;
 const std::vector<KeyRow<StageText>>& stage_rows();

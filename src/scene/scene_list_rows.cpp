@@ -162,14 +162,24 @@ const std::vector<KeyRow<FacedWall>> walls = in_tables<FacedWall>({
      [](W& w, const V& v) { w.face = v.choice; }},
     {{.name = "kind",
       .type = choice,
-      .choices = {"none", "no-slip", "free-slip", "friction", "open", "undrained", "voellmy"},
-      .meaning = "open: what leaves is counted and gone; none: a particle that gets there ends the run; undrained and "
-                 "voellmy: as the laws of structures, by a plane wall-FACE of structures.csv."},
+      .choices = {"none", "no-slip", "free-slip", "friction", "open", "undrained", "voellmy", "absorbing"},
+      .meaning =
+          "open: what leaves is counted and gone; none: a particle that gets there ends the run; undrained and "
+          "voellmy: as the laws of structures, by a plane wall-FACE of structures.csv; absorbing: lets waves out, "
+          "and bears what ground at rest on it weighs."},
      [](W& w, const V& v) {
-         constexpr int first_law = 5;
+         constexpr int first_law = 5, absorbing = 7;
          w.wall.kind = v.choice < first_law ? static_cast<WallKind>(v.choice) : WallKind::law;
-         if (v.choice >= first_law) w.bed.law = v.choice == first_law ? InterfaceLaw::undrained : InterfaceLaw::voellmy;
+         w.wall.absorbs = v.choice == absorbing;
+         if (v.choice >= first_law && !w.wall.absorbs)
+             w.bed.law = v.choice == first_law ? InterfaceLaw::undrained : InterfaceLaw::voellmy;
      }},
+    {{.name = "material",
+      .type = text,
+      .standard = "",
+      .only = {"absorbing"},
+      .meaning = "Of what is behind it, whose density and wave speeds it has; left out: the soil beside it goes on."},
+     [](W& w, const V& v) { w.wall.material = v.text; }},
     {{.name = "friction", .range = from_zero, .only = {"friction", "voellmy"}, .meaning = "Coulomb coefficient."},
      [](W& w, const V& v) { w.wall.friction = w.bed.friction = v.real; }},
     {{.name = "alpha", .range = {0, 1}, .only = {"undrained"}, .meaning = "Share of su that the wall can bear."},

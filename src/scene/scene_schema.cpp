@@ -220,7 +220,8 @@ Table table_of(const std::string& section) {
         const Table part = table_of(inner);
         const bool listed = section.empty() && !label_of_list(inner).empty();
         const std::string name = inner.substr(section.empty() ? 0 : section.size() + 1);
-        const bool wanted = section.empty() && !listed && inner != "hazard" && part.has_required();
+        const bool wanted =
+            section.empty() && !listed && inner != "hazard" && inner != "shaking" && part.has_required();
         table.add_table(name, listed ? list_of(part.schema(), 0) : part.schema(), wanted);
     }
     return table;

@@ -147,7 +147,8 @@ const std::vector<KeyRow<StageText>>& stage_rows() {
 void check_setting(const Scene& scene, const std::string& setting, const std::string& path, const Places& places) {
     const std::string key = setting.substr(0, setting.find('='));
     const std::vector<std::string> words = parts_of(key);
-    const bool wall = words.size() == 3 && words[0] == "wall" && (words[2] == "kind" || words[2] == "friction");
+    const bool wall = words.size() == 3 && words[0] == "wall" &&
+                      (words[2] == "kind" || words[2] == "friction" || words[2] == "material");
     const bool strength = words.size() == 3 && words[0] == "material" && is_strength(words.back());
     const bool load = words.size() == 3 && words[0] == "traction" && (words[2] == "pressure" || words[2] == "shear");
     if (!wall && !strength && !load)
@@ -207,12 +208,12 @@ void check_stages(const Scene& scene, const Places& places) {
     for (const StageSpec& stage : stages)
         for (std::size_t a = 0; a < static_cast<std::size_t>(scene.dimensions); ++a)
             for (std::size_t s = 0; s < 2; ++s) {
-                const WallKind is = scene.walls[a][s].kind, becomes = stage.walls[a][s].kind;
-                if (is == becomes || (is != WallKind::law && becomes != WallKind::law)) continue;
+                const auto has_law = [](const WallSpec& w) { return w.kind == WallKind::law && !w.absorbs; };
+                if (has_law(scene.walls[a][s]) == has_law(stage.walls[a][s])) continue;
                 const std::string face = fmt::format("{}-{}", "xyz"[a], s == 0 ? "min" : "max");
-                refuse(places.of(path_of(stage)),
-                       fmt::format("{} changes wall {} from or to a law", path_of(stage), face),
-                       "a wall with a law is a structure", "Use none, no-slip, free-slip, friction or open?");
+                refuse(
+                    places.of(path_of(stage)), fmt::format("{} changes wall {} from or to a law", path_of(stage), face),
+                    "a wall with a law is a structure", "Use none, no-slip, free-slip, friction, open or absorbing?");
             }
 }
 

@@ -19,7 +19,9 @@ constexpr std::size_t head = 7;                                // words of store
 
 template <int Dim>
 double RestWatch<Dim>::next_look() const {
-    return followed_ == 0 ? scene_.course.gravity.end() : begun_ + rest_interval(scene_);
+    const ShakingSpec& shaking = scene_.course.shaking;
+    const double shakes = shaking.stage < 0 ? shaking.table.end() : 0;
+    return followed_ == 0 ? std::max(scene_.course.gravity.end(), shakes) : begun_ + rest_interval(scene_);
 }
 
 template <int Dim>

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/nodes/absorbing_ends.hpp"
+
 namespace moraine {
 
 /// When a stage began, and what it took away then.
@@ -37,6 +39,7 @@ struct RunClock {
     double sleep_check = -1;     ///< when the last sleep check was, and its step; -1: none was [s]
     std::int64_t sleep_step = 0;
     std::vector<StageBegin> stages;  ///< that have begun; the last one is under way
+    EndNodes<Dim> ends;              ///< as they were last measured
 };
 
 }  // namespace moraine

@@ -6,6 +6,7 @@
 // there; those that it brings are seeded as at the start (simulation_supply.cpp). So a restart needs but the number of
 // the stage and when it began.
 
+#include "simulation/absorbing_walls.hpp"
 #include "simulation/diagnostics.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/stage_scene.hpp"
@@ -67,6 +68,7 @@ void Simulation<Real, Dim>::begin_stage() {
     supply_.begin_stage(static_cast<int>(clock_.stages.size()) - 1);
     if (supply_.next() <= clock_.time) admit();
     if (!stage()->set.empty()) refresh_signal();
+    begin_ends(scene_, comm_, false, *engine_, clock_);
 }
 
 template <class Real, int Dim>

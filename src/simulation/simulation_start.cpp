@@ -7,6 +7,7 @@
 #include "seeding/lattice_seeds.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/structure_seeds.hpp"
+#include "simulation/absorbing_walls.hpp"
 #include "simulation/diagnostics.hpp"
 #include "simulation/gravity_step.hpp"
 #include "simulation/place_seed.hpp"
@@ -168,6 +169,7 @@ void Simulation<Real, Dim>::seed() {
         seed_rows();
     set_scales();
     refresh_signal();
+    begin_ends(scene_, comm_, false, *engine_, clock_);
     const Totals<Dim> start = totals_of(*this);
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
@@ -263,6 +265,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     for (std::size_t k = 1; k < clock_.stages.size(); ++k) supply_.begin_stage(static_cast<int>(k));
     supply_.skip_to(clock_.time);
     loads_.resume(clock_.step);
+    begin_ends(scene_, comm_, true, *engine_, clock_);
 }
 
 template class Simulation<float, 2>;

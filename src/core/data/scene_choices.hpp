@@ -25,7 +25,7 @@ constexpr bool is_affine(Transfer transfer) {
 
 enum class StressUpdate { usl, usf, musl };
 enum class Precision { single_, double_ };
-/// law: closed, and what acts on it is a plane structure at the face.
+/// law: closed, and what acts on it is a plane structure at the face, or an absorbing end.
 enum class WallKind { none, no_slip, free_slip, friction, open, periodic, law };
 /// layer: a release, draped on the ground.
 enum class BodyShape { box, polygon, sphere, table, layer, inflow };

@@ -145,6 +145,7 @@ Method<Space, Real, Dim>::Method(const Scene& scene) : stencil(stencil_of(scene.
             ends.cell[a][s] = scene.periodic[axis] ? (s == 0 ? -far : far) : context.walls.plane[a][s];
             ends.fraction[a][s] = static_cast<Real>(stencil.offset());
             ends.still[a][s] = context.walls.fold[a][s] && limits_accelerations(scene);
+            absorbs[a][s] = scene.walls[axis][static_cast<std::size_t>(s)].absorbs;
             ends.open[a][s] = scene.walls[axis][static_cast<std::size_t>(s)].kind == WallKind::open;
         }
     }

@@ -82,6 +82,7 @@ struct Method {
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
 
     NodeCapacity<Real, Dim> capacity;
+    bool absorbs[Dim][2];  ///< faces (core/nodes/absorbing_ends.hpp)
 
   private:
     void list_terms(const Scene& scene);
