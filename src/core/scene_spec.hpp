@@ -25,7 +25,7 @@ struct WallSpec {
     WallKind kind = WallKind::none;  ///< none: closed, and a particle that gets there is an error
     double friction = 0;             ///< Coulomb coefficient [-]
     bool absorbs = false;            ///< of kind law, too, but by core/nodes/absorbing_ends.hpp
-    std::string material;            ///< absorbs: of what is behind it; empty: the soil beside it goes on
+    std::string material = {};       ///< absorbs: of what is behind it; empty: the soil beside it goes on
 };
 
 /// A parameter of a law over depth or place, instead of one number (seeding/strength_profile.hpp).
