@@ -18,7 +18,7 @@ from .parameters import sets_of
 from .posterior import Surfaces
 from .program import check, run, words_of_check
 from .sampling import unit_points
-from .scenario_file import RUN, fields_of, is_number, look_at_runs, open_folder, read_file
+from .scenario_file import RUN, fields_of, is_number, require_runs, open_folder, read_file
 from .scene import Path, read_scene, with_sets
 from .search import FILE, Search
 from .targets import parse_targets
@@ -41,7 +41,7 @@ def calibrate(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = No
     identity = file.identity([search, seen])
 
     def look(known: Mapping[str, Any]) -> None:
-        look_at_runs(known)
+        require_runs(known)
         for name, each in known["runs"].items():
             if len(each["point"]) != len(file.parameters) or not all(is_number(x) and 0 <= x <= 1 for x in each["point"]):
                 raise ValueError(f"{name} is at no point")

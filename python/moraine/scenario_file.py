@@ -98,7 +98,7 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and not math.isnan(value)
 
 
-def look_at_runs(known: Mapping[str, Any]) -> None:
+def require_runs(known: Mapping[str, Any]) -> None:
     """Fails where the runs of a study or a calibration are not as they are written. Their names are those of folders in its own."""
     for name, each in known["runs"].items():
         code, problem, wall_s = each["code"], each["problem"], each["wall_s"]

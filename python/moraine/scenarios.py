@@ -13,7 +13,7 @@ from .program import check, run, words_of_check
 from .results import Run
 from .sampling import METHODS, design, shares_of
 from .scenario_data import Scenarios, write_tables
-from .scenario_file import RUN, ScenarioFile, fields_of, look_at_runs, open_folder, read_file, save_json, whole_number
+from .scenario_file import RUN, ScenarioFile, fields_of, require_runs, open_folder, read_file, save_json, whole_number
 from .scenario_maps import map_statistics
 from .scene import Path, read_scene, with_sets
 from .sensitivity import influences
@@ -74,7 +74,7 @@ def run_study(given: Union[Path, Mapping[str, Any]], output: Optional[Path] = No
     name = "study" if isinstance(given, Mapping) else pathlib.Path(given).stem
     path = pathlib.Path(output or f"runs/study-{name}")
     identity = file.identity([sampling, [q.text for q in file.quantities if q.fields is not None]])
-    known = open_folder(path, FILE, identity, overwrite, look_at_runs)
+    known = open_folder(path, FILE, identity, overwrite, require_runs)
     wide = len(str(len(points)))
     members = [Member(f"run-{k + 1:0{wide}d}", point) for k, point in enumerate(points)]
     if not known and path.exists():

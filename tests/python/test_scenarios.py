@@ -19,7 +19,7 @@ from moraine.map_values import reached
 from moraine.overlap import Overlap, Seen, read_seen, system_of
 from moraine.polygons import cells_inside, read_polygons
 from moraine.sampling import design
-from moraine.scenario_file import look_at_runs
+from moraine.scenario_file import require_runs
 from moraine.scenario_maps import map_statistics
 from moraine.sensitivity import correlation, influences
 from runs_for_tests import INPUTS, ROOT, PackageTest, folder, program
@@ -75,7 +75,7 @@ class Studies(PackageTest):
         self.refuses_damage(found.path / "study.json", [first[:1], first, *([*first, name] for name in ("code", "wall_s"))],
                             lambda: self.study("grid", parameter=[{"key": FRICTION, "range": [0.1, 0.4], "steps": 3}], sampling={"method": "grid"}))
         for name in ("../mine", "run-1/..", "run-"):
-            self.assertRaises(ValueError, look_at_runs, {"runs": {name: {"code": 0, "problem": "", "wall_s": 1.0}}})
+            self.assertRaises(ValueError, require_runs, {"runs": {name: {"code": 0, "problem": "", "wall_s": 1.0}}})
         other = {"parameter": [{"key": FRICTION, "range": [0.1, 0.5]}], "sampling": {"method": "grid"}}
         self.assertIn("has another study", self.problem(self.study, "grid", **other))
 
