@@ -4,13 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <span>
 
 #include "compile/system_compiler.hpp"
 #include "core/data/error.hpp"
 #include "core/data/hash.hpp"
-#include "core/structures/ground.hpp"
 #include "records/version.hpp"
 #include "scene/read_scene.hpp"
 #include "scene/scene_file.hpp"
@@ -30,17 +28,6 @@ struct Common {
 std::uint64_t hash_of(const std::string& text) {
     const auto bytes = std::as_bytes(std::span(text));
     return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
-}
-
-/// Piece by piece: a table may be larger than what is kept of it.
-std::uint64_t hash_of_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::uint64_t hash = 0;
-    for (std::string piece(1 << 20, '\0'); file;) {
-        file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-        hash = mix(hash ^ hash_of(piece.substr(0, static_cast<std::size_t>(file.gcount()))));
-    }
-    return hash;
 }
 
 /// Throws InputError that names the first thing of which rank 0 has another than others, and these. Collective.
@@ -97,13 +84,9 @@ std::vector<Common> values_of(const Scene& scene) {
     const std::string remedy = "Are its files on a disk that all hosts share, or an old copy on one of them?";
     std::vector<Common> all;
     for (const auto& [key, value] : scene_identity(scene)) all.push_back({key, hash_of(value), remedy});
-    for (const BodySpec& body : scene.bodies) {
+    for (const BodySpec& body : scene.bodies)
         if (body.shape == BodyShape::table)
             all.push_back({"the bytes of " + body.file, hash_of_file(path_of_file(scene, body.file)), remedy});
-        if (const Ground* raster = body.thickness_raster.get())
-            all.push_back({"release." + body.name + ".thickness",
-                           hash_of(fmt::format("{} {} {}", raster->first, raster->spacing, raster->count)), remedy});
-    }
     for (const GaugeSpec& gauge : scene.hazard.gauges)
         all.push_back({"hazard.gauges", hash_of(fmt::format("{} {} {}", gauge.name, gauge.x, gauge.y)), remedy});
     if (!scene.hazard.path.empty())

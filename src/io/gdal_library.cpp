@@ -37,6 +37,7 @@ GdalLibrary load() {
 #undef MORAINE_GDAL_FIND
     g.CPLPushErrorHandler(g.CPLQuietErrorHandler);
     g.CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");  // no files beside those that are read
+    g.CPLSetConfigOption("GDAL_CACHEMAX", "64");     // [MB], not 5 % of the machine's memory
     g.CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", "none");
     g.OSRSetPROJEnableNetwork(FALSE);
     g.GDALAllRegister();

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <span>
 #include <sstream>
 
@@ -12,6 +13,7 @@
 #include "core/structures/ground.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
+#include "seeding/seed_table.hpp"
 
 namespace moraine {
 
@@ -79,10 +81,15 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "seed", s.seed);
 }
 
-template <class T>
-std::uint64_t hash_of(const std::vector<T>& list) {
+template <class List>
+std::uint64_t hash_of(const List& list) {
     const auto bytes = std::as_bytes(std::span(list));
     return mix_bytes(mix(bytes.size()), bytes.data(), bytes.size());
+}
+
+/// Of its values and of where they lie.
+std::uint64_t hash_of(const Ground& raster) {
+    return mix(hash_of(raster.height) ^ hash_of(fmt::format("{} {} {}", raster.first, raster.spacing, raster.count)));
 }
 
 void add_profile(Entries& all, const std::string& key, const StrengthSpec& profile) {
@@ -91,7 +98,7 @@ void add_profile(Entries& all, const std::string& key, const StrengthSpec& profi
     add(all, key + ".depth", profile.depth);
     add(all, key + ".value", profile.value);
     if (profile.from) add(all, key + ".from", *profile.from);
-    if (profile.raster) add(all, key + ".surface.raster", hash_of(profile.raster->height));
+    if (profile.raster) add(all, key + ".surface.raster", hash_of(*profile.raster));
 }
 
 void add_materials(Entries& all, const Scene& s) {
@@ -137,6 +144,13 @@ void add_tractions(Entries& all, const Scene& s) {
     }
 }
 
+/// Of the bytes of a table that is read again when a run goes on, as this process found them first: it may be large.
+std::uint64_t first_hash_of(const std::string& path) {
+    static std::map<std::string, std::uint64_t> found;
+    const auto at = found.find(path);
+    return at != found.end() ? at->second : found[path] = hash_of_file(path);
+}
+
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
         const std::string key = path_of(b);
@@ -162,12 +176,14 @@ void add_bodies(Entries& all, const Scene& s) {
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
         if (b.release_time > 0) add(all, key + ".start", b.release_time);
         if (b.stage > 0) add(all, key + ".stage", b.stage);
+        if (b.stage > 0 && b.shape == BodyShape::table)
+            add(all, key + ".file.bytes", first_hash_of(path_of_file(s, b.file)));
         if (b.hydrograph) {
             add(all, key + ".time", b.hydrograph->time);
             add(all, key + ".discharge", b.hydrograph->discharge);
             add(all, key + ".speed", b.hydrograph->speed);
         }
-        if (b.thickness_raster) add(all, key + ".thickness.raster", hash_of(b.thickness_raster->height));
+        if (b.thickness_raster) add(all, key + ".thickness.raster", hash_of(*b.thickness_raster));
         if (b.start.over_consolidation_ratio != 1)
             add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);
     }

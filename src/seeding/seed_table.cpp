@@ -9,6 +9,7 @@
 #include <functional>
 #include <optional>
 
+#include "core/data/hash.hpp"
 #include "io/byte_order_mark.hpp"
 #include "io/file_numbers.hpp"
 #include "io/h5_open.hpp"
@@ -163,6 +164,20 @@ void check_row(const Scene& scene, const ParticleTable& table, std::size_t r, co
 
 std::string path_of_file(const Scene& scene, const std::string& file) {
     return (std::filesystem::path(scene.source.path).parent_path() / file).string();
+}
+
+/// Piece by piece: a table may be larger than what is kept of it.
+std::uint64_t hash_of_file(const std::string& path) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) return 0;
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t hash = 0;
+    for (std::string piece(1 << 20, '\0'); file;) {
+        file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+        const auto count = static_cast<std::size_t>(file.gcount());
+        hash = mix(hash ^ mix_bytes(mix(count), reinterpret_cast<const std::byte*>(piece.data()), count));
+    }
+    return hash;
 }
 
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {

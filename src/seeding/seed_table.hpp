@@ -3,6 +3,7 @@
 //
 // Columns x, y, z [m] (as many as the scene has dimensions), optional vx, vy, vz [m/s] and mass [kg].
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct ParticleTable {
 /// Throws InputError with file and line (csv) or dataset (h5); also for a particle outside the domain.
 /// Not collective: every rank that calls it reads the whole file.
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body);
+
+/// Of the bytes of a file; 0 where there is none that can be read.
+std::uint64_t hash_of_file(const std::string& path);
 
 /// Path of a file that a scene names: relative to the scene's folder.
 std::string path_of_file(const Scene& scene, const std::string& file);

@@ -15,6 +15,7 @@ import time
 import zlib
 
 import damage
+import fuzz_stages
 import moraine
 import valley
 from moraine import INPUTS, SMALL_SCENE, sets, summary
@@ -34,7 +35,7 @@ TABLE_H5 = zlib.decompress(base64.b85decode(
     b'Ojltlv{n;}h@Wnn248GYz)ct^}`)O|iR`(mK?hjPmKd3qe2Z%T@k%GYk`=A|it*-+g*e@xt<+{H3f&Dj)nEpdwAJ}_5tP)x0{t#;JL;E*@AcYU@?SQHZY#'
     b'-SJ6#-Q~vWF;p1a;qId!S)Jg^%qk;;gHm^}LN#;bDmR!qthN%Lq+h#Ntsf3P!;w7zLwXm;zA0n-SQWLhpC;<4}J9+M0yPv!KbJN0aA3lfQ>1z=Ok_Q7{Td'
     b'!6+C7qhJ&a9zgoIl>k_&00#qnoCXANk5|2gwh+)qXeSKH@BjcmLcNI'))
-KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table", "hdf5", "grid", "gis", "kill")
+KINDS = ("scene", "run", "checkpoint", "forged", "series", "csv", "loads", "summary", "table", "hdf5", "grid", "gis", "kill", *fuzz_stages.KINDS)
 UNKNOWN = ["-9999", "-9999.0", "-32767", "1e10", "nan", "-3.4028235e+38", "inf", "", "1e400", "0x10", "--1", "+1"]
 
 
@@ -138,8 +139,10 @@ def mutated_bytes(data, pick):
     return bytes(data)
 
 
-class Fuzzer:
+class Fuzzer(fuzz_stages.StageCases):
     """Runs cases in a folder of its own; `seed` files come from one good run."""
+
+    mutated_text, mutated_bytes, respelled, broken_grid = map(staticmethod, (mutated_text, mutated_bytes, respelled, broken_grid))
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -156,6 +159,7 @@ class Fuzzer:
         ended = moraine.call("run", self.folder / "s.toml", "--output", self.maps, "--quiet", "--device", "cpu",
                              *sets(time__end=0.4, output__checkpoint_interval=0.02))
         assert ended.code == 0, ended
+        self.make_stages()
 
     def case(self, word):
         """What is wrong with the program's answer to this case."""

@@ -15,7 +15,7 @@ import fuzz
 import moraine
 
 COUNTS = {"scene": 50, "run": 12, "checkpoint": 10, "forged": 20, "series": 8, "csv": 6, "loads": 8, "summary": 6, "table": 10, "hdf5": 24,
-          "grid": 16, "gis": 24, "kill": 4}
+          "grid": 16, "gis": 24, "kill": 4, "rows": 12, "strength": 8, "staged": 16, "stagekill": 4}
 
 # What once crashed, hung or ended with another code than 2, as the text of a scene.
 CORPUS = {

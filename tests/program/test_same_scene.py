@@ -98,6 +98,16 @@ class SameScene(moraine.ProgramTest):
         ended = call_apart(self.run_words(), self.hosts(good, good, called="same"))
         self.assertEqual(ended.code, 0, ended)
 
+    def test_rasters_that_lie_elsewhere_are_other_rasters(self):
+        """The same values half a cell further: their file is the same below its head."""
+        scene = valley.SCENE.replace('law = "drucker-prager"', 'law = "tresca"').replace("friction_angle = 25.0", 'su = { surface = "su.asc" }').replace("end = 1.2", "end = 0.01")
+        strength = valley.grid(at=lambda x, y: 1000 + 100 * x)
+        good = {"s.toml": scene, "valley.asc": valley.grid(), "area.csv": valley.AREA, "su.asc": strength}
+        bad = {**good, "su.asc": strength.replace("xllcenter 0\n", "xllcenter 0.5\n")}
+        self.assertNotEqual(bad, good)
+        line = self.assert_one_problem(call_apart(self.run_words(), self.hosts(good, bad)))
+        self.assertIn("rank 0 and rank 1 differ in material.debris.su.surface.raster", line)
+
     def test_tables_that_differ_between_ranks_are_refused_by_name(self):
         good = {"s.toml": TABLE, "grains.csv": GRAINS}
         bad = {"s.toml": TABLE, "grains.csv": GRAINS.replace("1.25", "1.50")}

@@ -92,6 +92,19 @@ class Stages(moraine.ProgramTest):
                 self.assertEqual(summary(again)["stages"], found["stages"])
                 self.assertEqual(table(again, "history.csv")[-1], rows[-1])
 
+    def test_a_table_of_particles_that_comes_with_a_stage_is_the_one_of_the_start_in_restarts(self):
+        rows = "x,y\n" + "".join(f"{2.3125 + 0.0625 * i},{0.03125 + 0.0625 * j}\n" for i in range(6) for j in range(6))
+        scene = self.write(CUT.replace('shape = "box"\nmin = [2.25, 0.0]\nmax = [2.75, 0.5]', 'shape = "table"\nfile = "fill.csv"'))
+        self.write(rows, "fill.csv")
+        more = sets(time__end=0.5, output__checkpoint_interval=0.1)
+        whole = self.run_scene(scene, "whole", *more)
+        first = checkpoints(whole)[0]
+        self.assertEqual(summary(self.run_scene(scene, "same", *more, "--restart", first))["state_hash"], summary(whole)["state_hash"])
+        self.write(rows.replace("2.3125", "2.3"), "fill.csv")
+        line = self.assert_one_problem(call("run", scene, *more, "--restart", first, "--output", self.folder / "other"))
+        self.assertIn("body.fill.file.bytes is ", line)
+        self.assertFalse((self.folder / "other").exists())
+
     def test_stages_that_change_nothing_change_no_bit(self):
         plain = self.run_scene(self.write(PLAIN, "plain.toml"), "plain", *sets(time__end=0.3))
         parts = PLAIN + '[[stage]]\nname = "one"\nuntil = 0.1\n[[stage]]\nname = "two"\n'
