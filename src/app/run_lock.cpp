@@ -51,7 +51,7 @@ bool lives_here(const Holder& holder) {
 }
 
 /// Takes flock, or throws InputError if it is held.
-void lock(int handle, const std::string& path) {
+void take(int handle, const std::string& path) {
     if (::flock(handle, LOCK_EX | LOCK_NB) == 0) return;
     if (errno == EWOULDBLOCK || lives_here(holder_of(path))) refuse_held(path);
 }
@@ -73,7 +73,7 @@ RunLock::RunLock(const std::string& directory) : path_(lock_file(directory)) {
             throw InputError(
                 fmt::format("cannot write into {} ({}). Another --output?", directory, std::strerror(errno)));
         try {
-            lock(handle_, path_);
+            take(handle_, path_);
         } catch (...) {
             ::close(handle_);
             throw;
@@ -105,7 +105,7 @@ void RunLock::check_free(const std::string& directory) {
     const int handle = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (handle < 0) return;  // none there
     try {
-        lock(handle, path);
+        take(handle, path);
     } catch (...) {
         ::close(handle);
         throw;

@@ -11,6 +11,7 @@
 #include "comm/halo.hpp"
 #include "core/data/host.hpp"
 #include "core/structures/particle_depth.hpp"
+#include "core/structures/structure_set.hpp"
 
 namespace moraine {
 

@@ -66,13 +66,7 @@ class Reader {
         tables_.each_of("body", [&](const toml::table& table, const std::string& path) { read_body(table, path); });
         tables_.each_of("wall", [&](const toml::table& table, const std::string& path) { read_wall(table, path); });
         read_terrain(TableReader::section_table(tables_.root, "terrain"));
-        if (const toml::table* hazard = TableReader::section_table(tables_.root, "hazard")) {
-            tables_.read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
-            check_hazard(scene_, places_);
-            load_gauges(scene_, places_);
-            load_sections(scene_, places_);
-            load_path(scene_, places_);
-        }
+        read_hazard();
         tables_.each_of("release",
                         [&](const toml::table& table, const std::string& path) { read_release(table, path); });
         tables_.each_of("inflow", [&](const toml::table& table, const std::string& path) {
@@ -101,6 +95,16 @@ class Reader {
     }
 
   private:
+    void read_hazard() {
+        const toml::table* hazard = TableReader::section_table(tables_.root, "hazard");
+        if (!hazard) return;
+        tables_.read_table(hazard, "hazard", "hazard", hazard_rows(), scene_);
+        check_hazard(scene_, places_);
+        load_gauges(scene_, places_);
+        load_sections(scene_, places_);
+        load_path(scene_, places_);
+    }
+
     /// Of a stage, whose keys are set in `root`.
     Reader(const Reader& scene, toml::table root) : tables_(scene.tables_.file(), std::move(root), scene_.dimensions) {}
 
