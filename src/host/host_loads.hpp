@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "blocks/patch.hpp"
+#include "core/data/host.hpp"
 #include "core/particles/traction.hpp"
 #include "core/transfer/totals.hpp"
 
