@@ -103,19 +103,17 @@ class SlopeLevel:
         found = Run(directory)
         if not found.checkpoints:
             return None
-        checkpoint = found.checkpoints[-1]
-        step = int(checkpoint.stem.rpartition("-")[2])
+        step = int(found.checkpoints[-1].stem.rpartition("-")[2])
         rows = numpy.flatnonzero(found.history.get("step", numpy.zeros(0)) == step)
         if len(rows) == 0:
             raise Error(f"{directory / 'history.csv'} is damaged (it has no row of step {step}). --overwrite?")
-        output = int(rows[-1])
         assert self.rule
+        output = int(rows[-1])
         with found.particles as series:
             way = Ways(series, 0, self.periodic, self.rule.mass)
             way.look(series, output)
-            time = float(series.times[output])
-            count = len(series.read(output, []))
-        return Settled(checkpoint, output, time, way.ways[-1], count)
+            time, count = float(series.times[output]), len(series.read(output, []))
+        return Settled(found.checkpoints[-1], output, time, way.ways[-1], count)
 
     def unsettled(self, said: str = "") -> Error:
         """What is said of a slope that slides while it is to settle; said: by the program."""
