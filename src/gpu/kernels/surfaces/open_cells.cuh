@@ -15,10 +15,7 @@ struct OpenNodes {
     const TileNodes<Dim>& nodes;
     int corner;
 
-    __device__ __forceinline__ const Real* values(int at) const {
-        const std::int32_t i = nodes.stored[corner + at];
-        return i < 0 ? nullptr : w.view.grid.nodes + std::size_t(i) * node_reals;
-    }
+    __device__ __forceinline__ const Real* values(int at) const { return nodes.values(w, corner + at); }
     __device__ __forceinline__ double distance(int at) const { return w.open.node[nodes.near[corner + at]].distance; }
     __device__ __forceinline__ double capacity(int at) const { return w.open.node[nodes.near[corner + at]].capacity; }
     __device__ __forceinline__ double filling(int at) const {
@@ -58,6 +55,25 @@ struct OpenBlock : Giver<Real, Dim> {
     }
     __device__ __forceinline__ const Real* sum_at(const TileNodes<Dim>& nodes, int n) const {
         return all.open.sums + std::size_t(nodes.near[n]) * node_reals;
+    }
+    /// give(n, sum): adds what node n of the tile gets to the lanes of `sum`, zeros. By all threads.
+    template <class Give>
+    __device__ __forceinline__ void fill_tile(const Give& give) const {
+        for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+            Real sum[node_reals];
+            for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
+            give(n, sum);
+            for (int q = 0; q < node_reals; ++q) this->tile()[n * node_reals + q] = sum[q];
+        }
+    }
+    /// The same of the first quad alone.
+    template <class Give>
+    __device__ __forceinline__ void fill_quads(const Give& give) const {
+        for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+            Quad<Real> sum = Quad<Real>::zero();
+            give(n, sum);
+            store_row(reinterpret_cast<Quad<Real>*>(this->tile() + n * node_reals), sum);
+        }
     }
     /// f(c, i) of the cells whose stencil has node n of the tile as its node i, ascending.
     template <class F>
@@ -145,16 +161,13 @@ __global__ void __launch_bounds__(surface_threads, 1)
     const bool any = __syncthreads_or(child);
     if (threadIdx.x == 0) block.gives(any), w.open.has_children[block.g] = any;
     if (!any) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Real sum[node_reals];
-        for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
+    block.fill_tile([&](int n, Real* sum) {
         for (int k = 0; k < block.cells; ++k) {
             const OpenCell<Real, Dim>& cell = block.cell(k);
             if (!cell.child || block.root_node(k) != n) continue;
             for (int q = 0; q < child_lanes; ++q) sum[sum_lane<Dim>(q)] += told_by_child(cell, q);
         }
-        for (int q = 0; q < node_reals; ++q) block.tile()[n * node_reals + q] = sum[q];
-    }
+    });
 }
 
 /// The sums of a pass at nodes near surfaces; zeros where nobody gives.
@@ -185,9 +198,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
     const bool occupied = block.particles() > 0;
     if (threadIdx.x == 0) block.gives(occupied);
     if (!occupied) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Real sum[node_reals];
-        for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
+    block.fill_tile([&](int n, Real* sum) {
         block.each_cell(n, [&](int k, int) {
             const OpenCell<Real, Dim>& cell = block.cell(k);
             const CellPressure<Real>* from = nullptr;
@@ -198,8 +209,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
             sum[sum_lane<Dim>(hole_pressure)] += from->volume * from->pressure;
             sum[sum_lane<Dim>(hole_bulk)] += from->volume * from->bulk;
         });
-        for (int q = 0; q < node_reals; ++q) block.tile()[n * node_reals + q] = sum[q];
-    }
+    });
 }
 
 /// Holes, and what roots tell their children.
@@ -223,16 +233,13 @@ __global__ void __launch_bounds__(surface_threads, 1)
         w.open.has_roots[block.g] = any;
     }
     if (!any) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Real sum[node_reals];
-        for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
+    block.fill_tile([&](int n, Real* sum) {
         for (int k = 0; k < block.cells; ++k) {
             const OpenCell<Real, Dim>& cell = block.cell(k);
             if (tile_offset<Dim, 3>(k) + to_middle<Dim> != n || !cell.on || cell.child || !cell.mixed) continue;
             for (int q = 0; q < root_lanes; ++q) sum[sum_lane<Dim>(q)] = told_by_root(cell.state, q);
         }
-        for (int q = 0; q < node_reals; ++q) block.tile()[n * node_reals + q] = sum[q];
-    }
+    });
 }
 
 /// What the structure bears of a cell's pressure.
@@ -284,15 +291,13 @@ __global__ void __launch_bounds__(surface_threads, 1)
     if (!w.presses) return;
     if (threadIdx.x == 0) block.gives(gives);
     if (!gives) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Quad<Real> sum = Quad<Real>::zero();
+    block.fill_quads([&](int n, Quad<Real>& sum) {
         block.each_cell(n, [&](int k, int i) {
             const OpenCell<Real, Dim>& cell = block.cell(k);
             if (!cell.on) return;
             for (int a = 0; a < Dim; ++a) sum[a] -= cell.factor[i].gradient[a] * force[k];
         });
-        store_row(reinterpret_cast<Quad<Real>*>(block.tile() + n * node_reals), sum);
-    }
+    });
 }
 
 /// The forces of cells, to what nodes hold.
@@ -330,12 +335,10 @@ __global__ void __launch_bounds__(surface_threads, 1)
     const bool any = w.open.has_children[block.g] || w.open.has_roots[block.g];
     if (threadIdx.x == 0) block.gives(any);
     if (!any) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Quad<Real> sum = Quad<Real>::zero();
+    block.fill_quads([&](int n, Quad<Real>& sum) {
         for (int k = 0; k < block.cells; ++k)
             if (root[k] == n) sum[0] += block.cell(k).flux;
-        store_row(reinterpret_cast<Quad<Real>*>(block.tile() + n * node_reals), sum);
-    }
+    });
 }
 
 }  // namespace moraine::gpu

@@ -43,6 +43,12 @@ struct TileNodes {
         }
         __syncthreads();
     }
+    /// Of node n; null: it holds no soil.
+    template <class Real>
+    __device__ __forceinline__ const Real* values(const SurfaceWork<Real, Dim>& w, int n) const {
+        const std::int32_t i = stored[n];
+        return i < 0 ? nullptr : w.view.grid.nodes + std::size_t(i) * node_reals;
+    }
 };
 
 /// A giver.
@@ -70,10 +76,7 @@ struct ElementNodes {
     const TileNodes<Dim>& nodes;
     int corner;
 
-    __device__ __forceinline__ const Real* values(int at) const {
-        const std::int32_t i = nodes.stored[corner + at];
-        return i < 0 ? nullptr : w.view.grid.nodes + std::size_t(i) * node_reals;
-    }
+    __device__ __forceinline__ const Real* values(int at) const { return nodes.values(w, corner + at); }
     __device__ __forceinline__ SurfaceShares<Dim> shares(int at) const {
         return shares_of<Dim>(w.shares + std::size_t(nodes.near[corner + at]) * node_reals);
     }
