@@ -78,26 +78,14 @@ Machine machine_of(const Comm& comm, const Options& options) {
     return machine;
 }
 
-/// What devices do not have of surfaces that act where they are (gpu/surface_state.hpp).
-void check_device_bed(const Scene& scene, int ranks) {
-    const auto refuse_with = [&](const char* what) {
-        throw InputError(fmt::format(
-            "{}: numerics.bed = \"surface\" with {} (devices do not have it). Use --device cpu, or bed = \"nodes\"?",
-            scene.source.path, what));
-    };
-    if (scene.sleep.on) refuse_with("numerics.sleep = \"on\"");
-    if (ranks > 1 && !scene.structures.empty()) refuse_with("several ranks");
-}
-
 /// What devices do not have (gpu/kernels/programs.cpp).
-void check_device_scene(const Scene& scene, int ranks) {
+void check_device_scene(const Scene& scene) {
     for (const MaterialSpec& m : scene.materials)
         if (uses_grid_pressure(scene) && m.volumetric != Volumetric::grid)
             throw InputError(fmt::format(
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
                 scene.source.path, m.name));
-    if (scene.bed == Bed::surface) check_device_bed(scene, ranks);
     for (const auto& axis : scene.walls)
         for (const WallSpec& wall : axis)
             if (wall.absorbs)
@@ -150,7 +138,7 @@ void check(const Scene& scene, const Options& options, const Comm& comm, const M
 void execute(const Options& options, const Comm& comm) {
     const Machine machine = machine_of(comm, options);
     const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
-        if (machine.devices) check_device_scene(s, machine.ranks);
+        if (machine.devices) check_device_scene(s);
         check_allowed(s, options.allow_changes);
         check_capacity(s, machine);
     });
@@ -159,7 +147,7 @@ void execute(const Options& options, const Comm& comm) {
         return;
     }
     if (options.command == "kernels") {
-        check_device_scene(scene, 1);
+        check_device_scene(scene);
         if (comm.is_root()) fmt::print("{}", compile_kernels(scene, options.kernel_cache, options.architectures));
         return;
     }

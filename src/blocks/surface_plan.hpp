@@ -1,24 +1,30 @@
 #pragma once
-// What of surfaces holds for an epoch (Bed::surface): which blocks and nodes they are near, which cells they cut, where
-// the elements are and who is a slave. All of it follows from places, the same on all ranks, on hosts and on devices.
+// Which blocks and nodes of an epoch are near surfaces (Bed::surface), and what these find there. All of it follows
+// from places, the same on all ranks, on hosts and on devices.
+//
+// What a block or a node block finds is kept from epoch to epoch, and is found when it first appears: an epoch's work
+// is its lists and what is new. Where a structure moves all is forgotten in each step; where a flow has gone far, what
+// it left behind.
 
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "blocks/epoch.hpp"
-#include "core/surfaces/open_rule.hpp"
-#include "core/surfaces/surface_elements.hpp"
-#include "core/surfaces/surface_geometry.hpp"
+#include "blocks/surface_block.hpp"
 
 namespace moraine {
 
-/// By own block and cell: who of the ring has an element and is the cell or beside it.
-struct RingLists {
-    std::vector<std::uint32_t> first;  ///< of `ring`, and their end
-    std::vector<std::uint16_t> ring;
+/// What the nodes of a node block find.
+template <int Dim>
+struct SurfaceNodes {
+    std::size_t number;  ///< as SurfaceBlock's
+    SurfaceNode<Dim> node[Block<Dim>::cells];
 };
 
 template <int Dim>
-struct SurfacePlan {
+class SurfacePlan {
+  public:
     static constexpr int width = 3, cells = Block<Dim>::cells, nodes = power<Dim>(3);
     static constexpr int side = tile_side(width), tile_nodes = power<Dim>(side);
     static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
@@ -26,35 +32,40 @@ struct SurfacePlan {
 
     double h;    ///< [m]
     int origin;  ///< of the stencil
-    SurfaceGeometry<Dim> geometry{};
-    ContactField<Dim> field{};
     std::size_t ghosts = 0;
-    std::vector<std::int32_t> blocks{}, bed_of{};                     ///< own; by own and ghost block
-    std::vector<std::int32_t> near_nodes{}, near_of{}, node_index{};  ///< node blocks; [block][node of tile]
-    std::vector<SurfaceNode<Dim>> surface_nodes{};                    ///< [near node block][node]
-    std::vector<SurfaceCell<Dim>> place_of{};                         ///< [block][cell]
-    std::vector<std::vector<SurfaceElement<Dim>>> elements{};         ///< [block]
-    std::vector<std::vector<Slave>> slaves{};                         ///< [block]
-    std::vector<RingElement<Dim>> ring{};                             ///< [block][cell of the ring]
-    RingLists around{};
+    std::vector<std::int32_t> blocks{}, bed_of{};         ///< own; by own and ghost block
+    std::vector<std::int32_t> near_nodes{}, near_of{};    ///< node blocks, and their numbers among those
+    std::vector<SurfaceBlock<Dim>*> block_at{};           ///< [block]
+    std::vector<const SurfaceNodes<Dim>*> nodes_at{};     ///< [near node block]
+    std::int64_t generation = 0;                          ///< times that all was forgotten
 
     SurfacePlan(double cell, int of_stencil) : h(cell), origin(of_stencil) {}
-    /// For the blocks of an epoch, by the geometry as it has begun. Not collective.
-    void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of);
-    Place cell_node(int k, int c) const;
-    std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
+    /// For the blocks of an epoch. What has been found so far holds unless a structure moves. Not collective.
+    template <class Real>
+    void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves, const Walls<Real, Dim>& walls,
+              const NodeCapacity<Real, Dim>& ends) {
+        geometry_.begin(of, walls, ends);
+        make(tables, of, moves);
+    }
 
   private:
-    void list_blocks(const EpochTables<Dim>& tables);
-    void find_nodes(const EpochTables<Dim>& tables);
-    void find_block(int k);
-    void find_space(int k, int c, const Place& node, SurfaceCell<Dim>& cell);
-    void find_root(const Place& node, SurfaceCell<Dim>& cell);
-    void add_element(int k, int c, const CutCell<Dim>& cut);
-    void list_slaves(int k, int c);
-    bool is_near(const Place& block) const;
+    template <class T>
+    using Found = std::unordered_map<Key, std::unique_ptr<T>>;  ///< null: no surface is near
 
-    std::vector<Place> first_{};  ///< of blocks: the node of the first cell
+    void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves);
+    void forget();
+    void list_blocks(const EpochTables<Dim>& tables);
+    void list_nodes(const EpochTables<Dim>& tables);
+    bool is_near(const Place& block) const;
+    SurfaceBlock<Dim>* block(Key key, const Place& place);
+    const SurfaceNodes<Dim>* node_block(Key key, const Place& place);
+
+    ContactField<Dim> field_{};
+    SurfaceGeometry<Dim> geometry_{};
+    Found<SurfaceBlock<Dim>> found_{};
+    std::unordered_map<Key, bool> near_{};  ///< ghosts
+    Found<SurfaceNodes<Dim>> found_nodes_{};
+    std::size_t block_count_ = 0, node_count_ = 0;  ///< found
 };
 
 }  // namespace moraine

@@ -52,6 +52,7 @@ View<Real, Dim> DeviceEngine<Real, Dim>::view() const {
     v.grid = {epoch_.lists.tile_of(), reinterpret_cast<Real*>(epoch_.tiles.data()), epoch_.node_of.data(),
               reinterpret_cast<Real*>(epoch_.nodes.data())};
     v.p = lead_ && lead_->captured_columns() ? *lead_->captured_columns() : store_.rows.view();
+    if (surfaces_ && exchange_) v.table.kept_nodes = surfaces_->near_of();
     v.context = method_.context;
     v.context.half_size = bodies_.half_size.data();
     v.moves = epoch_.lists.moves();

@@ -39,8 +39,9 @@ template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::hold_sleepers(const StepScales<Dim>& step) {
     if (step.structures && step.structures->any_moves())
         sleepers_->keep_awake(view(), contact_.at_nodes.field, stream_);
-    sleepers_->hold(view(), store_.rows.rest(), step.structures ? contact_.at_nodes.near.mark : nullptr, step.quantum,
-                    epoch_.lists.is_boundary(), stream_);
+    const std::uint8_t* near = step.structures ? contact_.at_nodes.near.mark : nullptr;
+    if (near && surfaces_) near = surfaces_->near_mark();
+    sleepers_->hold(view(), store_.rows.rest(), near, step.quantum, epoch_.lists.is_boundary(), stream_);
 }
 
 template <class Real, int Dim>

@@ -4,10 +4,13 @@
 //
 // Gaps are found with the sums of a step's first round, into the tiles of gaps, and travel as those. Behind the nodes:
 // which elements the soil touches and their W_i, once a step; then elements, and slaves, each a launch that gives to
-// tiles and one that sums them at nodes. Where a structure moves the plan is made anew in each step.
+// tiles and one that sums them at nodes. Where a structure moves the plan is made anew in each step. Between ranks
+// those tiles travel as the halo's, in each pass; all ranks make the same passes.
 
 #include "engine/engine.hpp"
+#include "gpu/compile/kernel.hpp"
 #include "gpu/contact_state.hpp"
+#include "gpu/exchange/tile_round.hpp"
 #include "gpu/fluid_state.hpp"
 #include "gpu/surface_tables.hpp"
 
@@ -26,6 +29,7 @@ struct SurfaceShare {
     const ContactState<Dim>& contact;
     const StepScales<Dim>& step;
     PressureView<Real, Dim> pressure;
+    TileRound<Real, Dim> round;  ///< how tiles travel
 };
 
 template <class Real, int Dim>
@@ -39,6 +43,9 @@ class SurfaceState {
     void forget() { known_ = false; }
     /// The plan of this epoch, or of this step where a structure moves. Asynchronous, as all that follows.
     void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, cudaStream_t stream);
+    /// By node block: not negative where a surface is near; and 1 there.
+    const std::int32_t* near_of() const { return on_.tables().near_of; }
+    const std::uint8_t* near_mark() const { return on_.near_mark(); }
     /// Fills the gap tiles of these pairs.
     void find_gaps(const View<Real, Dim>& view, const ContactState<Dim>& contact, const Array<ContactPair>& pairs,
                    cudaStream_t stream) const;
@@ -59,18 +66,20 @@ class SurfaceState {
     }
 
   private:
-    SurfaceWork<Real, Dim> work_of(const Share& share, const std::int32_t* tile_of) const;
+    SurfaceWork<Real, Dim> work_of(const Share& share, std::int32_t* tile_of) const;
     OpenWork<Real, Dim> open_work_of(const Share& share, const Substep& substep) const;
     void advance(const Share& share, const Substep& substep, bool presses, cudaStream_t stream) const;
-    unsigned node_grid() const;
-    unsigned grid() const { return static_cast<unsigned>(on_.givers()); }
+    template <class Work>
+    void give(const Kernel& kernel, const Share& share, const Work& work, cudaStream_t stream, const char* what) const;
+    template <class Work>
+    void at_nodes(const Kernel& kernel, const Work& work, cudaStream_t stream, const char* what) const;
+    bool is_idle(const Share& share) const { return on_.givers() == 0 && !share.round.travels(); }
 
     const Method<Host, Real, Dim>& method_;
     SurfaceKernels kernels_;
     SurfacePlan<Dim> plan_;
     bool known_ = false;
     DeviceSurfaces<Real, Dim> on_;
-    DeviceOpenCells<Real, Dim> cells_;
 };
 
 }  // namespace moraine::gpu

@@ -5,106 +5,112 @@
 
 namespace moraine::gpu {
 
-template <class Real, int Dim>
-void DeviceSurfaces<Real, Dim>::assign(const SurfacePlan<Dim>& plan, const std::vector<std::int32_t>& beds,
-                                       std::size_t own, cudaStream_t stream) {
-    constexpr std::size_t tile_reals = std::size_t(SurfacePlan<Dim>::tile_nodes) * node_reals;
-    std::vector<std::int32_t> giver, first_element{0}, first_slave{0};
-    std::vector<SurfaceElement<Dim>> elements;
-    std::vector<SlaveNode<Dim>> slaves;
-    for (const std::int32_t bed : beds) {
-        const auto k = static_cast<std::size_t>(bed);
-        giver.push_back(plan.blocks[k]);
-        elements.insert(elements.end(), plan.elements[k].begin(), plan.elements[k].end());
-        for (const Slave& s : plan.slaves[k])
-            slaves.push_back({s, plan.surface_nodes[static_cast<std::size_t>(plan.node_at(bed, s.own))]});
-        first_element.push_back(static_cast<std::int32_t>(elements.size()));
-        first_slave.push_back(static_cast<std::int32_t>(slaves.size()));
+template <int Dim>
+void SurfaceStore<Dim>::update(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream) {
+    if (generation_ != plan.generation) memory_.clear(), beds_.clear(), nodes_.clear();
+    generation_ = plan.generation;
+    for (const SurfaceBlock<Dim>* block : plan.block_at) {
+        if (block->number >= beds_.size()) beds_.push_back(put(*block, cells, stream));
     }
-    giver_.assign(giver, stream);
-    first_element_.assign(first_element, stream), first_slave_.assign(first_slave, stream);
-    elements_.assign(elements, stream), slaves_.assign(slaves, stream);
-    bed_of_.assign(plan.bed_of, stream);
-    near_nodes_.assign(plan.near_nodes, stream), near_of_.assign(plan.near_of, stream);
-    tiles_.resize(giver.size() * tile_reals, stream);
-    shares_.resize(plan.near_nodes.size() * Block<Dim>::cells * node_reals, stream);
-    const std::vector<std::int32_t> nobody(own + plan.ghosts, -1);
-    element_tiles_.assign(nobody, stream), slave_tiles_.assign(nobody, stream);
-    assign_ring(plan, stream);
+    for (const SurfaceNodes<Dim>* nodes : plan.nodes_at) {
+        if (!cells || nodes->number < nodes_.size()) continue;
+        OpenNode of[Block<Dim>::cells];
+        for (int n = 0; n < Block<Dim>::cells; ++n) of[n] = {nodes->node[n].distance, nodes->node[n].capacity};
+        nodes_.push_back(memory_.put(of, Block<Dim>::cells, stream));
+    }
+    memory_.flush(stream);
 }
 
-/// Those of a block's ring that are elements, behind one another.
-template <class Real, int Dim>
-void DeviceSurfaces<Real, Dim>::assign_ring(const SurfacePlan<Dim>& plan, cudaStream_t stream) {
-    constexpr std::size_t nodes = SurfacePlan<Dim>::tile_nodes, cells = Block<Dim>::cells;
-    std::vector<RingElement<Dim>> ring;
-    std::vector<std::int32_t> first{0};
-    std::vector<std::uint16_t> around(plan.around.ring.size()), place(nodes);
-    for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
-        for (std::size_t n = 0; n < nodes; ++n) {
-            if (!(plan.ring[k * nodes + n].area > 0)) continue;
-            place[n] = static_cast<std::uint16_t>(ring.size() - static_cast<std::size_t>(first.back()));
-            ring.push_back(plan.ring[k * nodes + n]);
+template <int Dim>
+SurfaceBed<Dim> SurfaceStore<Dim>::put(const SurfaceBlock<Dim>& block, bool cells, cudaStream_t stream) {
+    SurfaceBed<Dim> bed{};
+    bed.element_count = static_cast<std::int32_t>(block.elements.size());
+    bed.slave_count = static_cast<std::int32_t>(block.slaves.size());
+    bed.elements = memory_.put(block.elements, stream);
+    bed.slaves = memory_.put(block.slaves, stream);
+    bed.ring = memory_.put(block.ring, stream);
+    bed.around = memory_.put(block.around, stream);
+    bed.first_around = memory_.put(block.first_around.data(), block.first_around.size(), stream);
+    if (cells && block.has_cells) bed.cells = put_cells(block, stream);
+    return bed;
+}
+
+template <int Dim>
+const SurfaceCell<Dim>* SurfaceStore<Dim>::put_cells(const SurfaceBlock<Dim>& block, cudaStream_t stream) {
+    std::vector<SurfaceCell<Dim>> cells = block.cell;
+    std::unordered_map<const CutCell<Dim>*, const CutCell<Dim>*> there;
+    for (SurfaceCell<Dim>& cell : cells)
+        for (const CutCell<Dim>** cut : {&cell.cut, &cell.cut_of_root}) {
+            if (!*cut) continue;
+            const auto [at, is_new] = there.try_emplace(*cut);
+            if (is_new) at->second = memory_.put(*cut, 1, stream);
+            *cut = at->second;
         }
-        first.push_back(static_cast<std::int32_t>(ring.size()));
-        for (std::uint32_t i = plan.around.first[k * cells]; i < plan.around.first[(k + 1) * cells]; ++i)
-            around[i] = place[plan.around.ring[i]];
+    return memory_.put(cells, stream);
+}
+
+template <class Real, int Dim>
+void DeviceSurfaces<Real, Dim>::assign(const SurfacePlan<Dim>& plan, std::size_t own, bool cells,
+                                       cudaStream_t stream) {
+    store_.update(plan, cells, stream);
+    blocks_ = own + plan.ghosts;
+    put_lists(plan, cells, stream);
+    resize(plan.near_nodes.size(), cells, stream);
+}
+
+template <class Real, int Dim>
+void DeviceSurfaces<Real, Dim>::put_lists(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream) {
+    std::vector<SurfaceBed<Dim>> beds(plan.blocks.size());
+    std::vector<std::int32_t> giver;
+    has_slaves_ = false;
+    for (std::size_t k = 0; k < beds.size(); ++k) {
+        SurfaceBed<Dim>& bed = beds[k] = store_.bed(*plan.block_at[k]);
+        bed.block = plan.blocks[k];
+        has_slaves_ = has_slaves_ || bed.slave_count > 0;
+        if (bed.element_count > 0 || bed.slave_count > 0 || bed.cells) giver.push_back(static_cast<std::int32_t>(k));
     }
-    ring_.assign(ring, stream), first_ring_.assign(first, stream);
-    around_.assign(around, stream), first_around_.assign(plan.around.first, stream);
+    std::vector<const OpenNode*> node_at;
+    for (const SurfaceNodes<Dim>* nodes : plan.nodes_at)
+        if (cells) node_at.push_back(store_.nodes(*nodes));
+    std::vector<std::uint8_t> near_mark(plan.near_of.size());
+    for (const std::int32_t c : plan.near_nodes) near_mark[static_cast<std::size_t>(c)] = 1;
+    givers_ = static_cast<int>(giver.size());
+    lists_.clear();
+    tables_ = {lists_.put(beds, stream),
+               lists_.put(plan.bed_of, stream),
+               lists_.put(giver, stream),
+               lists_.put(plan.near_nodes, stream),
+               lists_.put(plan.near_of, stream),
+               static_cast<int>(plan.near_nodes.size()),
+               static_cast<int>(plan.ghosts)};
+    node_at_ = lists_.put(node_at, stream);
+    near_mark_ = lists_.put(near_mark, stream);
+    lists_.flush(stream);
 }
 
 template <class Real, int Dim>
-SurfaceTables<Dim> DeviceSurfaces<Real, Dim>::tables() const {
-    return {bed_of_.data(),
-            giver_.data(),
-            first_element_.data(),
-            first_slave_.data(),
-            near_nodes_.data(),
-            near_of_.data(),
-            elements_.data(),
-            slaves_.data(),
-            ring_.data(),
-            first_ring_.data(),
-            around_.data(),
-            first_around_.data(),
-            static_cast<int>(near_nodes_.size())};
+void DeviceSurfaces<Real, Dim>::resize(std::size_t near_nodes, bool cells, cudaStream_t stream) {
+    const auto givers = static_cast<std::size_t>(givers_), nodes = near_nodes * Block<Dim>::cells;
+    const std::size_t ghosts = static_cast<std::size_t>(tables_.ghosts);
+    tiles_.resize((ghosts + givers) * SurfacePlan<Dim>::tile_nodes * node_reals, stream);
+    shares_.resize(nodes * node_reals, stream);
+    tile_of_.resize((cells ? 3 : 2) * blocks_, stream);
+    if (tile_of_.size() > 0)
+        check(cudaMemsetAsync(tile_of_.data(), 0xff, tile_of_.size() * sizeof(std::int32_t), stream),
+              "Clearing tables of surfaces");
+    if (!cells) return;
+    cells_.resize(givers * Block<Dim>::cells, stream);
+    sums_.resize(nodes * node_reals, stream);
+    acceleration_.resize(nodes, stream);
+    has_children_.resize(givers, stream), has_roots_.resize(givers, stream);
 }
 
 template <class Real, int Dim>
-void DeviceOpenCells<Real, Dim>::assign(const SurfacePlan<Dim>& plan, const std::vector<std::int32_t>& beds,
-                                        std::size_t own, cudaStream_t stream) {
-    constexpr std::size_t cells = Block<Dim>::cells;
-    std::vector<SurfaceCell<Dim>> places;
-    for (const std::int32_t k : beds)
-        for (std::size_t c = 0; c < cells; ++c)
-            places.push_back(plan.place_of[static_cast<std::size_t>(k) * cells + c]);
-    std::unordered_map<const CutCell<Dim>*, std::size_t> at;
-    std::vector<CutCell<Dim>> cuts;
-    for (const SurfaceCell<Dim>& place : places)
-        for (const CutCell<Dim>* cut : {place.cut, place.cut_of_root})
-            if (cut && at.emplace(cut, cuts.size()).second) cuts.push_back(*cut);
-    cuts_.assign(cuts, stream);
-    for (SurfaceCell<Dim>& place : places)
-        for (const CutCell<Dim>** cut : {&place.cut, &place.cut_of_root})
-            if (*cut) *cut = cuts_.data() + at.at(*cut);
-    places_.assign(places, stream);
-    std::vector<OpenNode> nodes;
-    for (const SurfaceNode<Dim>& n : plan.surface_nodes) nodes.push_back({n.distance, n.capacity});
-    nodes_.assign(nodes, stream);
-    cells_.resize(places.size(), stream);
-    sums_.resize(nodes.size() * node_reals, stream);
-    acceleration_.resize(nodes.size(), stream);
-    has_children_.resize(beds.size(), stream), has_roots_.resize(beds.size(), stream);
-    tile_of_.assign(std::vector<std::int32_t>(own + plan.ghosts, -1), stream);
-}
-
-template <class Real, int Dim>
-OpenTables<Real, Dim> DeviceOpenCells<Real, Dim>::tables(const Method<Host, Real, Dim>& method, double cell) const {
+OpenTables<Real, Dim> DeviceSurfaces<Real, Dim>::open_tables(const Method<Host, Real, Dim>& method,
+                                                             double cell) const {
     return {{method.context.walls, method.capacity, method.context.inverse_cell, std::pow(cell, Dim - 1),
              std::pow(cell, Dim)},
-            places_.data(),
-            nodes_.data(),
+            node_at_,
             cells_.data(),
             sums_.data(),
             acceleration_.data(),
@@ -112,12 +118,11 @@ OpenTables<Real, Dim> DeviceOpenCells<Real, Dim>::tables(const Method<Host, Real
             has_roots_.data()};
 }
 
-#define MORAINE_SURFACES(Real, Dim)           \
-    template class DeviceSurfaces<Real, Dim>; \
-    template class DeviceOpenCells<Real, Dim>;
-MORAINE_SURFACES(float, 2)
-MORAINE_SURFACES(float, 3)
-MORAINE_SURFACES(double, 2)
-MORAINE_SURFACES(double, 3)
+template class SurfaceStore<2>;
+template class SurfaceStore<3>;
+template class DeviceSurfaces<float, 2>;
+template class DeviceSurfaces<float, 3>;
+template class DeviceSurfaces<double, 2>;
+template class DeviceSurfaces<double, 3>;
 
 }  // namespace moraine::gpu

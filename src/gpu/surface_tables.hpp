@@ -1,64 +1,70 @@
 #pragma once
-// The plan of surfaces on the device (blocks/surface_plan.hpp), and memory for what is summed there in a step.
+// The plan of surfaces on the device (blocks/surface_plan.hpp), and memory for what is summed there in a step. What a
+// block finds is copied once and stays while the plan keeps it; of an epoch go lists of who is where, in one copy.
 
 #include "blocks/surface_plan.hpp"
 #include "core/transfer/method.hpp"
-#include "gpu/compile/kernel.hpp"
 #include "gpu/kernels/surfaces/surface_work.hpp"
-#include "gpu/memory/pool_array.hpp"
+#include "gpu/memory/arena.hpp"
 
 namespace moraine::gpu {
 
-/// Of elements and slaves.
+/// What blocks and node blocks find, by the plan's numbers.
+template <int Dim>
+class SurfaceStore {
+  public:
+    /// cells: those beside surfaces are wanted. Queued, in the order of the stream.
+    void update(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream);
+
+    const SurfaceBed<Dim>& bed(const SurfaceBlock<Dim>& of) const { return beds_[of.number]; }
+    const OpenNode* nodes(const SurfaceNodes<Dim>& of) const { return nodes_[of.number]; }
+
+  private:
+    SurfaceBed<Dim> put(const SurfaceBlock<Dim>& block, bool cells, cudaStream_t stream);
+    const SurfaceCell<Dim>* put_cells(const SurfaceBlock<Dim>& block, cudaStream_t stream);
+
+    Arena memory_;
+    std::vector<SurfaceBed<Dim>> beds_;
+    std::vector<const OpenNode*> nodes_;
+    std::int64_t generation_ = -1;
+};
+
 template <class Real, int Dim>
 class DeviceSurfaces {
   public:
-    /// beds: of blocks near a surface, the numbers of the givers. Asynchronous.
-    void assign(const SurfacePlan<Dim>& plan, const std::vector<std::int32_t>& beds, std::size_t own,
-                cudaStream_t stream);
+    /// own: blocks; cells: those beside surfaces have a pressure. Asynchronous.
+    void assign(const SurfacePlan<Dim>& plan, std::size_t own, bool cells, cudaStream_t stream);
 
-    SurfaceTables<Dim> tables() const;
-    int givers() const { return static_cast<int>(giver_.size()); }
-    bool has_slaves() const { return slaves_.size() > 0; }
+    const SurfaceTables<Dim>& tables() const { return tables_; }
+    OpenTables<Real, Dim> open_tables(const Method<Host, Real, Dim>& method, double cell) const;
+    int givers() const { return givers_; }
+    bool has_slaves() const { return has_slaves_; }
     Real* tiles() const { return tiles_.data(); }
     Real* shares() const { return shares_.data(); }
-    std::int32_t* element_tiles() const { return element_tiles_.data(); }  ///< who gives (SurfaceTiles)
-    std::int32_t* slave_tiles() const { return slave_tiles_.data(); }
-
-  private:
-    void assign_ring(const SurfacePlan<Dim>& plan, cudaStream_t stream);
-
-    PoolArray<std::int32_t> bed_of_, giver_, first_element_, first_slave_, near_nodes_, near_of_, first_ring_;
-    PoolArray<SurfaceElement<Dim>> elements_;
-    PoolArray<SlaveNode<Dim>> slaves_;
-    PoolArray<RingElement<Dim>> ring_;
-    PoolArray<std::uint16_t> around_;
-    PoolArray<std::uint32_t> first_around_;
-    PoolArray<Real> tiles_, shares_;
-    PoolArray<std::int32_t> element_tiles_, slave_tiles_;
-};
-
-/// Of cells beside surfaces, where the pressure is the grid's.
-template <class Real, int Dim>
-class DeviceOpenCells {
-  public:
-    /// As DeviceSurfaces'.
-    void assign(const SurfacePlan<Dim>& plan, const std::vector<std::int32_t>& beds, std::size_t blocks,
-                cudaStream_t stream);
-
-    OpenTables<Real, Dim> tables(const Method<Host, Real, Dim>& method, double cell) const;
     const OpenCell<Real, Dim>* cells() const { return cells_.data(); }
-    std::int32_t* tile_of() const { return tile_of_.data(); }  ///< who gives
+    const std::uint8_t* near_mark() const { return near_mark_; }  ///< by node block: a surface is near
+    /// Who gives (SurfaceTiles).
+    std::int32_t* element_tiles() const { return tile_of_.data(); }
+    std::int32_t* slave_tiles() const { return tile_of_.data() + blocks_; }
+    std::int32_t* cell_tiles() const { return tile_of_.data() + 2 * blocks_; }
 
   private:
-    PoolArray<CutCell<Dim>> cuts_;
-    PoolArray<SurfaceCell<Dim>> places_;
-    PoolArray<OpenNode> nodes_;
+    void put_lists(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream);
+    void resize(std::size_t near_nodes, bool cells, cudaStream_t stream);
+
+    SurfaceStore<Dim> store_;
+    Arena lists_;
+    SurfaceTables<Dim> tables_{};
+    const OpenNode* const* node_at_ = nullptr;
+    const std::uint8_t* near_mark_ = nullptr;
+    std::size_t blocks_ = 0;  ///< own and ghosts
+    int givers_ = 0;
+    bool has_slaves_ = false;
+    PoolArray<Real> tiles_, shares_, sums_;
+    PoolArray<std::int32_t> tile_of_;
     PoolArray<OpenCell<Real, Dim>> cells_;
-    PoolArray<Real> sums_;
     PoolArray<Vec<Real, Dim>> acceleration_;
     PoolArray<std::uint8_t> has_children_, has_roots_;
-    PoolArray<std::int32_t> tile_of_;
 };
 
 }  // namespace moraine::gpu

@@ -29,9 +29,8 @@ template <class Real, int Dim>
 void SurfaceBlocks<Real, Dim>::find(const ContactField<Dim>& of, bool moves) {
     if (made.in_epoch && !moves) return;
     scene.field = of;
-    this->geometry.begin(of, method.context.walls, method.capacity);
-    if (moves) this->geometry.forget();
-    this->make(patch.tables(), of);
+    this->make(patch.tables(), of, moves, method.context.walls, method.capacity);
+    index_nodes();
     tile_index.assign(bed_of.size(), -1);
     tiles.resize((ghosts + blocks.size()) * tile_nodes * node_reals);
     std::fill_n(tiles.data(), tiles.size(), Real(0));
@@ -43,6 +42,24 @@ void SurfaceBlocks<Real, Dim>::find(const ContactField<Dim>& of, bool moves) {
     for (std::size_t c = 0; c < needed.size(); ++c) needed[c] = near_of[c] >= 0;
     patch.keep_nodes(std::move(needed));
     made.in_epoch = true;
+}
+
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::index_nodes() {
+    const EpochTables<Dim>& tables = patch.tables();
+    node_index.resize(blocks.size() * tile_nodes);
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+        for (int n = 0; n < tile_nodes; ++n) {
+            int corner = 0, at = 0;
+            for (int a = 0, rest = n; a < Dim; ++a, rest /= side) {
+                const int x = rest % side;
+                corner |= (x >> 2) << a, at |= (x & 3) << (2 * a);
+            }
+            const std::int32_t c =
+                tables.node_block[static_cast<std::size_t>(blocks[k] * Block<Dim>::corners + corner)];
+            node_index[k * tile_nodes + static_cast<std::size_t>(n)] =
+                near_of[static_cast<std::size_t>(c)] * cells + at;
+        }
 }
 
 template <class Real, int Dim>

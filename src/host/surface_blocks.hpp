@@ -41,8 +41,8 @@ template <class Real, int Dim>
 struct SurfaceBlocks : SurfacePlan<Dim> {
     using Plan = SurfacePlan<Dim>;
     using Place = typename Plan::Place;
-    using Plan::bed_of, Plan::blocks, Plan::cells, Plan::ghosts, Plan::near_nodes, Plan::near_of, Plan::node_at;
-    using Plan::nodes, Plan::side, Plan::tile_nodes, Plan::to_middle, Plan::width;
+    using Plan::bed_of, Plan::block_at, Plan::blocks, Plan::cells, Plan::ghosts, Plan::near_nodes, Plan::near_of;
+    using Plan::nodes, Plan::nodes_at, Plan::side, Plan::tile_nodes, Plan::to_middle, Plan::width;
 
     const Method<Host, Real, Dim>& method;
     Patch<Host, Real, Dim>& patch;
@@ -53,6 +53,7 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     struct {
         bool in_epoch = false;
     } made{};
+    std::vector<std::int32_t> node_index{};  ///< among near ones [block][node of tile]
     std::vector<std::int32_t> tile_index{};  ///< by own and ghost block
     std::vector<Real*> node_values{};        ///< of this step [near node block]; null: no soil is near
     Host::Array<Real> tiles{};
@@ -81,6 +82,12 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     }
 
     static int lane(int n) { return sum_lane<Dim>(n); }
+    SurfaceBlock<Dim>& at(int k) const { return *block_at[static_cast<std::size_t>(k)]; }
+    const SurfaceCell<Dim>& cell_at(int k, int c) const { return at(k).cell[static_cast<std::size_t>(c)]; }
+    std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
+    const SurfaceNode<Dim>& surface_node(std::int32_t near) const {
+        return nodes_at[static_cast<std::size_t>(near / cells)]->node[near % cells];
+    }
     const Real* sum_of(std::int32_t near) const {
         static constexpr Real nothing[node_reals] = {};
         return sums.known[std::size_t(near) / cells] ? sums.value.data() + std::size_t(near) * node_reals : nothing;
@@ -99,6 +106,7 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
               const Vec<double, Dim>& follows = zero_vec<double, Dim>()) const;
 
   private:
+    void index_nodes();
     void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
     void sum_nodes(int j, int quads);
 };

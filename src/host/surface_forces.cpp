@@ -32,14 +32,14 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
     touching_.resize(on_.blocks.size());
     Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
         touching_[static_cast<std::size_t>(k)].clear();
-        for (SurfaceElement<Dim>& e : on_.elements[static_cast<std::size_t>(k)]) {
+        for (SurfaceElement<Dim>& e : on_.at(k).elements) {
             const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + to_middle);
             const NodeGap gap =
                 gap_at_node(tiles, table, on_.tile_index.data(), width,
                             on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
             take_gap(gap, unit, on_.scene.field.structure[e.structure].law, e);
             if (!e.touches) continue;
-            const std::ptrdiff_t at = &e - on_.elements[static_cast<std::size_t>(k)].data();
+            const std::ptrdiff_t at = &e - on_.at(k).elements.data();
             touching_[static_cast<std::size_t>(k)].push_back(static_cast<std::int32_t>(at));
         }
     });
@@ -58,11 +58,11 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     const GroundBound<Dim>* bound = s.shape == StructureShape::ground ? on_.pairs->bounds() : nullptr;
     const std::uint32_t* bounds = list.cell_first + std::size_t(pair.block) * (cells + 1);
     MayBeNear near;
+    const auto& around = on_.at(k).first_around;
     for (int c = 0; c < cells; ++c) {
-        const auto cell = static_cast<std::size_t>(k * cells + c);
-        if (on_.around.first[cell] == on_.around.first[cell + 1]) continue;
+        if (around[static_cast<std::size_t>(c)] == around[static_cast<std::size_t>(c) + 1]) continue;
         for (std::uint32_t i = list.first[pair.block] + bounds[c]; i < list.first[pair.block] + bounds[c + 1]; ++i) {
-            near.slot[near.count] = list.slot[i], near.cell[near.count] = static_cast<int>(cell);
+            near.slot[near.count] = list.slot[i], near.cell[near.count] = k * cells + c;
             near.place[near.count] = contact_place<Real>(on_.scene.field, s, block, p.position[list.slot[i]]);
             near.count += !(bound && bound[pair.block].is_clear(near.place[near.count]));
             if (near.count == MayBeNear::most) tell_elements(pair, near);
@@ -91,14 +91,14 @@ template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, std::uint32_t slot,
                                             const ParticleGap& own) {
     NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
-    const RingElement<Dim>* ring = on_.ring.data() + static_cast<std::size_t>(cell / cells) * tile_nodes;
+    const SurfaceBlock<Dim>& of = on_.at(cell / cells);
     const Vec<Coordinate<Real>, Dim>& u = on_.patch.particles.view().position[slot];
     Vec<double, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = cell_of<Real>(u[a]) + double(fraction_of<Real>(u[a])) - 0.5;
-    const std::uint32_t first = on_.around.first[static_cast<std::size_t>(cell)],
-                        end = on_.around.first[static_cast<std::size_t>(cell) + 1];
-    tell_ring(ring, on_.around.ring.data() + first, end - first, pair.structure, x, own,
-              [&](int n, const NodeGap& gap) { tile[n].add(gap); });
+    const std::uint32_t first = of.first_around[static_cast<std::size_t>(cell % cells)],
+                        end = of.first_around[static_cast<std::size_t>(cell % cells) + 1];
+    tell_ring(of.ring.data(), of.around.data() + first, end - first, pair.structure, x, own,
+              [&](int n, const NodeGap& gap) { tile[of.ring[static_cast<std::size_t>(n)].node].add(gap); });
 }
 
 /// W_i of the elements that the soil touches.
@@ -132,7 +132,7 @@ void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
     });
     apply(&SurfaceMotion<Real, Dim>::elements);
     on_.pass(with_slaves_, 1, [&](int k, Real* tile) {
-        for (const Slave& slave : followers_[static_cast<std::size_t>(k)]) close_slave(k, slave, tile);
+        for (const SlaveNode<Dim>& slave : followers_[static_cast<std::size_t>(k)]) close_slave(k, slave, tile);
     });
     apply(&SurfaceMotion<Real, Dim>::slaves);
 }
@@ -161,10 +161,10 @@ template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::find_slaves() {
     followers_.resize(on_.blocks.size());
     Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
-        std::vector<Slave>& follow = followers_[static_cast<std::size_t>(k)];
+        std::vector<SlaveNode<Dim>>& follow = followers_[static_cast<std::size_t>(k)];
         follow.clear();
-        for (const Slave& slave : on_.slaves[static_cast<std::size_t>(k)])
-            if (acts(k, slave)) follow.push_back(slave);
+        for (const SlaveNode<Dim>& slave : on_.at(k).slaves)
+            if (acts(k, slave.nodes)) follow.push_back(slave);
     });
     on_.list(with_slaves_, [&](int k) { return !followers_[static_cast<std::size_t>(k)].empty(); });
 }
@@ -180,9 +180,10 @@ bool SurfaceForces<Real, Dim>::acts(int k, const Slave& slave) const {
 
 /// The impulse that closes f (v_o - 2 v_1 + v_2).
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::close_slave(int k, const Slave& slave, Real* tile) const {
+void SurfaceForces<Real, Dim>::close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const {
+    const Slave& slave = by.nodes;
     const std::int32_t near = on_.node_at(k, slave.own);
-    const SurfaceNode<Dim>& n = on_.surface_nodes[static_cast<std::size_t>(near)];
+    const SurfaceNode<Dim>& n = by.surface;
     const Real *own = on_.values(near), *one = on_.values(on_.node_at(k, slave.one)),
                *two = on_.values(on_.node_at(k, slave.two));
     const Vec<double, Dim> off = slave_impulse(n, on_.scene.field.structure[n.structure].law, own, one, two);

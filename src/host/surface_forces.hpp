@@ -50,13 +50,13 @@ class SurfaceForces {
     template <class F>
     void each_touching(int k, const F& f) const {
         const auto i = static_cast<std::size_t>(k);
-        for (const std::int32_t e : touching_[i]) f(on_.elements[i][static_cast<std::size_t>(e)]);
+        for (const std::int32_t e : touching_[i]) f(on_.at(k).elements[static_cast<std::size_t>(e)]);
     }
     void weigh();
     void find_slaves();
     void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
     bool acts(int k, const Slave& slave) const;
-    void close_slave(int k, const Slave& slave, Real* tile) const;
+    void close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const;
     using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;
     void apply(Taken by);
     void note(std::size_t near, Taken by, const Real* node, const Vec<Real, Dim>& v, const Vec<Real, Dim>& end);
@@ -68,7 +68,7 @@ class SurfaceForces {
     std::vector<std::array<ExactSum, Dim>> impulse_;  ///< of walls [near node block]
     NodeSums<Real> shares_;                           ///< W_i
     Host::Array<NodeGap> gap_tiles_;
-    std::vector<std::vector<Slave>> followers_;                  ///< slaves who act in this step [block]
+    std::vector<std::vector<SlaveNode<Dim>>> followers_;         ///< slaves who act in this step [block]
     std::vector<std::vector<std::int32_t>> touching_;            ///< [block] elements that act in this step
     std::vector<std::int32_t> givers_, occupied_, with_slaves_;  ///< blocks: with such, with soil, with followers
 };

@@ -9,8 +9,7 @@ namespace moraine {
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::count_taken(int k, int c, const Substep& substep) {
     const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-    const Structure<Dim>& s =
-        on_.scene.field.structure[on_.place_of[static_cast<std::size_t>(k * cells + c)].structure];
+    const Structure<Dim>& s = on_.scene.field.structure[on_.cell_at(k, c).structure];
     double flux = 0, of_structure = 0;
     for (int a = 0; a < Dim; ++a) of_structure += double(cell.bed[a]) * s.velocity[a];
     int n = 0;

@@ -56,7 +56,7 @@ void SurfacePressures<Real, Dim>::find_cells() {
         for (int c = 0; c < cells; ++c) {
             OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             cell.on = cell.child = false;
-            if (!on_.place_of[static_cast<std::size_t>(k * cells + c)].near) continue;
+            if (!on_.cell_at(k, c).near) continue;
             cell = {};
             find_cell(k, c);
             if (cell.on) on.cell.push_back(c);
@@ -95,7 +95,7 @@ template <class Real, int Dim>
 int SurfacePressures<Real, Dim>::root_node(int k, int c) const {
     const auto i = static_cast<std::size_t>(k * cells + c);
     int n = tile_offset<Dim, 3>(c) + to_middle;
-    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side) n += stride * on_.place_of[i].root[a];
+    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side) n += stride * on_.cell_at(k, c).root[a];
     return n;
 }
 
@@ -103,7 +103,7 @@ int SurfacePressures<Real, Dim>::root_node(int k, int c) const {
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::find_cell(int k, int c) {
     const auto i = static_cast<std::size_t>(k * cells + c);
-    const SurfaceCell<Dim>& place = on_.place_of[i];
+    const SurfaceCell<Dim>& place = on_.cell_at(k, c);
     OpenCell<Real, Dim>& cell = cells_[i];
     const std::int32_t block = on_.blocks[static_cast<std::size_t>(k)];
     if (!place.near) return;
@@ -111,7 +111,7 @@ void SurfacePressures<Real, Dim>::find_cell(int k, int c) {
     if (place.part == CellPart::solid) return;
     CellMoments<Real, Dim> moments;
     sum_particles(block, c, moments, cell);
-    find_open_cell(grid_, place, on_.cell_node(k, c), moments, NodesOf{*this, k, tile_offset<Dim, 3>(c)}, cell);
+    find_open_cell(grid_, place, on_.at(k).cell_node(c), moments, NodesOf{*this, k, tile_offset<Dim, 3>(c)}, cell);
 }
 
 template <class Real, int Dim>
@@ -148,7 +148,7 @@ void SurfacePressures<Real, Dim>::tell_holes(int k, int c, Real* tile) const {
     const OpenCell<Real, Dim>& cell = cells_[i];
     const CellPressure<Real>* from = nullptr;
     if (cell.on && !cell.child && cell.particles > Real(0)) from = &cell.state;
-    if (!on_.place_of[i].near && on_.patch.list().count(block) > 0)
+    if (!on_.cell_at(k, c).near && on_.patch.list().count(block) > 0)
         from = &on_.scene.cells[first_cell(block) + std::size_t(c)];
     if (!from || !(from->volume > Real(0)) || !(from->bulk > Real(0))) return;
     each_node<Dim, 3>([&](int at, int, int, int) {
@@ -202,13 +202,13 @@ void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
     const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     Vec<double, Dim> given, place;
     bool any = false;
-    const Place node = on_.cell_node(k, c);
+    const Place node = on_.at(k).cell_node(c);
     for (int a = 0; a < Dim; ++a) {
         given[a] = impulse * double(cell.bed[a]);
         any = any || given[a] != 0;
         place[a] = on_.scene.field.origin[a] + on_.h * node[a];
     }
-    if (any) on_.tell(on_.place_of[static_cast<std::size_t>(k * cells + c)].structure, given, place);
+    if (any) on_.tell(on_.cell_at(k, c).structure, given, place);
 }
 
 template <class Real, int Dim>
@@ -216,7 +216,7 @@ void SurfacePressures<Real, Dim>::update(const Substep& substep) {
     each_block([&](int k) {
         each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
             if (!cell.on) return;
-            const int structure = on_.place_of[static_cast<std::size_t>(k * cells + c)].structure;
+            const int structure = on_.cell_at(k, c).structure;
             cell.flux =
                 flux_into(cell, on_.scene.field.structure[structure], NodesOf{*this, k, tile_offset<Dim, 3>(c)});
             if (on_.counts_energy) count_taken(k, c, substep);

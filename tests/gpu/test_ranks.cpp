@@ -9,7 +9,7 @@
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
 #include "sleep_scene.hpp"
-#include "terrain_scene.hpp"
+#include "surface_scenes.hpp"
 
 using namespace moraine;
 
@@ -250,4 +250,27 @@ TEST_CASE("pressures of cells and their substeps are the same whoever owns the c
     space.materials[0].volumetric = Volumetric::grid;
     space.precision = Precision::single_;
     compare<3>(space, 30);
+}
+
+TEST_CASE("surfaces that act where they are do so alike whoever owns the blocks that they cut") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        Scene flat = test::on_surface(test::layers_on_slope(2)), deep = test::on_surface(test::layers_on_slope(3)),
+              valley = test::on_surface(test::small_valley(InterfaceLaw::voellmy, true));
+        flat.precision = deep.precision = valley.precision = precision;
+        compare<2>(flat, 80);
+        compare<3>(deep, 40);
+        compare<3>(valley, 60);
+    }
+    compare<2>(test::wet(test::slurry_on_plane(InterfaceLaw::coulomb, 20), 4), 60);
+    Scene valley = test::wet_valley(3);
+    valley.precision = Precision::single_;
+    compare<3>(valley, 40);
+}
+
+TEST_CASE("sleepers beside surfaces end with the same bits on any number of devices") {
+    compare<2>(test::on_surface(test::plate_over_bed(2)), 240);
+    Scene mud = test::on_surface(test::mud());
+    mud.structures = test::plate_over_bed(2).structures;
+    mud.substeps = 4;
+    compare<2>(mud, 80);
 }

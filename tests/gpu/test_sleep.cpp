@@ -115,6 +115,15 @@ TEST_CASE("so it does where a plate goes down into it") {
     compare_asleep<double, 3>(plate_over_bed(3), 500, 1e-10);
 }
 
+TEST_CASE("so it does beside surfaces that act where they are") {
+    Scene scene = plate_over_bed(2);
+    scene.bed = Bed::surface;
+    compare_asleep<double, 2>(scene, 500, 1e-8);
+    scene.structures.back().motion = {};
+    scene.structures.back().min[1] = 0.6;
+    compare_asleep<double, 2>(scene, 300, 1e-8);
+}
+
 TEST_CASE("so it does in single precision, the same blocks at the same steps") {
     compare_asleep<float, 2>(bed(2), 400, 1e-3);
 }

@@ -1,7 +1,7 @@
 #include "gpu/engine_pair.hpp"
 #include "io/test_folder.hpp"
 #include "records/checkpoint_state.hpp"
-#include "terrain_scene.hpp"
+#include "surface_scenes.hpp"
 
 using namespace moraine;
 using namespace moraine::test;
@@ -9,35 +9,6 @@ using namespace moraine::test;
 // Surfaces that act where they are: the host's answer but for rounding.
 
 namespace {
-
-Scene on_surface(Scene s) {
-    s.bed = Bed::surface;
-    return s;
-}
-
-/// A slurry that falls on a plane 0.3 h over nodes, turned by `angle` degrees, and flows down.
-Scene slurry_on_plane(InterfaceLaw law, double angle) {
-    Scene s = slurry();
-    s.walls[0][0].kind = s.walls[1][0].kind = WallKind::open;
-    const double c = std::cos(angle * M_PI / 180), d = std::sin(angle * M_PI / 180);
-    s.gravity = {3, -9.5, 0};
-    StructureSpec plane;
-    plane.name = "bed", plane.law = law, plane.friction = 0.2, plane.xi = 300, plane.density = 1500;
-    plane.alpha = 0.5, plane.su = 400;
-    plane.point = {2, 0.43, 0}, plane.normal = {d, c, 0};
-    s.structures = {plane};
-    s.bodies = {box({1.2, 0.80, 0}, {2.6, 1.3, 0}, 0)};
-    s.bodies[0].velocity = {1, -3, 0};
-    return on_surface(s);
-}
-
-/// With cells' pressures, nearly incompressible.
-Scene wet(Scene s, int substeps) {
-    s = with_fluid_terms(s);
-    s.substeps = substeps;
-    for (MaterialSpec& m : s.materials) m.volumetric = Volumetric::grid, m.parameters[1] = 0.49;
-    return s;
-}
 
 /// By the first structure, of all steps.
 std::vector<double> felt(const Scene& scene, int steps, bool on_device) {
@@ -104,12 +75,7 @@ TEST_CASE("fluids with cells' pressures on planes and in a valley give the host'
     Scene level = wet(slurry_on_plane(InterfaceLaw::smooth, 0), 4);
     level.transfer = Transfer::aflip, level.flip = 0.95;
     compare(level, 60, 1e-8);
-    Scene valley = on_surface(small_valley(InterfaceLaw::voellmy, true));
-    valley.materials = {
-        material("bingham", 1500,
-                 {{"young", 1e6}, {"poisson", 0.49}, {"yield_stress", 100}, {"consistency", 10}, {"viscosity", 10}})};
-    for (BodySpec& body : valley.bodies) body.material = 0;
-    compare(wet(valley, 4), 40, 1e-8);
+    compare(wet_valley(4), 40, 1e-8);
 }
 
 TEST_CASE("structures feel what they feel on the host") {
@@ -139,20 +105,34 @@ TEST_CASE("single precision follows the host's") {
     compare(deep, 40, 1e-4);
 }
 
+namespace {
+
+template <int Dim>
+void compare_restart(const Scene& scene, int before, int behind) {
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const auto maker = device_engine_maker<double, Dim>(scene, comm, choose_device("cuda", comm));
+    Simulation<double, Dim> straight(scene, comm, maker), restarted(scene, comm, maker);
+    straight.seed();
+    advance(straight, before);
+    save(straight, comm, folder / "state");
+    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
+    advance(straight, behind);
+    advance(restarted, behind);
+    CHECK(state_hash(restarted) == state_hash(straight));
+}
+
+}  // namespace
+
 TEST_CASE("a restart goes on with the same bits") {
     Scene scene = on_surface(layers_on_slope(2));
     scene.materials.pop_back();
     scene.bodies[1].material = 0;
     scene.bodies[0].name = "below", scene.bodies[1].name = "above";
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, 33);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 27);
-    advance(restarted, 27);
-    CHECK(state_hash(restarted) == state_hash(straight));
+    compare_restart<2>(scene, 33, 27);
+}
+
+TEST_CASE("what surfaces cut is kept over epochs, and is that of a run that begins in the midst of them") {
+    compare_restart<3>(on_surface(small_valley(InterfaceLaw::coulomb, true)), 90, 40);
+    compare_restart<3>(wet_valley(2), 50, 30);
 }

@@ -25,6 +25,7 @@ struct BlockTable {
     const Vec<std::int32_t, Dim>* node_position;  ///< node blocks
     const std::int32_t* source;                   ///< node block x corners: own or ghost block of c - delta, or -1
     const std::uint8_t* node_border;              ///< node blocks: has wall nodes
+    const std::int32_t* kept_nodes = nullptr;     ///< node blocks: not negative: wanted though no own block has soil
 };
 
 /// Who is where: the list of each own block, sorted by cell.

@@ -59,6 +59,13 @@ struct Slave {
     int own, one, two;
 };
 
+/// And what it finds of the surface.
+template <int Dim>
+struct SlaveNode {
+    Slave nodes;
+    SurfaceNode<Dim> surface;
+};
+
 /// Lane of a node's sums that number n of them has: those that travel (node_sums), then the mean's.
 template <int Dim>
 MORAINE_HD constexpr int sum_lane(int n) {

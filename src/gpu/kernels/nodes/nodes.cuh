@@ -132,7 +132,7 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
         const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
         const bool marks = Marks && (!Fluid || w.marks.of);
         if (marks && c == 0 && n < light_counts) w.marks.count[n] = 0;
-        if (__all_sync(all_lanes, around.own == 0)) return;
+        if (__all_sync(all_lanes, !around.wanted(w.view.table, c))) return;
         Quad<Real> sums, force;
         const bool counted = sum_tiles<Dim, Width>(w.view.grid.tiles, around, n, sums, force);
         ExactSum impulse[Dim];
@@ -142,7 +142,7 @@ __global__ void __launch_bounds__(node_threads, Contact ? 1 : (Marks ? 3 : 0))
         if constexpr (Fluid)
             full = w.fluid.shifts &&
                    is_full_above<Width>(w.view, w.fluid.capacity, w.origin, w.fluid.inverse_volume, around, c, n);
-        if (around.own != 0)
+        if (around.wanted(w.view.table, c))
             solve_node<Width, Contact, Marks, Fluid, Real, Dim>(w, c, n, sums, force, counted, full, impulse);
         fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
     });

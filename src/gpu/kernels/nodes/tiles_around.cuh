@@ -29,6 +29,10 @@ struct TilesAround {
         own = (__ballot_sync(all_lanes, mine >= 0 && source < table.own) >> first) & bits;
     }
 
+    /// Whether this rank wants the node block c: for particles of its own, or by table.kept_nodes.
+    __device__ bool wanted(const BlockTable<Dim>& table, int c) const {
+        return own != 0 || (table.kept_nodes && there != 0 && table.kept_nodes[c] >= 0);
+    }
     /// Whole warps call it.
     __device__ std::int32_t tile(int delta) const { return __shfl_sync(all_lanes, mine, delta, lanes); }
 };

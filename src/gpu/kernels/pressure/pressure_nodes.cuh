@@ -40,12 +40,12 @@ __global__ void __launch_bounds__(node_threads, 1) hold_nodes_kernel(const __gri
         const int n = static_cast<int>(threadIdx.x) % Block<Dim>::cells;
         const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
         if (w.marks.of && c == 0 && n < light_counts) w.marks.count[n] = 0;
-        if (__all_sync(all_lanes, around.own == 0)) return;
+        if (__all_sync(all_lanes, !around.wanted(w.view.table, c))) return;
         Quad<Real> sums, force;
         sum_tiles<Dim, 3>(w.view.grid.tiles, around, n, sums, force);
         if (w.marks.of) mark_light<Real, Dim>(w.marks, c, w.view.table.node_blocks, n, sums[0]);
         const bool full = w.shifts && is_full_above<3>(w.view, w.capacity, w.origin, w.inverse_volume, around, c, n);
-        if (around.own != 0) hold_node<Contact>(w, c, n, sums, force, full);
+        if (around.wanted(w.view.table, c)) hold_node<Contact>(w, c, n, sums, force, full);
     });
 }
 
@@ -81,11 +81,11 @@ __global__ void __launch_bounds__(node_threads, 1) substep_kernel(const __grid_c
     each_node_block<Contact>(w.view.table, w.contact.near, [&](int c) {
         const int n = static_cast<int>(threadIdx.x) % Block<Dim>::cells;
         const TilesAround<Dim> around(w.view.table, w.view.grid.tile_of, c);
-        if (__all_sync(all_lanes, around.own == 0)) return;
+        if (__all_sync(all_lanes, !around.wanted(w.view.table, c))) return;
         Quad<Real> none, pushed;
         const bool counted = sum_tiles<Dim, 3, TileQuads::force>(w.view.grid.tiles, around, n, none, pushed);
         ExactSum impulse[Dim];
-        if (around.own != 0) solve_substep_node<Contact>(w, c, n, pushed, counted, impulse);
+        if (around.wanted(w.view.table, c)) solve_substep_node<Contact>(w, c, n, pushed, counted, impulse);
         fold_sums(impulse, w.view.accounts[blockIdx.x % account_parts].impulse);
     });
 }

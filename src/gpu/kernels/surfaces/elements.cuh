@@ -25,10 +25,11 @@ template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1)
     weigh_elements_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
     const Giver<Real, Dim> giver{w};
-    const int first = giver.first_element(), count = giver.elements();
+    const int count = giver.bed.element_count;
+    SurfaceElement<Dim>* elements = giver.bed.elements;
     bool touches = false;
     if (static_cast<int>(threadIdx.x) < count) {
-        SurfaceElement<Dim>& e = w.tables.elements[first + static_cast<int>(threadIdx.x)];
+        SurfaceElement<Dim>& e = elements[threadIdx.x];
         double face = 1;
         for (int a = 1; a < Dim; ++a) face *= w.field.cell;
         take_gap(gap_of_element(w, giver.block, e), face, w.field.structure[e.structure].law, e);
@@ -42,7 +43,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
 #pragma unroll
         for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
         for (int k = 0; k < count; ++k) {
-            const SurfaceElement<Dim>& e = w.tables.elements[first + k];
+            const SurfaceElement<Dim>& e = elements[k];
             const int i = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
             if (i < 0) continue;
 #pragma unroll
@@ -66,17 +67,14 @@ __global__ void __launch_bounds__(surface_threads, 1)
         const std::size_t at = std::size_t(j) * Block<Dim>::cells + std::size_t(n);
         store_quads(w.shares + at * node_reals, sums[0], sums[1]);
         Real mass = Real(0);
-        bool own = false;
         for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
             const std::int32_t source = w.view.table.source[c * Block<Dim>::corners + delta];
             const std::int32_t tile = source < 0 ? -1 : w.view.grid.tile_of[source];
             const int from = tile < 0 ? -1 : tile_node<Dim>(n, delta, 3);
-            own = own || (tile >= 0 && source < w.view.table.own);
             if (from < 0) continue;
             mass += w.view.grid.tiles[(std::size_t(tile) * surface_tile<Dim> + std::size_t(from)) * node_reals];
         }
-        w.view.grid.nodes[(std::size_t(c) * Block<Dim>::cells + std::size_t(n)) * node_reals + quad - 1] =
-            own ? mass : Real(0);
+        w.view.grid.nodes[(std::size_t(c) * Block<Dim>::cells + std::size_t(n)) * node_reals + quad - 1] = mass;
     });
 }
 
@@ -115,9 +113,10 @@ __global__ void __launch_bounds__(surface_threads, 1)
     const Giver<Real, Dim> giver{w};
     if (w.tiles.tile_of[giver.block] < 0) return;
     shared.nodes.find(w, giver.block);
-    const int first = giver.first_element(), count = giver.elements(), k = static_cast<int>(threadIdx.x);
-    if (k < count && w.tables.elements[first + k].touches) {
-        const SurfaceElement<Dim>& e = w.tables.elements[first + k];
+    const int count = giver.bed.element_count, k = static_cast<int>(threadIdx.x);
+    const SurfaceElement<Dim>* elements = giver.bed.elements;
+    if (k < count && elements[k].touches) {
+        const SurfaceElement<Dim>& e = elements[k];
         const ElementNodes<Real, Dim> nodes{w, shared.nodes, tile_offset<Dim, 3>(e.cell)};
         const ElementImpulse<Dim> impulse =
             act_on_element(e, w.field.structure[e.structure], w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
@@ -128,7 +127,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
     for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
         Quad<Real> sum = Quad<Real>::zero();
         for (int i = 0; i < count && shared.nodes.stored[n] >= 0; ++i) {
-            const SurfaceElement<Dim>& e = w.tables.elements[first + i];
+            const SurfaceElement<Dim>& e = elements[i];
             const int at = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
             if (at < 0) continue;
 #pragma unroll
@@ -164,7 +163,8 @@ __global__ void __launch_bounds__(surface_threads, 1)
     constexpr int mine = (surface_tile<Dim> + surface_threads - 1) / surface_threads;
     __shared__ GivenBySlaves<Dim> shared;
     const Giver<Real, Dim> giver{w};
-    const int first = giver.first_slave(), count = giver.slaves(), k = static_cast<int>(threadIdx.x);
+    const int count = giver.bed.slave_count, k = static_cast<int>(threadIdx.x);
+    const SlaveNode<Dim>* slaves = giver.bed.slaves;
     if (count > 0) shared.nodes.find(w, giver.block);
     Quad<Real> sum[mine];
 #pragma unroll
@@ -172,8 +172,8 @@ __global__ void __launch_bounds__(surface_threads, 1)
     bool any = false;
     for (int from = 0; from < count; from += surface_threads) {
         const bool is = from + k < count;
-        if (is) shared.slave[k] = w.tables.slaves[first + from + k].nodes;
-        shared.acts[k] = is && close_slave(w, w.tables.slaves[first + from + k], shared.nodes, shared.given[k]);
+        if (is) shared.slave[k] = slaves[from + k].nodes;
+        shared.acts[k] = is && close_slave(w, slaves[from + k], shared.nodes, shared.given[k]);
         if (!__syncthreads_or(shared.acts[k])) continue;
         any = true;
         const int last = count - from < surface_threads ? count - from : surface_threads;

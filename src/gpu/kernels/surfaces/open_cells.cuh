@@ -16,8 +16,12 @@ struct OpenNodes {
     int corner;
 
     __device__ __forceinline__ const Real* values(int at) const { return nodes.values(w, corner + at); }
-    __device__ __forceinline__ double distance(int at) const { return w.open.node[nodes.near[corner + at]].distance; }
-    __device__ __forceinline__ double capacity(int at) const { return w.open.node[nodes.near[corner + at]].capacity; }
+    __device__ __forceinline__ const OpenNode& node(int at) const {
+        const std::int32_t near = nodes.near[corner + at];
+        return w.open.node[near / Block<Dim>::cells][near % Block<Dim>::cells];
+    }
+    __device__ __forceinline__ double distance(int at) const { return node(at).distance; }
+    __device__ __forceinline__ double capacity(int at) const { return node(at).capacity; }
     __device__ __forceinline__ double filling(int at) const {
         return double(w.pressure.held[nodes.place[corner + at]].filling);
     }
@@ -32,9 +36,7 @@ struct OpenBlock : Giver<Real, Dim> {
 
     __device__ __forceinline__ explicit OpenBlock(const OpenWork<Real, Dim>& w) : Base{w}, all(w) {}
     __device__ __forceinline__ OpenCell<Real, Dim>& cell(int c) const { return all.open.cell[this->g * cells + c]; }
-    __device__ __forceinline__ const SurfaceCell<Dim>& place(int c) const {
-        return all.open.place[this->g * cells + c];
-    }
+    __device__ __forceinline__ const SurfaceCell<Dim>& place(int c) const { return this->bed.cells[c]; }
     __device__ __forceinline__ std::uint32_t particles() const { return all.view.list.count(this->block); }
     /// Of the grid's own pressures; the block is occupied.
     __device__ __forceinline__ CellPressure<Real>& pressure(int c) const {
@@ -91,18 +93,18 @@ struct OpenBlock : Giver<Real, Dim> {
     }
 };
 
-/// What nodes have without cells' forces; what holds no soil of ours has nothing.
+/// What nodes have without cells' forces; what holds no soil has nothing.
 template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1) keep_held_kernel(const __grid_constant__ OpenWork<Real, Dim> w) {
     each_near_node(w, [&](int j, int c, int n) {
         if (j < 0) return;
         HeldNode<Real, Dim>& held = w.pressure.held[std::size_t(c) * Block<Dim>::cells + std::size_t(n)];
-        bool own = false;
+        bool soil = false;
         for (int delta = 0; delta < Block<Dim>::corners; ++delta) {
             const std::int32_t source = w.view.table.source[c * Block<Dim>::corners + delta];
-            own = own || (source >= 0 && source < w.view.table.own && w.view.grid.tile_of[source] >= 0);
+            soil = soil || (source >= 0 && w.view.grid.tile_of[source] >= 0);
         }
-        if (!own) held = HeldNode<Real, Dim>{};
+        if (!soil) held = HeldNode<Real, Dim>{};
         w.open.acceleration[std::size_t(j) * Block<Dim>::cells + std::size_t(n)] = held.acceleration;
     });
 }

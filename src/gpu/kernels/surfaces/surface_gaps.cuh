@@ -12,7 +12,7 @@ template <class Real, int Dim>
 struct SurfaceGaps {
     const SurfaceGapWork<Real, Dim>& w;
     const ContactPair& pair;
-    std::int32_t bed;  ///< the block's number among those near a surface
+    const SurfaceBed<Dim>& bed;
     std::int32_t* gap;
     std::uint32_t* area;
 
@@ -29,7 +29,7 @@ struct SurfaceGaps {
             c |= cell_of<Real>(u[a]) << (2 * a);
             x[a] = cell_of<Real>(u[a]) + double(fraction_of<Real>(u[a])) - 0.5;
         }
-        const std::uint32_t* around = w.tables.first_around + std::size_t(bed) * Block<Dim>::cells + c;
+        const std::uint16_t* around = bed.first_around + c;
         if (around[0] == around[1]) return;
         const Vec<double, Dim> place = contact_place<Real>(w.field, structure, w.view.table.position[pair.block], u);
         if (bound && bound->is_clear(place)) return;
@@ -38,8 +38,8 @@ struct SurfaceGaps {
         const double distance = surface(structure, w.field.corners, place).distance / w.field.cell;
         const ParticleGap own = gap_at<Real, Dim>(w.field, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) return;
-        const RingElement<Dim>* ring = w.tables.ring + w.tables.first_ring[bed];
-        tell_ring(ring, w.tables.around + around[0], around[1] - around[0], pair.structure, x, own,
+        const RingElement<Dim>* ring = bed.ring;
+        tell_ring(ring, bed.around + around[0], static_cast<std::uint32_t>(around[1] - around[0]), pair.structure, x, own,
                   [&](int n, const NodeGap& told) {
                       atomicMin(gap + ring[n].node, told.gap);
                       atomicAdd(area + ring[n].node, told.area);
@@ -61,7 +61,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
     __syncthreads();
     const Structure<Dim>& structure = w.field.structure[pair.structure];
     const bool ground = w.bounds && structure.shape == StructureShape::ground;
-    const SurfaceGaps<Real, Dim> gaps{w, pair, bed, gap, area};
+    const SurfaceGaps<Real, Dim> gaps{w, pair, w.tables.bed[bed < 0 ? 0 : bed], gap, area};
     const std::uint32_t end = bed < 0 ? 0 : list.first[pair.block + 1];
     for (std::uint32_t k = list.first[pair.block] + threadIdx.x; k < end; k += surface_threads)
         gaps.add(list.slot[k], structure, ground ? w.bounds + pair.block : nullptr);

@@ -56,17 +56,16 @@ template <class Real, int Dim>
 struct Giver {
     const SurfaceWork<Real, Dim>& w;
     const int g = static_cast<int>(blockIdx.x);
-    const std::int32_t block = w.tables.giver[g];
+    const SurfaceBed<Dim>& bed = w.tables.bed[w.tables.giver[g]];
+    const std::int32_t block = bed.block;
 
-    __device__ __forceinline__ int first_element() const { return w.tables.first_element[g]; }
-    __device__ __forceinline__ int elements() const { return w.tables.first_element[g + 1] - first_element(); }
-    __device__ __forceinline__ int first_slave() const { return w.tables.first_slave[g]; }
-    __device__ __forceinline__ int slaves() const { return w.tables.first_slave[g + 1] - first_slave(); }
     __device__ __forceinline__ Real* tile() const {
-        return w.tiles.tile + std::size_t(g) * surface_tile<Dim> * node_reals;
+        return w.tiles.tile + std::size_t(w.tables.ghosts + g) * surface_tile<Dim> * node_reals;
     }
     /// By one thread.
-    __device__ __forceinline__ void gives(bool any) const { w.tiles.tile_of[block] = any ? g : -1; }
+    __device__ __forceinline__ void gives(bool any) const {
+        w.tiles.tile_of[block] = any ? w.tables.ghosts + g : -1;
+    }
 };
 
 /// What the nodes of an element hold (core/surfaces/element_rule.hpp).

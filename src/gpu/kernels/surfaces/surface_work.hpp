@@ -10,37 +10,35 @@
 
 namespace moraine::gpu {
 
-/// A slave, and what it finds of the surface.
+/// An own block near a surface (blocks/surface_block.hpp); what its pointers lead to stays over epochs.
 template <int Dim>
-struct SlaveNode {
-    Slave nodes;
-    SurfaceNode<Dim> surface;
+struct SurfaceBed {
+    std::int32_t block;  ///< own
+    std::int32_t element_count, slave_count;
+    SurfaceElement<Dim>* elements;  ///< gap, covered and touches are of the step
+    const SlaveNode<Dim>* slaves;
+    const RingElement<Dim>* ring;
+    const std::uint16_t *around, *first_around;  ///< by cell: of the ring
+    const SurfaceCell<Dim>* cells;               ///< null: no cell is near, or pressures are the particles'
 };
 
-/// Of an epoch (blocks/surface_plan.hpp). A giver is an own block that has elements or slaves; by giver: own block, and
-/// where its elements and slaves begin.
+/// Of an epoch. A giver is a bed that has elements, slaves or cells.
 template <int Dim>
 struct SurfaceTables {
-    const std::int32_t* bed_of;  ///< by own block: its number among those near a surface, or -1
-    const std::int32_t* giver;
-    const std::int32_t* first_element;
-    const std::int32_t* first_slave;
+    const SurfaceBed<Dim>* bed;
+    const std::int32_t* bed_of;      ///< by own block, or -1
+    const std::int32_t* giver;       ///< beds
     const std::int32_t* near_nodes;  ///< node blocks
     const std::int32_t* near_of;     ///< by node block, or -1
-    SurfaceElement<Dim>* elements;   ///< gap, covered and touches are of the step
-    const SlaveNode<Dim>* slaves;
-    const RingElement<Dim>* ring;       ///< of the blocks near a surface, by their numbers
-    const std::int32_t* first_ring;     ///< of them
-    const std::uint16_t* around;        ///< elements of the block's ring that are a cell or beside it
-    const std::uint32_t* first_around;  ///< by block near a surface and cell
-    int near;                           ///< node blocks
+    int near;                        ///< node blocks
+    int ghosts;                      ///< blocks
 };
 
-/// Sums of a pass: tiles of givers, and which of them gave.
+/// Sums of a pass: tiles of ghosts, then of givers, and which of them gave.
 template <class Real>
 struct SurfaceTiles {
-    Real* tile;             ///< [giver][node of tile][node_reals]
-    std::int32_t* tile_of;  ///< by own block: its tile, or -1: it gives nothing
+    Real* tile;             ///< [tile][node of tile][node_reals]
+    std::int32_t* tile_of;  ///< by own block, then by ghost: its tile, or -1: it gives nothing
 };
 
 template <class Real, int Dim>
@@ -68,8 +66,7 @@ struct OpenNode {
 template <class Real, int Dim>
 struct OpenTables {
     OpenGrid<Real, Dim> grid;
-    const SurfaceCell<Dim>* place;           ///< [giver][cell]
-    const OpenNode* node;                    ///< [near node block][node]
+    const OpenNode* const* node;             ///< [near node block]: of its nodes; stays over epochs
     OpenCell<Real, Dim>* cell;               ///< [giver][cell]
     Real* sums;                              ///< of a pass [near node block][node][node_reals]
     Vec<Real, Dim>* acceleration;            ///< HeldNode's, without cells [near node block][node]
