@@ -151,8 +151,7 @@ void BlockMaker<Dim>::add_element(int c, const CutCell<Dim>& cut) {
     }
     for (int i = 0; i < e.nodes; ++i) e.own[i] = e.weight[i] = cut.weight(i);
     int i = 0;
-    each_node<Dim, 3>(
-        [&](int at, int, int, int) { give_away(node_at(tile_offset<Dim, 3>(c) + at), i++, e); });
+    each_node<Dim, 3>([&](int at, int, int, int) { give_away(node_at(tile_offset<Dim, 3>(c) + at), i++, e); });
     block.elements.push_back(e);
 }
 

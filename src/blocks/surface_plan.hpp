@@ -33,11 +33,11 @@ class SurfacePlan {
     double h;    ///< [m]
     int origin;  ///< of the stencil
     std::size_t ghosts = 0;
-    std::vector<std::int32_t> blocks{}, bed_of{};         ///< own; by own and ghost block
-    std::vector<std::int32_t> near_nodes{}, near_of{};    ///< node blocks, and their numbers among those
-    std::vector<SurfaceBlock<Dim>*> block_at{};           ///< [block]
-    std::vector<const SurfaceNodes<Dim>*> nodes_at{};     ///< [near node block]
-    std::int64_t generation = 0;                          ///< times that all was forgotten
+    std::vector<std::int32_t> blocks{}, bed_of{};       ///< own; by own and ghost block
+    std::vector<std::int32_t> near_nodes{}, near_of{};  ///< node blocks, and their numbers among those
+    std::vector<SurfaceBlock<Dim>*> block_at{};         ///< [block]
+    std::vector<const SurfaceNodes<Dim>*> nodes_at{};   ///< [near node block]
+    std::int64_t generation = 0;                        ///< times that all was forgotten
 
     SurfacePlan(double cell, int of_stencil) : h(cell), origin(of_stencil) {}
     /// For the blocks of an epoch. What has been found so far holds unless a structure moves. Not collective.

@@ -50,8 +50,7 @@ const SurfaceCell<Dim>* SurfaceStore<Dim>::put_cells(const SurfaceBlock<Dim>& bl
 }
 
 template <class Real, int Dim>
-void DeviceSurfaces<Real, Dim>::assign(const SurfacePlan<Dim>& plan, std::size_t own, bool cells,
-                                       cudaStream_t stream) {
+void DeviceSurfaces<Real, Dim>::assign(const SurfacePlan<Dim>& plan, std::size_t own, bool cells, cudaStream_t stream) {
     store_.update(plan, cells, stream);
     blocks_ = own + plan.ghosts;
     put_lists(plan, cells, stream);
@@ -76,12 +75,9 @@ void DeviceSurfaces<Real, Dim>::put_lists(const SurfacePlan<Dim>& plan, bool cel
     for (const std::int32_t c : plan.near_nodes) near_mark[static_cast<std::size_t>(c)] = 1;
     givers_ = static_cast<int>(giver.size());
     lists_.clear();
-    tables_ = {lists_.put(beds, stream),
-               lists_.put(plan.bed_of, stream),
-               lists_.put(giver, stream),
-               lists_.put(plan.near_nodes, stream),
-               lists_.put(plan.near_of, stream),
-               static_cast<int>(plan.near_nodes.size()),
+    tables_ = {lists_.put(beds, stream),         lists_.put(plan.bed_of, stream),
+               lists_.put(giver, stream),        lists_.put(plan.near_nodes, stream),
+               lists_.put(plan.near_of, stream), static_cast<int>(plan.near_nodes.size()),
                static_cast<int>(plan.ghosts)};
     node_at_ = lists_.put(node_at, stream);
     near_mark_ = lists_.put(near_mark, stream);
@@ -106,8 +102,7 @@ void DeviceSurfaces<Real, Dim>::resize(std::size_t near_nodes, bool cells, cudaS
 }
 
 template <class Real, int Dim>
-OpenTables<Real, Dim> DeviceSurfaces<Real, Dim>::open_tables(const Method<Host, Real, Dim>& method,
-                                                             double cell) const {
+OpenTables<Real, Dim> DeviceSurfaces<Real, Dim>::open_tables(const Method<Host, Real, Dim>& method, double cell) const {
     return {{method.context.walls, method.capacity, method.context.inverse_cell, std::pow(cell, Dim - 1),
              std::pow(cell, Dim)},
             node_at_,

@@ -95,7 +95,8 @@ template <class Real, int Dim>
 int SurfacePressures<Real, Dim>::root_node(int k, int c) const {
     const auto i = static_cast<std::size_t>(k * cells + c);
     int n = tile_offset<Dim, 3>(c) + to_middle;
-    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side) n += stride * on_.cell_at(k, c).root[a];
+    for (int a = 0, stride = 1; a < Dim && cells_[i].child; ++a, stride *= side)
+        n += stride * on_.cell_at(k, c).root[a];
     return n;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// A round of the halo in the midst of a step, for tiles that are not the sums of particles (gpu/surface_state.hpp): what
-// other ranks need of them goes, and what they have comes, before the stream of the steps goes on.
+// A round of the halo in the midst of a step, for tiles that are not the sums of particles (gpu/surface_state.hpp):
+// what other ranks need of them goes, and what they have comes, before the stream of the steps goes on.
 
 #include "gpu/exchange/exchange.hpp"
 

@@ -166,7 +166,8 @@ Program surfaces_program(const KernelKey& key) {
          {"surface_gaps", "weigh_elements", "sum_shares", "act_on_elements", "close_slaves", "apply_impulses"})
         program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
     if (key.fluid != FluidGrid::pressure) return program;
-    program.headers.push_back("gpu/kernels/surfaces/open_cells.cuh");
+    for (const char* header : {"gpu/kernels/surfaces/open_cells.cuh", "gpu/kernels/surfaces/open_substeps.cuh"})
+        program.headers.push_back(header);
     for (const char* name : {"keep_held", "find_open_cells", "sum_pass", "close_open_cells", "fill_open_holes",
                              "press_open_cells", "hold_forces", "find_fluxes"})
         program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});

@@ -53,7 +53,8 @@ class Arena {
         while (current_ < pieces_.size() && pieces_[current_]->size() < bytes) ++current_;
         if (current_ == pieces_.size()) {
             pieces_.push_back(std::make_unique<PoolArray<std::byte>>());
-            pieces_.back()->resize(std::max(bytes, std::min(least << std::min<std::size_t>(current_, 6), most)), stream);
+            pieces_.back()->resize(std::max(bytes, std::min(least << std::min<std::size_t>(current_, 6), most)),
+                                   stream);
         }
         begin_ = used_ = 0;
     }

@@ -39,8 +39,8 @@ struct SurfaceGaps {
         const ParticleGap own = gap_at<Real, Dim>(w.field, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) return;
         const RingElement<Dim>* ring = bed.ring;
-        tell_ring(ring, bed.around + around[0], static_cast<std::uint32_t>(around[1] - around[0]), pair.structure, x, own,
-                  [&](int n, const NodeGap& told) {
+        tell_ring(ring, bed.around + around[0], static_cast<std::uint32_t>(around[1] - around[0]), pair.structure, x,
+                  own, [&](int n, const NodeGap& told) {
                       atomicMin(gap + ring[n].node, told.gap);
                       atomicAdd(area + ring[n].node, told.area);
                   });

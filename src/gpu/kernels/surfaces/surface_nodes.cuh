@@ -63,9 +63,7 @@ struct Giver {
         return w.tiles.tile + std::size_t(w.tables.ghosts + g) * surface_tile<Dim> * node_reals;
     }
     /// By one thread.
-    __device__ __forceinline__ void gives(bool any) const {
-        w.tiles.tile_of[block] = any ? w.tables.ghosts + g : -1;
-    }
+    __device__ __forceinline__ void gives(bool any) const { w.tiles.tile_of[block] = any ? w.tables.ghosts + g : -1; }
 };
 
 /// What the nodes of an element hold (core/surfaces/element_rule.hpp).
