@@ -112,7 +112,6 @@ class DeviceEngine final : public Engine<Real, Dim> {
                    const NodeContact<Dim>* contact);
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     LightMarks<Real> light_marks_of(const Round& round) const;
-    SurfaceShare<Real, Dim> surface_share(const StepScales<Dim>& step, const PressureView<Real, Dim>& pressure);
     bool limits(const Round& round) const {
         return (round.nodes == NodeTask::solve || round.nodes == NodeTask::hold) && method_.stiffness();
     }

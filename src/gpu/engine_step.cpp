@@ -153,17 +153,6 @@ NodeRound<Real, Dim> DeviceEngine<Real, Dim>::node_round(NodeTask task, double d
     return round;
 }
 
-/// As surfaces see the share in a step; pressure: of cells, where there is one.
-template <class Real, int Dim>
-SurfaceShare<Real, Dim> DeviceEngine<Real, Dim>::surface_share(const StepScales<Dim>& step,
-                                                               const PressureView<Real, Dim>& pressure) {
-    TileRound<Real, Dim> round;
-    if (exchange_)
-        round = {*exchange_, static_cast<int>(epoch_.tables.own.size()), tile_side(method_.stencil.width),
-                 reports_.counters.data(), stream_};
-    return {view(), contact_, step, pressure, round};
-}
-
 template <class Real, int Dim>
 LightMarks<Real> DeviceEngine<Real, Dim>::light_marks_of(const Round& round) const {
     if (!limits(round)) return {};
@@ -181,7 +170,8 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
         run_nodes(args, step.quantum, marks, surfaces_ && !method_.fluid() ? nullptr : &contact);
         if (surfaces_) {
-            const SurfaceShare<Real, Dim> share = surface_share(step, {});
+            const SurfaceShare<Real, Dim> share{
+                view(), contact_, step, {}, {exchange_.get(), reports_.counters.data(), &stream_}};
             surfaces_->begin_step(share, stream_);
             surfaces_->act(share, {step.dt, step.dt}, 0, stream_);
         }

@@ -61,7 +61,8 @@ template <class Work>
 void SurfaceState<Real, Dim>::give(const Kernel& kernel, const Share& share, const Work& work, cudaStream_t stream,
                                    const char* what) const {
     if (on_.givers() > 0) kernel(static_cast<unsigned>(on_.givers()), stream, {work}, what);
-    share.round.send({work.tiles.tile_of, work.tiles.tile, nullptr, nullptr}, work.tiles.tile_of);
+    share.round.send({work.tiles.tile_of, work.tiles.tile, nullptr, nullptr}, work.tiles.tile_of, work.view.table.own,
+                     SurfacePlan<Dim>::side);
 }
 
 /// A launch of a thread per node near a surface.

@@ -7,34 +7,25 @@
 namespace moraine::gpu {
 
 template <class Real, int Dim>
-class TileRound {
-  public:
-    /// Of one rank alone.
-    TileRound() = default;
-    /// own: blocks; side: of a tile [nodes]. All must outlive it.
-    TileRound(Exchange<Real, Dim>& exchange, int own, int side, Counters* counters, const Stream& steps)
-        : exchange_(&exchange), own_(own), side_(side), counters_(counters), steps_(&steps) {}
+struct TileRound {
+    Exchange<Real, Dim>* exchange = nullptr;  ///< null: one rank alone
+    Counters* counters = nullptr;
+    const Stream* steps = nullptr;
 
-    bool travels() const { return exchange_ != nullptr; }
-    /// tiles: those of ghosts first; tile_of is written for ghosts. Collective over peers; asynchronous but for what
-    /// the transport waits for.
-    void send(const TileView<Real>& tiles, std::int32_t* tile_of) const {
-        if (!exchange_) return;
-        Exchange<Real, Dim>& e = *exchange_;
-        e.solved.record(*steps_);
+    bool travels() const { return exchange != nullptr; }
+    /// tiles: those of ghosts first; tile_of is written for ghosts. own: blocks; side: of a tile [nodes]. Collective
+    /// over peers; asynchronous but for what the transport waits for.
+    void send(const TileView<Real>& tiles, std::int32_t* tile_of, int own, int side) const {
+        if (!exchange) return;
+        Exchange<Real, Dim>& e = *exchange;
+        e.solved.record(*steps);
         e.stream.wait_for(e.solved);
-        e.halo.start(e.routes.send(), tiles, nullptr, {}, side_, counters_, e.stream);
+        e.halo.start(e.routes.send(), tiles, nullptr, {}, side, counters, e.stream);
         e.halo.post();
-        e.halo.finish(e.routes.receive(), tiles, nullptr, {}, tile_of, own_, side_, e.stream);
+        e.halo.finish(e.routes.receive(), tiles, nullptr, {}, tile_of, own, side, e.stream);
         e.halo_here.record(e.stream);
-        steps_->wait_for(e.halo_here);
+        steps->wait_for(e.halo_here);
     }
-
-  private:
-    Exchange<Real, Dim>* exchange_ = nullptr;
-    int own_ = 0, side_ = 0;
-    Counters* counters_ = nullptr;
-    const Stream* steps_ = nullptr;
 };
 
 }  // namespace moraine::gpu
