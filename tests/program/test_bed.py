@@ -190,6 +190,13 @@ class Beds(moraine.ProgramTest):
                                          *sets(time__end=0.1, numerics__bed="surface"), ranks=ranks))["state_hash"] for ranks in (1, 2, 3)}
         self.assertEqual(len(hashes), 1, hashes)
 
+    def test_a_restart_knows_where_a_structure_has_moved(self):
+        """What surfaces cut is kept from step to step, but not where one moves."""
+        scene, keys = moraine.INPUTS / "pipe_penetration.toml", ("--no-particles", *sets(time__end=0.06, numerics__bed="surface"))
+        one = self.run_scene(scene, "moves", *keys, *sets(output__checkpoint_interval=0.03))
+        again = self.run_scene(scene, "moved", "--restart", checkpoints(one)[0], *keys)
+        self.assertEqual(summary(again)["state_hash"], summary(one)["state_hash"])
+
     def test_a_symmetric_jet_on_a_symmetric_wedge_pushes_it_straight(self):
         body = '[[body]]\nname = "jet"\nmaterial = "soil"\nshape = "box"\nmin = [1.6, 1.8]\nmax = [2.4, 2.6]\nvelocity = [0.0, -2.0]\n'
         for turn in range(3):
