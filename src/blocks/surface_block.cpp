@@ -2,6 +2,9 @@
 
 #include "blocks/surface_block.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/grid/stencil.hpp"
 
 namespace moraine {
@@ -10,9 +13,10 @@ namespace {
 
 template <int Dim>
 struct BlockMaker {
-    static constexpr int cells = Block<Dim>::cells, side = tile_side(3), tile_nodes = power<Dim>(side);
-    static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;
-    using Place = Vec<std::int32_t, Dim>;
+    using Found = SurfaceBlock<Dim>;
+    using Place = typename Found::Place;
+    static constexpr int cells = Found::cells, side = Found::side, tile_nodes = Found::tile_nodes;
+    static constexpr int to_middle = Found::to_middle;
 
     const ContactField<Dim>& field;
     const double h;

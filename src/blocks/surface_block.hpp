@@ -15,7 +15,8 @@ namespace moraine {
 
 template <int Dim>
 struct SurfaceBlock {
-    static constexpr int cells = Block<Dim>::cells;
+    static constexpr int cells = Block<Dim>::cells, side = tile_side(3), tile_nodes = power<Dim>(side);
+    static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
     using Place = Vec<std::int32_t, Dim>;
 
     std::size_t number = 0;  ///< of those that its plan has found (SurfacePlan::generation)

@@ -26,8 +26,8 @@ template <int Dim>
 class SurfacePlan {
   public:
     static constexpr int width = 3, cells = Block<Dim>::cells, nodes = power<Dim>(3);
-    static constexpr int side = tile_side(width), tile_nodes = power<Dim>(side);
-    static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
+    static constexpr int side = SurfaceBlock<Dim>::side, tile_nodes = SurfaceBlock<Dim>::tile_nodes;
+    static constexpr int to_middle = SurfaceBlock<Dim>::to_middle;
     using Place = Vec<std::int32_t, Dim>;
 
     double h;    ///< [m]

@@ -32,10 +32,7 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
     if (step.structures)
         work.contact = contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
     kernels_.pressure.hold_nodes(work, stream_);
-    if (surfaces_)
-        surfaces_->begin_step(
-            {view(), contact_, step, fluid_.pressure.view(), {exchange_.get(), reports_.counters.data(), &stream_}},
-            stream_);
+    if (surfaces_) surfaces_->begin_step({view(), contact_, step, fluid_.pressure.view()}, stream_);
     summed_ = false;
 }
 
@@ -61,10 +58,7 @@ void DeviceEngine<Real, Dim>::find_pressures(const Substep& first, const StepSca
     };
     if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
     find(epoch_.lists.interior(), interior_blocks());
-    if (surfaces_)
-        surfaces_->find_cells(
-            {view(), contact_, step, fluid_.pressure.view(), {exchange_.get(), reports_.counters.data(), &stream_}},
-            first, stream_);
+    if (surfaces_) surfaces_->find_cells({view(), contact_, step, fluid_.pressure.view()}, first, stream_);
 }
 
 template <class Real, int Dim>
@@ -92,8 +86,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     const auto solve = [&](const NodeContact<Dim>* contact) {
         kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
     };
-    const SurfaceShare<Real, Dim> share{
-        view(), contact_, step, pressure, {exchange_.get(), reports_.counters.data(), &stream_}};
+    const SurfaceShare<Real, Dim> share{view(), contact_, step, pressure};
     if (step.structures) {
         const NodeContact<Dim> contact =
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);

@@ -50,7 +50,8 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) {
     if (structures) contact_.begin(*structures, epoch_.tables, epoch_.table.view(), method_.stencil, stream_);
-    if (structures && surfaces_) surfaces_->begin(*structures, epoch_.tables, stream_);
+    if (structures && surfaces_)
+        surfaces_->begin(*structures, epoch_.tables, {exchange_.get(), reports_.counters.data(), &stream_}, stream_);
     fluid_.mean = sums.mean;
 }
 
@@ -170,8 +171,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);
         run_nodes(args, step.quantum, marks, surfaces_ && !method_.fluid() ? nullptr : &contact);
         if (surfaces_) {
-            const SurfaceShare<Real, Dim> share{
-                view(), contact_, step, {}, {exchange_.get(), reports_.counters.data(), &stream_}};
+            const SurfaceShare<Real, Dim> share{view(), contact_, step, {}};
             surfaces_->begin_step(share, stream_);
             surfaces_->act(share, {step.dt, step.dt}, 0, stream_);
         }

@@ -23,7 +23,9 @@ SurfaceState<Real, Dim>::SurfaceState(const KernelKey& key, const Method<Host, R
 }
 
 template <class Real, int Dim>
-void SurfaceState<Real, Dim>::begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, cudaStream_t stream) {
+void SurfaceState<Real, Dim>::begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables,
+                                    const TileRound<Real, Dim>& round, cudaStream_t stream) {
+    round_ = round;
     const bool moves = set.any_moves();
     if (known_ && !moves) return;
     plan_.make(tables, set.field(), moves, method_.context.walls, method_.capacity);
@@ -58,11 +60,11 @@ SurfaceWork<Real, Dim> SurfaceState<Real, Dim>::work_of(const Share& share, std:
 /// A launch that gives to tiles, which then travel.
 template <class Real, int Dim>
 template <class Work>
-void SurfaceState<Real, Dim>::give(const Kernel& kernel, const Share& share, const Work& work, cudaStream_t stream,
+void SurfaceState<Real, Dim>::give(const Kernel& kernel, const Work& work, cudaStream_t stream,
                                    const char* what) const {
     if (on_.givers() > 0) kernel(static_cast<unsigned>(on_.givers()), stream, {work}, what);
-    share.round.send({work.tiles.tile_of, work.tiles.tile, nullptr, nullptr}, work.tiles.tile_of, work.view.table.own,
-                     SurfacePlan<Dim>::side);
+    round_.send({work.tiles.tile_of, work.tiles.tile, nullptr, nullptr}, work.tiles.tile_of, work.view.table.own,
+                SurfacePlan<Dim>::side);
 }
 
 /// A launch of a thread per node near a surface.
@@ -78,22 +80,22 @@ void SurfaceState<Real, Dim>::at_nodes(const Kernel& kernel, const Work& work, c
 template <class Real, int Dim>
 void SurfaceState<Real, Dim>::begin_step(const Share& share, cudaStream_t stream) const {
     const SurfaceWork<Real, Dim> work = work_of(share, on_.element_tiles());
-    give(kernels_.weigh, share, work, stream, "Weighing elements");
+    give(kernels_.weigh, work, stream, "Weighing elements");
     at_nodes(kernels_.sum, work, stream, "Summing shares of elements");
 }
 
 template <class Real, int Dim>
 void SurfaceState<Real, Dim>::act(const Share& share, const ContactTime& time, double damping,
                                   cudaStream_t stream) const {
-    if (is_idle(share)) return;
+    if (is_idle()) return;
     SurfaceWork<Real, Dim> work = work_of(share, on_.element_tiles());
     work.time = time;
     if (method_.grid_bulk()) work.cells = on_.cells(), work.damping = damping;
-    give(kernels_.act, share, work, stream, "Acting on surfaces");
+    give(kernels_.act, work, stream, "Acting on surfaces");
     at_nodes(kernels_.apply, work, stream, "Applying impulses of surfaces");
-    if (!on_.has_slaves() && !share.round.travels()) return;
+    if (!on_.has_slaves() && !round_.travels()) return;
     work.tiles.tile_of = on_.slave_tiles();
-    give(kernels_.close, share, work, stream, "Closing slaves");
+    give(kernels_.close, work, stream, "Closing slaves");
     at_nodes(kernels_.apply, work, stream, "Applying impulses of slaves");
 }
 
@@ -109,14 +111,14 @@ OpenWork<Real, Dim> SurfaceState<Real, Dim>::open_work_of(const Share& share, co
 
 template <class Real, int Dim>
 void SurfaceState<Real, Dim>::find_cells(const Share& share, const Substep& first, cudaStream_t stream) const {
-    if (is_idle(share)) return;
+    if (is_idle()) return;
     const OpenWork<Real, Dim> work = open_work_of(share, first);
     at_nodes(kernels_.keep_held, work, stream, "Keeping what nodes hold");
-    give(kernels_.find_cells, share, work, stream, "Finding cells beside surfaces");
+    give(kernels_.find_cells, work, stream, "Finding cells beside surfaces");
     at_nodes(kernels_.sum_pass, work, stream, "Summing children");
-    give(kernels_.close_cells, share, work, stream, "Closing cells beside surfaces");
+    give(kernels_.close_cells, work, stream, "Closing cells beside surfaces");
     at_nodes(kernels_.sum_pass, work, stream, "Summing cells beside holes");
-    give(kernels_.fill_holes, share, work, stream, "Filling holes");
+    give(kernels_.fill_holes, work, stream, "Filling holes");
     at_nodes(kernels_.sum_pass, work, stream, "Summing roots");
 }
 
@@ -124,12 +126,12 @@ void SurfaceState<Real, Dim>::find_cells(const Share& share, const Substep& firs
 template <class Real, int Dim>
 void SurfaceState<Real, Dim>::advance(const Share& share, const Substep& substep, bool presses,
                                       cudaStream_t stream) const {
-    if (is_idle(share)) return;
+    if (is_idle()) return;
     OpenWork<Real, Dim> work = open_work_of(share, substep);
     work.half_time = 0.5 * (substep.number - 0.5) * substep.dt;
     work.takes_roots = substep.is_first(), work.updates = !substep.is_first(), work.presses = presses;
     if (presses) {
-        give(kernels_.press, share, work, stream, "Advancing cells beside surfaces");
+        give(kernels_.press, work, stream, "Advancing cells beside surfaces");
         at_nodes(kernels_.hold_forces, work, stream, "Summing forces of cells beside surfaces");
     } else if (on_.givers() > 0) {
         kernels_.press(static_cast<unsigned>(on_.givers()), stream, {work}, "Finishing cells beside surfaces");
@@ -138,9 +140,9 @@ void SurfaceState<Real, Dim>::advance(const Share& share, const Substep& substep
 
 template <class Real, int Dim>
 void SurfaceState<Real, Dim>::find_fluxes(const Share& share, cudaStream_t stream) const {
-    if (is_idle(share)) return;
+    if (is_idle()) return;
     const OpenWork<Real, Dim> work = open_work_of(share, {});
-    give(kernels_.fluxes, share, work, stream, "Finding what flows into cells beside surfaces");
+    give(kernels_.fluxes, work, stream, "Finding what flows into cells beside surfaces");
     at_nodes(kernels_.sum_pass, work, stream, "Summing fluxes");
 }
 

@@ -29,7 +29,6 @@ struct SurfaceShare {
     const ContactState<Dim>& contact;
     const StepScales<Dim>& step;
     PressureView<Real, Dim> pressure;
-    TileRound<Real, Dim> round;  ///< how tiles travel
 };
 
 template <class Real, int Dim>
@@ -41,8 +40,10 @@ class SurfaceState {
     SurfaceState(const KernelKey& key, const Method<Host, Real, Dim>& method, double cell);
 
     void forget() { known_ = false; }
-    /// The plan of this epoch, or of this step where a structure moves. Asynchronous, as all that follows.
-    void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, cudaStream_t stream);
+    /// The plan of this epoch, or of this step where a structure moves; round: how tiles travel in this step.
+    /// Asynchronous, as all that follows.
+    void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, const TileRound<Real, Dim>& round,
+               cudaStream_t stream);
     /// By node block: not negative where a surface is near; and 1 there.
     const std::int32_t* near_of() const { return on_.tables().near_of; }
     const std::uint8_t* near_mark() const { return on_.near_mark(); }
@@ -70,15 +71,16 @@ class SurfaceState {
     OpenWork<Real, Dim> open_work_of(const Share& share, const Substep& substep) const;
     void advance(const Share& share, const Substep& substep, bool presses, cudaStream_t stream) const;
     template <class Work>
-    void give(const Kernel& kernel, const Share& share, const Work& work, cudaStream_t stream, const char* what) const;
+    void give(const Kernel& kernel, const Work& work, cudaStream_t stream, const char* what) const;
     template <class Work>
     void at_nodes(const Kernel& kernel, const Work& work, cudaStream_t stream, const char* what) const;
-    bool is_idle(const Share& share) const { return on_.givers() == 0 && !share.round.travels(); }
+    bool is_idle() const { return on_.givers() == 0 && !round_.travels(); }
 
     const Method<Host, Real, Dim>& method_;
     SurfaceKernels kernels_;
     SurfacePlan<Dim> plan_;
     bool known_ = false;
+    TileRound<Real, Dim> round_;
     DeviceSurfaces<Real, Dim> on_;
 };
 

@@ -100,7 +100,7 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
       .standard = "\"nodes\"",
       .choices = {"nodes", "surface"},
       .meaning = "Where friction, no-slip and the pressure of cells act at structures: at nodes near them, or on the "
-                 "surface itself (devices: one, without sleep)."},
+                 "surface itself."},
      [](S& s, const V& v) { s.bed = static_cast<Bed>(v.choice); }},
     {{.name = "stress_update",
       .type = choice,
