@@ -131,9 +131,7 @@ void BlockMaker<Dim>::find_root(const Place& node, SurfaceCell<Dim>& cell) {
         if (std::fabs(open[1] - open[0]) < same || open[end] < widest - same) continue;  // alike: with neither
         widest = open[end];
         cell.shares = true;
-        Place root = node;
-        for (int b = 0; b < Dim; ++b) root[b] += cell.root[b] = b != a ? 0 : end == 0 ? -1 : 1;
-        cell.cut_of_root = geometry.cut_at(root);
+        for (int b = 0; b < Dim; ++b) cell.root[b] = b != a ? 0 : end == 0 ? -1 : 1;
     }
 }
 

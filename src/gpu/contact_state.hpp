@@ -22,6 +22,7 @@ struct ContactState {
     bool finds_gaps = false;      ///< in this round
     bool limits_depths = false;   ///< in the next sums
     bool at_surfaces = false;     ///< they act there, and nodes only know where they are
+    SurfaceSpace surfaces{};      ///< what nodes find of those
     bool rests = false;           ///< all that is here holds for the rest of the epoch: no structure moves
 
     /// Gaps are found in the next sums. Asynchronous.
@@ -38,7 +39,7 @@ struct ContactState {
         ContactField<Dim> now = structures.place(set, stream);
         now.ground = field.ground;
         at_nodes = {now, gaps.view(), near_blocks.find(table, now, stencil.origin, set.any_moves(), stream),
-                    !at_surfaces};
+                    !at_surfaces, surfaces};
         rests = !set.any_moves();
         return at_nodes;
     }

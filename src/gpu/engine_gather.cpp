@@ -19,7 +19,7 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     args.averages = method_.averaged() != nullptr;
     args.averaged = kernels_.stress.size() > 1 ? bodies_.averaged.data() : nullptr;
     if (limits(round)) args.light = light_.args(method_.limits);
-    args.fluid = fluid_.args(method_, scene_.materials.size() > 1);
+    args.fluid = fluid_.args(method_, scene_.materials.size() > 1, contact_.surfaces);
     if (method_.grid_bulk()) {
         const PressureView<Real, Dim> pressure = fluid_.pressure.view();
         args.cell = pressure.cell, args.bulk = pressure.bulk;

@@ -50,8 +50,10 @@ void DeviceEngine<Real, Dim>::report(const std::uint32_t* former_first) {
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const StructureSet<Dim>* structures) {
     if (structures) contact_.begin(*structures, epoch_.tables, epoch_.table.view(), method_.stencil, stream_);
-    if (structures && surfaces_)
+    if (structures && surfaces_) {
         surfaces_->begin(*structures, epoch_.tables, {exchange_.get(), reports_.counters.data(), &stream_}, stream_);
+        contact_.surfaces = surfaces_->space();
+    }
     fluid_.mean = sums.mean;
 }
 

@@ -37,9 +37,9 @@ struct FluidState {
         return {shifts(), method.capacity, static_cast<Real>(std::pow(cell, -Dim))};
     }
     /// several: the scene has several materials.
-    FluidArgs<Real> args(const Method<Host, Real, Dim>& method, bool several) const {
+    FluidArgs<Real> args(const Method<Host, Real, Dim>& method, bool several, const SurfaceSpace& surfaces) const {
         if (!takes_means(method)) return {};
-        return {several ? terms.data() : nullptr, first, shifts()};
+        return {several ? terms.data() : nullptr, first, shifts(), surfaces};
     }
 };
 

@@ -15,10 +15,10 @@ template <class Real, int Dim>
 SurfaceState<Real, Dim>::SurfaceState(const KernelKey& key, const Method<Host, Real, Dim>& method, double cell)
     : method_(method), plan_(cell, method.stencil.origin) {
     const std::vector<Kernel>& all = KernelStore::instance().kernels(surfaces_program(key));
-    Kernel* const to[] = {&kernels_.gaps,        &kernels_.weigh,       &kernels_.sum,        &kernels_.act,
-                          &kernels_.close,       &kernels_.apply,       &kernels_.keep_held,  &kernels_.find_cells,
-                          &kernels_.sum_pass,    &kernels_.close_cells, &kernels_.fill_holes, &kernels_.press,
-                          &kernels_.hold_forces, &kernels_.fluxes};
+    Kernel* const to[] = {&kernels_.gaps,     &kernels_.weigh,       &kernels_.sum,         &kernels_.act,
+                          &kernels_.close,    &kernels_.apply,       &kernels_.keep_held,   &kernels_.find_cells,
+                          &kernels_.sum_pass, &kernels_.weigh_cells, &kernels_.close_cells, &kernels_.fill_holes,
+                          &kernels_.press,    &kernels_.hold_forces, &kernels_.fluxes};
     for (std::size_t k = 0; k < all.size(); ++k) *to[k] = all[k];
 }
 
@@ -115,6 +115,8 @@ void SurfaceState<Real, Dim>::find_cells(const Share& share, const Substep& firs
     const OpenWork<Real, Dim> work = open_work_of(share, first);
     at_nodes(kernels_.keep_held, work, stream, "Keeping what nodes hold");
     give(kernels_.find_cells, work, stream, "Finding cells beside surfaces");
+    at_nodes(kernels_.sum_pass, work, stream, "Summing what cells do to nodes");
+    give(kernels_.weigh_cells, work, stream, "Weighing cells beside surfaces");
     at_nodes(kernels_.sum_pass, work, stream, "Summing children");
     give(kernels_.close_cells, work, stream, "Closing cells beside surfaces");
     at_nodes(kernels_.sum_pass, work, stream, "Summing cells beside holes");

@@ -19,7 +19,7 @@ namespace moraine::gpu {
 /// Kernels of elements, and with the grid's pressure of cells (gpu/kernels/programs.hpp: surfaces_program).
 struct SurfaceKernels {
     Kernel gaps, weigh, sum, act, close, apply;
-    Kernel keep_held, find_cells, sum_pass, close_cells, fill_holes, press, hold_forces, fluxes;
+    Kernel keep_held, find_cells, sum_pass, weigh_cells, close_cells, fill_holes, press, hold_forces, fluxes;
 };
 
 /// The share as surfaces see it in a step.
@@ -44,6 +44,8 @@ class SurfaceState {
     /// Asynchronous, as all that follows.
     void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, const TileRound<Real, Dim>& round,
                cudaStream_t stream);
+    /// What nodes find.
+    SurfaceSpace space() const { return {on_.tables().near_of, on_.nodes()}; }
     /// By node block: not negative where a surface is near; and 1 there.
     const std::int32_t* near_of() const { return on_.tables().near_of; }
     const std::uint8_t* near_mark() const { return on_.near_mark(); }

@@ -1,7 +1,6 @@
 #include "gpu/surface_tables.hpp"
 
 #include <cmath>
-#include <unordered_map>
 
 namespace moraine::gpu {
 
@@ -13,10 +12,7 @@ void SurfaceStore<Dim>::update(const SurfacePlan<Dim>& plan, bool cells, cudaStr
         if (block->number >= beds_.size()) beds_.push_back(put(*block, cells, stream));
     }
     for (const SurfaceNodes<Dim>* nodes : plan.nodes_at) {
-        if (!cells || nodes->number < nodes_.size()) continue;
-        OpenNode of[Block<Dim>::cells];
-        for (int n = 0; n < Block<Dim>::cells; ++n) of[n] = {nodes->node[n].distance, nodes->node[n].capacity};
-        nodes_.push_back(memory_.put(of, Block<Dim>::cells, stream));
+        if (nodes->number >= nodes_.size()) nodes_.push_back(memory_.put(nodes->space, Block<Dim>::cells, stream));
     }
     memory_.flush(stream);
 }
@@ -38,14 +34,8 @@ SurfaceBed<Dim> SurfaceStore<Dim>::put(const SurfaceBlock<Dim>& block, bool cell
 template <int Dim>
 const SurfaceCell<Dim>* SurfaceStore<Dim>::put_cells(const SurfaceBlock<Dim>& block, cudaStream_t stream) {
     std::vector<SurfaceCell<Dim>> cells = block.cell;
-    std::unordered_map<const CutCell<Dim>*, const CutCell<Dim>*> there;
     for (SurfaceCell<Dim>& cell : cells)
-        for (const CutCell<Dim>** cut : {&cell.cut, &cell.cut_of_root}) {
-            if (!*cut) continue;
-            const auto [at, is_new] = there.try_emplace(*cut);
-            if (is_new) at->second = memory_.put(*cut, 1, stream);
-            *cut = at->second;
-        }
+        if (cell.cut) cell.cut = memory_.put(cell.cut, 1, stream);
     return memory_.put(cells, stream);
 }
 
@@ -53,12 +43,12 @@ template <class Real, int Dim>
 void DeviceSurfaces<Real, Dim>::assign(const SurfacePlan<Dim>& plan, std::size_t own, bool cells, cudaStream_t stream) {
     store_.update(plan, cells, stream);
     blocks_ = own + plan.ghosts;
-    put_lists(plan, cells, stream);
+    put_lists(plan, stream);
     resize(plan.near_nodes.size(), cells, stream);
 }
 
 template <class Real, int Dim>
-void DeviceSurfaces<Real, Dim>::put_lists(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream) {
+void DeviceSurfaces<Real, Dim>::put_lists(const SurfacePlan<Dim>& plan, cudaStream_t stream) {
     std::vector<SurfaceBed<Dim>> beds(plan.blocks.size());
     std::vector<std::int32_t> giver;
     has_slaves_ = false;
@@ -68,9 +58,8 @@ void DeviceSurfaces<Real, Dim>::put_lists(const SurfacePlan<Dim>& plan, bool cel
         has_slaves_ = has_slaves_ || bed.slave_count > 0;
         if (bed.element_count > 0 || bed.slave_count > 0 || bed.cells) giver.push_back(static_cast<std::int32_t>(k));
     }
-    std::vector<const OpenNode*> node_at;
-    for (const SurfaceNodes<Dim>* nodes : plan.nodes_at)
-        if (cells) node_at.push_back(store_.nodes(*nodes));
+    std::vector<const SpaceNode*> node_at;
+    for (const SurfaceNodes<Dim>* nodes : plan.nodes_at) node_at.push_back(store_.nodes(*nodes));
     std::vector<std::uint8_t> near_mark(plan.near_of.size());
     for (const std::int32_t c : plan.near_nodes) near_mark[static_cast<std::size_t>(c)] = 1;
     givers_ = static_cast<int>(giver.size());

@@ -17,7 +17,7 @@ class SurfaceStore {
     void update(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream);
 
     const SurfaceBed<Dim>& bed(const SurfaceBlock<Dim>& of) const { return beds_[of.number]; }
-    const OpenNode* nodes(const SurfaceNodes<Dim>& of) const { return nodes_[of.number]; }
+    const SpaceNode* nodes(const SurfaceNodes<Dim>& of) const { return nodes_[of.number]; }
 
   private:
     SurfaceBed<Dim> put(const SurfaceBlock<Dim>& block, bool cells, cudaStream_t stream);
@@ -25,7 +25,7 @@ class SurfaceStore {
 
     Arena memory_;
     std::vector<SurfaceBed<Dim>> beds_;
-    std::vector<const OpenNode*> nodes_;
+    std::vector<const SpaceNode*> nodes_;
     std::int64_t generation_ = -1;
 };
 
@@ -42,6 +42,7 @@ class DeviceSurfaces {
     Real* tiles() const { return tiles_.data(); }
     Real* shares() const { return shares_.data(); }
     const OpenCell<Real, Dim>* cells() const { return cells_.data(); }
+    const SpaceNode* const* nodes() const { return node_at_; }
     const std::uint8_t* near_mark() const { return near_mark_; }  ///< by node block: a surface is near
     /// Who gives (SurfaceTiles).
     std::int32_t* element_tiles() const { return tile_of_.data(); }
@@ -49,13 +50,13 @@ class DeviceSurfaces {
     std::int32_t* cell_tiles() const { return tile_of_.data() + 2 * blocks_; }
 
   private:
-    void put_lists(const SurfacePlan<Dim>& plan, bool cells, cudaStream_t stream);
+    void put_lists(const SurfacePlan<Dim>& plan, cudaStream_t stream);
     void resize(std::size_t near_nodes, bool cells, cudaStream_t stream);
 
     SurfaceStore<Dim> store_;
     Arena lists_;
     SurfaceTables<Dim> tables_{};
-    const OpenNode* const* node_at_ = nullptr;
+    const SpaceNode* const* node_at_ = nullptr;
     const std::uint8_t* near_mark_ = nullptr;
     std::size_t blocks_ = 0;  ///< own and ghosts
     int givers_ = 0;

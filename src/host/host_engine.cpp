@@ -190,9 +190,13 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
 
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& step) {
-    Shifting<Real, Dim> shifting{method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}};
+    Shifting<Real, Dim> shifting{
+        method_.capacity, static_cast<Real>(std::pow(scene_.cell, -Dim)), method_.ends, {}, {}};
     const bool shifts = sums_.mean == NodeMean::volume && method_.shifts();
-    if (shifts && step.structures) shifting.contact = step.structures->field();
+    if (shifts && surfaces_)
+        shifting.surfaces = surfaces_->blocks.space();
+    else if (shifts && step.structures)
+        shifting.contact = step.structures->field();
     GatherCall<Real, Dim> gather{method_.stress(),
                                  method_.ends,
                                  {round.gather, method_.tpic, method_.flip, static_cast<Real>(step.dt)},

@@ -38,8 +38,9 @@ double SurfacePressures<Real, Dim>::given_to_particles(int block, int c) const {
     for (std::uint32_t n = list.first[block] + bounds[0]; n < list.first[block] + bounds[1]; ++n) {
         const CellParticle<Real, Dim> q = particles(list.slot[n]);
         if (!(q.bulk > Real(0))) continue;
-        const Real by = taken_increment(step.increment, step.in_tension, borne_share(step.loose, q.bulk));
-        work += double(q.volume) * (double(q.trace) / 3 + 0.5 * double(q.bulk * by)) * double(by);
+        const Real modulus = step.modulus(q.bulk);
+        const Real by = taken_increment(step.increment, step.in_tension, borne_share(step.loose, modulus));
+        work += double(q.volume) * (double(q.trace) / 3 + 0.5 * double(modulus * by)) * double(by);
     }
     return work;
 }

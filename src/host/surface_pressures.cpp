@@ -10,6 +10,7 @@ template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::find(const Substep& first) {
     keep_accelerations();
     find_cells();
+    weigh_cells();
     on_.list(givers_, [&](int k) { return on_cells_[static_cast<std::size_t>(k)].has_children; });
     on_.pass(givers_, 2, [&](int k, Real* tile) {
         each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
@@ -65,6 +66,27 @@ void SurfacePressures<Real, Dim>::find_cells() {
     });
 }
 
+/// M_i, and what it makes of cells.
+template <class Real, int Dim>
+void SurfacePressures<Real, Dim>::weigh_cells() {
+    on_.list(givers_, [&](int k) { return !on_cells_[static_cast<std::size_t>(k)].cell.empty(); });
+    on_.pass(givers_, 1, [&](int k, Real* tile) {
+        each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
+            int n = 0;
+            each_node<Dim, 3>([&](int at, int, int, int) {
+                tile[(tile_offset<Dim, 3>(c) + at) * node_reals] += size_of(cell.factor[n++]);
+            });
+        });
+    });
+    each_block([&](int k) {
+        each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
+            const int corner = tile_offset<Dim, 3>(c);
+            const auto push = [&](int at) { return on_.sum_at(k, corner + at)[0]; };
+            weigh_open_cell(grid_, NodesOf{*this, k, corner}, push, cell);
+        });
+    });
+}
+
 /// What roots have become, to those who share with them.
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::tell_children() {
@@ -79,7 +101,7 @@ void SurfacePressures<Real, Dim>::tell_children() {
         each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
             if (!cell.on || cell.child || !cell.mixed) return;
             Real* own = tile + (tile_offset<Dim, 3>(c) + to_middle) * node_reals;
-            for (int q = 0; q < root_lanes; ++q) own[lane(q)] = told_by_root(cell.state, q);
+            for (int q = 0; q < root_lanes; ++q) own[lane(q)] = told_by_root(cell, q);
         });
     });
     each_block([&](int k) {
@@ -248,9 +270,7 @@ void SurfacePressures<Real, Dim>::give_cells() {
             const OpenCell<Real, Dim>& cell = cells_[k * cells + static_cast<std::size_t>(c)];
             if (!cell.on) continue;
             CellPressure<Real>& to = on_.scene.cells[first_cell(on_.blocks[k]) + c];
-            const Real head = to.head;
-            to = cell.state;
-            to.head = head;
+            to = finished_cell(cell, to.head);
             if (!on_.counts_energy) continue;
             energy_[k].cells.add(on_.scene.quantum.of(-given_to_particles(on_.blocks[k], c)));
         }

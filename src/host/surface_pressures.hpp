@@ -69,6 +69,7 @@ class SurfacePressures {
     }
     void keep_accelerations();
     void find_cells();
+    void weigh_cells();
     void tell_children();
     void find_cell(int k, int c);
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;

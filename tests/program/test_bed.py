@@ -78,6 +78,20 @@ class Beds(moraine.ProgramTest):
         rows = table(self.run_scene(self.write(self.lake(0.1)), "lake"), "history.csv")
         self.assertAlmostEqual((rows[0]["centre_y_m"] - rows[-1]["centre_y_m"]) / CELL, 0, delta=0.01)
 
+    def test_still_water_rests_in_the_corner_of_a_wall_and_a_slope_of_one(self):
+        """Elements threw light nodes out of such a bed, and the water followed."""
+        low = 2.3 * CELL
+        rows = "".join(f"{x!r},{y!r},2.5\n" for j in range(20) for i in range(40)
+                       for x, y in [((i + 0.5) * CELL / 2, (j + 0.5) * CELL / 2)] if y > low + x)
+        (self.folder / "corner.csv").write_text("x,y,mass\n" + rows)
+        body = (f'[[body]]\nname = "lake"\nmaterial = "soil"\nshape = "table"\nfile = "{self.folder}/corner.csv"\n'
+                "geostatic = { surface = 1.0 }\n")
+        text = scene((0.0, -GRAVITY), (2.0, 1.6), FLUID + "pressure_smoothing = 0.22\nparticle_shifting = 0.2\n", body,
+                     f"point = [0.0, {low!r}]\nnormal = [-1.0, 1.0]", 'law = "smooth"', 4.0,
+                     OPEN.replace('x-min"\nkind = "open"', 'x-min"\nkind = "free-slip"'), numerics='substeps = "auto"')
+        history = table(self.run_scene(self.write(text), "corner"), "history.csv")
+        self.assertLess(max(row["kinetic_J"] for row in history), 5e-4 * GRAVITY * CELL * history[0]["mass_kg"])
+
     def dam(self, offset, fluid, law, end, numerics=""):
         """A dam, 10 cells high and 20 wide, on a plane that stands `offset` cells over nodes."""
         low = (2 + offset) * CELL

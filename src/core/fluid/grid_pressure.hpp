@@ -79,6 +79,7 @@ struct CellPressure {
     Real head;       ///< means of P_p and of rho g . x_p over its particles, at the start [Pa]
     bool whole;      ///< away from walls and full: its nodes' factors are those of whole_cell()
     bool loose;      ///< K_c < K: particles take less tension from it
+    bool soft;       ///< its particles' modulus is at most that in `source`, at the end (surfaces/open_faces.hpp)
 };
 
 /// Powers of s of one axis.
@@ -216,12 +217,18 @@ MORAINE_HD Real share_of_integral(Real fill) {
     return share < Real(0) ? Real(0) : share > Real(1) ? Real(1) : share;
 }
 
-/// The modulus that a substep bears [Pa]. weight: sum_i |G_ic|^2 / m_i [m^(2d-2)/kg].
+/// The modulus that a substep bears [Pa]. weight: of the cell's row, no less than its largest eigenvalue [m^(2d-2)/kg].
+template <class Real>
+MORAINE_HD Real bulk_below(Real bulk, Real volume, Real weight, double dt, double damping) {
+    const Real most = Real(1.8 * 1.8 / (dt * dt * (1 + 2 * damping))) * volume / weight;
+    return bulk < most ? bulk : most;
+}
+
+/// The same by sum_i |G_ic|^2 / m_i of a cell alone.
 template <int Dim, class Real>
 MORAINE_HD Real bounded_bulk(Real bulk, Real volume, Real weight, double dt, double damping) {
     constexpr double shared = Dim == 2 ? 2.75 : 4;
-    const Real most = Real(1.8 * 1.8 / (shared * dt * dt * (1 + 2 * damping))) * volume / weight;
-    return bulk < most ? bulk : most;
+    return bulk_below(bulk, volume, Real(shared) * weight, dt, damping);
 }
 
 /// Of a cell's increment of ln J, what goes beyond P_c = 0 in a loose cell; 0 in others.
@@ -266,17 +273,22 @@ struct CellStep {
     Real increment;   ///< of ln J
     Real in_tension;  ///< of it (increment_in_tension())
     Real loose;       ///< K_c of a loose cell, else 0 [Pa]
+    Real stiffest;    ///< the most that particles count of their modulus [Pa]
 
     static MORAINE_HD CellStep of(const CellPressure<Real>& cell) {
-        return {cell.increment, increment_in_tension(cell), cell.loose ? cell.bulk : Real(0)};
+        return {cell.increment, increment_in_tension(cell), cell.loose ? cell.bulk : Real(0),
+                cell.soft ? cell.source : Real(1e30)};
     }
+    /// Of a particle of modulus K = bulk.
+    MORAINE_HD Real modulus(Real bulk) const { return stiffest < bulk ? stiffest : bulk; }
 };
 
 /// Gives it to a particle of modulus K = bulk, and to its dL. Returns the work [J].
 template <class Real, int Dim>
 MORAINE_HD double take_cell(const CellStep<Real>& cell, Real bulk, auto& particle, Mat<Real, Dim>& dL) {
-    const Real increment = taken_increment(cell.increment, cell.in_tension, borne_share(cell.loose, bulk));
-    const Real step = bulk * increment;
+    const Real modulus = cell.modulus(bulk);
+    const Real increment = taken_increment(cell.increment, cell.in_tension, borne_share(cell.loose, modulus));
+    const Real step = modulus * increment;
     const Real before = (particle.stress(0) + particle.stress(1) + particle.stress(2)) * Real(1.0 / 3.0);
     const double work = double(particle.volume()) * double(before + Real(0.5) * step) * double(increment);
     for (int a = 0; a < 3; ++a) particle.stress(a) += step;

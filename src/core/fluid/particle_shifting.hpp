@@ -18,9 +18,11 @@
 // Velocities are untouched, so linear momentum is exact; the centre of mass moves, and with it some potential energy
 // that no force gave. It is stable while n gamma c dt / h is below about 1 (the largest of k^2 w^2 is 1.4 per axis).
 //
-// Nothing goes into a wall, out of an end or into a structure by it: within a quarter of a cell of an end there is no
-// shift towards it, and none where a node of the stencil reaches a structure, whose share of a node is not known. Half
-// a cell is too much: what a fluctuation has shifted out of that half is not let back in, and it empties.
+// Nothing goes into a wall, out of an end or into a structure by it: within a quarter of a cell of an end, or of a
+// surface that acts where it is, there is no shift towards it. Half a cell is too much: what a fluctuation has shifted
+// out of that half is not let back in, and it empties. Beside such surfaces c_i is what is open of a node; one that is
+// open to less than a tenth does not count. Where structures act at nodes their share of a node is not known, and there
+// is no shift where a node of the stencil reaches one.
 //
 // Shifting by concentration: Xu et al. 2009, Lind et al. 2012 (SPH); in MPM Zhang et al. 2018, Baumgarten and Kamrin
 // 2023. Not scaled by the rate of shear, which is too weak at fine cells.
@@ -33,6 +35,7 @@
 #include "core/grid/stencil.hpp"
 #include "core/particles/place_step.hpp"
 #include "core/structures/contact.hpp"
+#include "core/structures/surface_space.hpp"
 
 namespace moraine {
 
@@ -53,7 +56,8 @@ struct Shifting {
     NodeCapacity<Real, Dim> capacity;
     Real inverse_volume;  ///< 1 / h^d [1/m3]
     DomainEnds<Real, Dim> ends;
-    ContactField<Dim> contact;  ///< count 0: there is no structure
+    ContactField<Dim> contact;  ///< of structures that act at nodes; count 0: there are none
+    SurfaceSpace surfaces;      ///< of those that act where they are
 };
 
 /// Share of its capacity that a node on a bed may lack: particles in a lattice leave it a few parts in a hundred short.
@@ -65,6 +69,21 @@ MORAINE_HD Real node_excess(Real filling, Real capacity, bool full = false) {
     const Real excess = filling / capacity - Real(1);
     if (excess > Real(0)) return excess;
     return full && excess < -Real(spared_share) ? excess : Real(0);
+}
+
+/// What must be open of a node beside a surface that it counts.
+inline constexpr double counts_from = 0.1;
+
+/// The same beside a surface that acts where it is.
+template <class Real>
+MORAINE_HD Real excess_beside(const SpaceNode& node, Real filling) {
+    return node.capacity < counts_from ? Real(0) : node_excess(filling, Real(node.capacity));
+}
+
+/// Whether a surface is so near that it says what a node can hold.
+MORAINE_HD bool limits_node(const SpaceNode* node) {
+    constexpr double reach = 1.5;  // of a quadratic spline, and of a corner at that distance
+    return node && node->distance < reach;
 }
 
 /// Share of its capacity from which a node above one on a bed is full.
@@ -128,10 +147,10 @@ MORAINE_HD bool full_above(const NodeCapacity<Real, Dim>& capacity, const int* b
 }
 
 /// e_i of the nodes of a tile that begins at node base[]; ghosts behind walls follow as velocities do. volume(n): v_i
-/// of a node of the tile, over h^d.
-template <class Shape, class Real, int Dim, class Volume>
+/// of a node of the tile, over h^d; space(n): what it finds of surfaces, or null.
+template <class Shape, class Real, int Dim, class Volume, class Space>
 MORAINE_HD void find_excess(const Shifting<Real, Dim>& shifting, const Walls<Real, Dim>& walls, const int* base,
-                            const Volume& volume, Real* excess) {
+                            const Volume& volume, const Space& space, Real* excess) {
     constexpr int side = tile_side(Shape::width);
     const double reach = 0.5 * Shape::width;
     const bool near = structure_within(shifting.contact, base, side, reach);
@@ -140,6 +159,8 @@ MORAINE_HD void find_excess(const Shifting<Real, Dim>& shifting, const Walls<Rea
         for (int a = 0; a < Dim; ++a, rest /= side) node[a] = base[a] + rest % side;
         if (near && reaches_structure(shifting.contact, node, reach))
             excess[n] = at_structure<Real>;
+        else if (const SpaceNode* beside = space(n); limits_node(beside))
+            excess[n] = excess_beside(*beside, volume(n));
         else
             excess[n] = node_excess(volume(n), shifting.capacity.of(node),
                                     full_above(shifting.capacity, base, node, n, side, volume));
@@ -169,6 +190,19 @@ MORAINE_HD Vec<Real, Dim> gradient_of_excess(const Weights<Real, Dim, Shape>& n,
     return open ? gradient : zero_vec<Real, Dim>();
 }
 
+/// Distance from an end within which nothing is shifted towards it [cells]: where the outermost of 2 particles per cell
+/// stands.
+inline constexpr double kept_from_ends = 0.25;
+
+/// Takes from a shift what goes into a surface that is nearer than kept_from_ends. distance [cells], and its gradient.
+template <class Real, int Dim>
+MORAINE_HD void keep_from_surface(Real distance, const Vec<Real, Dim>& gradient, Vec<Real, Dim>& shift) {
+    Real leaves = Real(0), square = Real(0);
+    for (int a = 0; a < Dim; ++a) leaves += shift[a] * gradient[a], square += gradient[a] * gradient[a];
+    if (!(distance < Real(kept_from_ends) && leaves < Real(0) && square > Real(0))) return;
+    for (int a = 0; a < Dim; ++a) shift[a] -= leaves / square * gradient[a];
+}
+
 /// The shift by a gradient of e [1/m] in a step [m]. cell: h.
 template <class Real, int Dim>
 MORAINE_HD Vec<Real, Dim> shift_by(Real shifting, Real dt, Real cell, const Vec<Real, Dim>& gradient) {
@@ -181,10 +215,6 @@ MORAINE_HD Vec<Real, Dim> shift_by(Real shifting, Real dt, Real cell, const Vec<
     for (int a = 0; a < Dim; ++a) shift[a] = -factor * gradient[a];
     return shift;
 }
-
-/// Distance from an end within which nothing is shifted towards it [cells]: where the outermost of 2 particles per cell
-/// stands.
-inline constexpr double kept_from_ends = 0.25;
 
 /// Takes from a shift what goes towards an end of the domain that is nearer than kept_from_ends once the particle has
 /// moved by `move` [cells].

@@ -14,6 +14,16 @@
 // A cell of which less than 0.3 is open, or that is cut and holds no particle, has its pressure, modulus and volume
 // together with a neighbour: that to which its normal points, or the one with the widest open face between them. Each
 // keeps its own G, so that all faces stay open and what flows along a plane changes no volume.
+//
+// The modulus is bounded for the substep by the row sum of what all cells do to the cell's nodes, which no eigenvalue
+// exceeds: many cells share a node that the surface leaves light.
+//
+//   M_i = sum_c |G_ic|,   R_c = sum_i |G_ic| M_i / m_i,   K_c <= 1.8^2 V_c / ((1 + 2 d) dts^2 R_c)
+//
+// A cell beside a surface is soft: K_s is the bound with nodes as heavy as if what is open of them were full, m_i /
+// min(1, fill_i). Its pressure is its particles', and its particles take K_s dl_c, too: a secant K_s / K would have
+// them bear many times the pressure of their cell. What nodes lack besides makes it loose (grid_pressure.hpp), by K_c /
+// K_s.
 
 #include "core/fluid/find_pressures.hpp"
 #include "core/surfaces/surface_node.hpp"
@@ -38,7 +48,9 @@ struct OpenCell {
     Real bears = Real(0);                 ///< of the surface: (1 - x) phi + x
     Real particles = Real(0);             ///< sum V_p [m^d]
     Real flux = Real(0);                  ///< of this substep, without children's [m^d/s]
-    Real weight = Real(0);                ///< sum_i |G_ic|^2 / m_i
+    Real weight = Real(0);                ///< R_c [m^(2d-2)/kg]
+    Real full_weight = Real(0);           ///< the same with nodes as if full
+    Real soft = Real(0);                  ///< K_s [Pa]; 0: it is not soft
     Vec<Real, Dim> bed{};                 ///< S_c [m^(d-1)]
     CellNode<Real, Dim> factor[nodes]{};  ///< G_ic
 };

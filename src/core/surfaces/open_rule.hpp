@@ -11,22 +11,30 @@
 namespace moraine {
 
 /// Lanes of what a child tells its root, what cells tell holes beside them, and what the root tells back.
-enum ChildLane { child_pressure, child_particles, child_bulk, child_volume, child_weight, child_cross };
+enum ChildLane { child_pressure, child_particles, child_bulk, child_volume, child_weight, child_full_weight };
 enum HoleLane { hole_volume, hole_pressure, hole_bulk };
-enum RootLane { root_pressure, root_bulk, root_volume, root_source };
+enum RootLane { root_pressure, root_bulk, root_volume, root_source, root_soft };
 
 /// A cell of a block near a surface, by place alone.
 template <int Dim>
 struct SurfaceCell {
     CellPart part;
-    bool near;                        ///< it is one of ours
-    bool shares;                      ///< with the cell at `root` from here
-    const CutCell<Dim>* cut;          ///< null: it is whole
-    const CutCell<Dim>* cut_of_root;  ///< likewise
+    bool near;                ///< it is one of ours
+    bool shares;              ///< with the cell at `root` from here
+    const CutCell<Dim>* cut;  ///< null: it is whole
     int root[Dim];
     int structure;  ///< whose surface it is at
     double volume;  ///< open [cells]
 };
+
+/// |G_ic| [m^(d-1)].
+template <class Real, int Dim>
+MORAINE_HD Real size_of(const CellNode<Real, Dim>& node) {
+    using std::sqrt;
+    Real square = Real(0);
+    for (int a = 0; a < Dim; ++a) square += node.gradient[a] * node.gradient[a];
+    return sqrt(square);
+}
 
 /// What the cells of a run share.
 template <class Real, int Dim>
@@ -101,48 +109,49 @@ MORAINE_HD void make_rows(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim
     cell.whole = !place.cut && cell.share == Real(1) && !light;
 }
 
-/// Source, weight, and of a child the part of the weight that it has together with its root, as its head.
+/// tr(L L).
 template <class Real, int Dim, class Nodes>
-MORAINE_HD void weigh_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim>& place,
-                           const Vec<std::int32_t, Dim>& node, const Nodes& nodes, OpenCell<Real, Dim>& cell) {
-    CellNode<Real, Dim> of_root[OpenCell<Real, Dim>::nodes];
-    if (cell.child) {
-        Vec<std::int32_t, Dim> root = node;
-        for (int a = 0; a < Dim; ++a) root[a] += place.root[a];
-        grid.find_faces(root, place.cut_of_root, of_root);
-    }
+MORAINE_HD Real source_of(const OpenCell<Real, Dim>& cell, const Nodes& nodes) {
     Mat<Real, Dim> L = zero_mat<Real, Dim>();
     int n = 0;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
+    each_node<Dim, 3>([&](int at, int, int, int) {
         const CellNode<Real, Dim>& g = cell.factor[n++];
         const Real* v = nodes.values(at);
         if (!v) return;
-        const int offset[3] = {i, j, l};
-        int there = 0;
-        bool both = cell.child;
-        for (int a = Dim - 1; a >= 0; --a) {
-            const int o = offset[a] - place.root[a];
-            both = both && o >= 0 && o < 3;
-            there = 3 * there + o;
-        }
-        Real square = Real(0), cross = Real(0);
-        for (int b = 0; b < Dim; ++b) {
-            square += g.gradient[b] * g.gradient[b];
-            if (both) cross += g.gradient[b] * of_root[there].gradient[b];
+        for (int b = 0; b < Dim; ++b)
             for (int a = 0; a < Dim; ++a) L(a, b) += g.gradient[b] * v[a];
-        }
-        cell.weight += square / v[quad - 1];
-        if (both)
-            cell.state.head +=
-                Real(node_share(nodes.distance(at), nodes.capacity(at), nodes.filling(at))) * cross / v[quad - 1];
     });
+    Real source = Real(0);
     for (int a = 0; a < Dim; ++a)
-        for (int b = 0; b < Dim; ++b) cell.state.source += L(a, b) * L(b, a);
-    cell.state.source /= cell.state.volume * cell.state.volume;
+        for (int b = 0; b < Dim; ++b) source += L(a, b) * L(b, a);
+    return source / (cell.state.volume * cell.state.volume);
 }
 
-/// Of a cell by itself, whose particles have been summed: pressure and bulk are sums over them yet, and a child's head
-/// the sum of G_ic . G_ir.
+/// M_i of a node among full cells [cells^(d-1)].
+template <int Dim>
+inline constexpr double full_push = Dim == 2 ? 1.8047 : 2.4686;
+
+/// R_c. push(at): M_i of the cells beside surfaces, to which all belong that have a node that surfaces leave light. Of
+/// other nodes' cells some do not: those nodes have at least what they have among full cells, by their filling.
+template <class Real, int Dim, class Nodes, class Push>
+MORAINE_HD void weigh_open_cell(const OpenGrid<Real, Dim>& grid, const Nodes& nodes, const Push& push,
+                                OpenCell<Real, Dim>& cell) {
+    const Real full = Real(full_push<Dim>) * static_cast<Real>(grid.face);
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int, int, int) {
+        const Real size = size_of(cell.factor[n++]);
+        const Real* v = nodes.values(at);
+        if (!v) return;
+        const double filling = nodes.filling(at);
+        const Real among = nodes.capacity(at) < light_capacity ? Real(0) : full * Real(filling < 1 ? filling : 1);
+        const Real row = size * (push(at) > among ? push(at) : among) / v[quad - 1];
+        cell.weight += row;
+        cell.full_weight +=
+            static_cast<Real>(node_share(nodes.distance(at), nodes.capacity(at), nodes.filling(at))) * row;
+    });
+}
+
+/// Of a cell by itself, whose particles have been summed: pressure and bulk are sums over them yet.
 template <class Real, int Dim, class Nodes>
 MORAINE_HD void find_open_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim>& place,
                                const Vec<std::int32_t, Dim>& node, const CellMoments<Real, Dim>& moments,
@@ -154,14 +163,14 @@ MORAINE_HD void find_open_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCel
     if (!(cell.state.volume > Real(1e-7) * Real(grid.volume))) return;
     cell.on = true;
     cell.child = shares;
-    weigh_cell(grid, place, node, nodes, cell);
+    cell.state.source = source_of(cell, nodes);
 }
 
 /// Lane n of what a child tells its root.
 template <class Real, int Dim>
 MORAINE_HD Real told_by_child(const OpenCell<Real, Dim>& cell, int n) {
     const Real told[] = {cell.state.pressure, cell.particles, cell.state.bulk,
-                         cell.state.volume,   cell.weight,    cell.state.head};
+                         cell.state.volume,   cell.weight,    cell.full_weight};
     return told[n];
 }
 inline constexpr int child_lanes = 6;
@@ -178,13 +187,13 @@ MORAINE_HD void close_open_cell(const Real* told, double dt, double damping, Ope
     }
     cell.particles = particles;
     state.volume += told[sum_lane<Dim>(child_volume)];
-    const Real weight =
-        cell.weight + told[sum_lane<Dim>(child_weight)] + Real(2) * cell.share * told[sum_lane<Dim>(child_cross)];
-    cell.weight = weight;
-    if (!(particles > Real(0)) || (cell.whole && !cell.mixed) || !(weight > Real(0))) return;
-    const Real bulk = bounded_bulk<Dim>(state.bulk, state.volume, weight, dt, damping);
-    state.loose = bulk < state.bulk;
-    state.pressure *= bulk / state.bulk;
+    cell.weight += told[sum_lane<Dim>(child_weight)], cell.full_weight += told[sum_lane<Dim>(child_full_weight)];
+    if (!(particles > Real(0)) || (cell.whole && !cell.mixed) || !(cell.full_weight > Real(0))) return;
+    const Real softer = bulk_below(state.bulk, state.volume, cell.full_weight, dt, damping);
+    cell.soft = softer < state.bulk ? softer : Real(0);
+    const Real bulk = bulk_below(softer, state.volume, cell.weight, dt, damping);
+    state.loose = bulk < softer;
+    state.pressure *= bulk / softer;
     state.bulk = bulk;
 }
 
@@ -199,12 +208,13 @@ MORAINE_HD void fill_open_hole(const Real* around, OpenCell<Real, Dim>& hole) {
 }
 
 /// Lane n of what a root tells its children.
-template <class Real>
-MORAINE_HD Real told_by_root(const CellPressure<Real>& state, int n) {
-    const Real told[] = {state.pressure, state.loose ? -state.bulk : state.bulk, state.volume, state.source};
+template <class Real, int Dim>
+MORAINE_HD Real told_by_root(const OpenCell<Real, Dim>& root, int n) {
+    const CellPressure<Real>& state = root.state;
+    const Real told[] = {state.pressure, state.loose ? -state.bulk : state.bulk, state.volume, state.source, root.soft};
     return told[n];
 }
-inline constexpr int root_lanes = 4;
+inline constexpr int root_lanes = 5;
 
 /// What a root has become, to a child. root: sums of the node in the root's middle.
 template <class Real, int Dim>
@@ -214,6 +224,7 @@ MORAINE_HD void take_root(const Real* root, OpenCell<Real, Dim>& child) {
     child.state.pressure = root[sum_lane<Dim>(root_pressure)], child.state.bulk = bulk < Real(0) ? -bulk : bulk;
     child.state.volume = root[sum_lane<Dim>(root_volume)], child.state.source = root[sum_lane<Dim>(root_source)];
     child.state.loose = bulk < Real(0);
+    child.soft = root[sum_lane<Dim>(root_soft)];
 }
 
 /// sum_i G_ic . v_i - S_c . V.
@@ -237,6 +248,16 @@ MORAINE_HD void advance_open_cell(Real flux, Real dt, Real time, OpenCell<Real, 
     cell.state.change = cell.state.bulk * step;
     cell.state.pressure += cell.state.change;
     cell.state.increment += step;
+}
+
+/// As the gather takes a cell at the end. head: of its smoothing.
+template <class Real, int Dim>
+MORAINE_HD CellPressure<Real> finished_cell(const OpenCell<Real, Dim>& cell, Real head) {
+    CellPressure<Real> state = cell.state;
+    state.head = head;
+    state.soft = cell.soft > Real(0);
+    if (state.soft) state.source = cell.soft;
+    return state;
 }
 
 /// N_e: what a cell presses on its surface [Pa].

@@ -53,13 +53,6 @@ class SurfaceGeometry {
     /// Of a cell that is cut.
     const CutCell<Dim>& cut(const Place& node) { return cut_[static_cast<std::size_t>(state_of(node).index)]; }
 
-    /// null: it is not cut; of a cell that was asked for before, by any number of threads.
-    const CutCell<Dim>* cut_at(const Place& node) const {
-        const auto found = part_.find(node);
-        if (found == part_.end() || found->second.part != CellPart::cut) return nullptr;
-        return &cut_[static_cast<std::size_t>(found->second.index)];
-    }
-
     double distance(const Vec<double, Dim>& node, int* nearest = nullptr) const {
         return beside(node, nearest).distance / field_.cell;
     }

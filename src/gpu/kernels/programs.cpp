@@ -72,6 +72,7 @@ std::string gather_case(const KernelKey& key, bool averages, bool light) {
     if (averages) terms += " | means_term";
     if (key.fluid == FluidGrid::means) terms += " | fluid_term";
     if (key.fluid == FluidGrid::pressure) terms += " | pressure_term";
+    if (key.fluid != FluidGrid::none && key.surfaces) terms += " | surface_term";
     return "GatherCase<" + real_dim(key) + ", " + shape_of(key) + ", " + word(key.affine) + ", (" + terms + ")>";
 }
 
@@ -168,8 +169,8 @@ Program surfaces_program(const KernelKey& key) {
     if (key.fluid != FluidGrid::pressure) return program;
     for (const char* header : {"gpu/kernels/surfaces/open_cells.cuh", "gpu/kernels/surfaces/open_substeps.cuh"})
         program.headers.push_back(header);
-    for (const char* name : {"keep_held", "find_open_cells", "sum_pass", "close_open_cells", "fill_open_holes",
-                             "press_open_cells", "hold_forces", "find_fluxes"})
+    for (const char* name : {"keep_held", "find_open_cells", "sum_pass", "weigh_open_cells", "close_open_cells",
+                             "fill_open_holes", "press_open_cells", "hold_forces", "find_fluxes"})
         program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
     return program;
 }

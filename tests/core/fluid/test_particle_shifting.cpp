@@ -28,8 +28,8 @@ void shift_all(Sample<Real, Dim>& sample, const Filling& filling, const ContactF
         }
     }
     const FluidTerms<Real> fluid[] = {{}, {Real(0), Real(1e-6), Real(shifting)}};
-    const Shifting<Real, Dim> rules{sample.method.capacity, static_cast<Real>(std::pow(sample.scene.cell, -Dim)),
-                                    sample.method.ends, contact};
+    const Shifting<Real, Dim> rules{
+        sample.method.capacity, static_cast<Real>(std::pow(sample.scene.cell, -Dim)), sample.method.ends, contact, {}};
     GatherCall<Real, Dim> gather{
         {nullptr, 0, nullptr}, sample.method.ends, sample.round(gather_motion, 1), sample.notes()};
     gather.terms.template get<ShiftingTerm<Real, Dim>>() = {fluid, &rules, nullptr};
@@ -83,6 +83,30 @@ TEST_CASE("a node's excess is its volume above its capacity, and nothing below")
     CHECK(node_excess(1.5, 0.5) == doctest::Approx(2));
     CHECK(node_excess(0.95, 1.0) == 0);
     CHECK(node_excess(std::nan(""), 1.0) == 0);
+}
+
+TEST_CASE("beside a surface a node's capacity is what is open of it, and next to nothing does not count") {
+    CHECK(excess_beside({0.2, 0.5}, 0.75) == doctest::Approx(0.5));
+    CHECK(excess_beside({0.2, 0.5}, 0.45) == 0);
+    CHECK(excess_beside({-0.9, 0.05}, 0.75) == 0);
+    const SpaceNode near{1.4, 1}, far{1.6, 1};
+    CHECK(limits_node(&near));
+    CHECK_FALSE(limits_node(&far));
+    CHECK_FALSE(limits_node(nullptr));
+}
+
+TEST_CASE("what goes into a surface nearer than a quarter of a cell is taken from a shift") {
+    const Vec<double, 2> up = {{-0.6, 0.8}};
+    const auto kept = [&](double distance, const Vec<double, 2>& by) {
+        Vec<double, 2> shift = by;
+        keep_from_surface(distance, up, shift);
+        return shift;
+    };
+    const Vec<double, 2> into = {{0.0, -0.05}}, out = {{0.0, 0.05}};
+    CHECK(dot(kept(0.2, into), up) == doctest::Approx(0));
+    CHECK(kept(0.2, into)[0] == doctest::Approx(-0.024));
+    CHECK(kept(0.3, into)[1] == -0.05);
+    CHECK(kept(0.2, out)[1] == 0.05);
 }
 
 TEST_CASE("a shift goes down the gradient, and at most a twentieth of a cell") {

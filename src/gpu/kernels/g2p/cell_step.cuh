@@ -13,6 +13,7 @@ struct PressureShared {
     Real increment[cells];   ///< of ln J
     Real in_tension[cells];  ///< of it (core/fluid/grid_pressure.hpp: increment_in_tension)
     Real loose[cells];       ///< K_c of a loose cell, else 0 [Pa]
+    Real stiffest[cells];    ///< the most that particles count of their modulus [Pa]
 };
 
 template <class Case>
@@ -29,6 +30,7 @@ struct PressureTerm {
             own.increment[c] = step.increment;
             own.in_tension[c] = step.in_tension;
             own.loose[c] = step.loose;
+            own.stiffest[c] = step.stiffest;
             own.head[c] = cell[c].head;
         }
         if (Case::T::rank() == 0) own.resting.template load<typename Case::Shape>(in.v, in.work.block);
@@ -43,8 +45,8 @@ struct PressureTerm {
         const typename Case::U u = point.place();
         const int cell = number_of<4, Real, dim>(u);
         smooth_pressure(point.fluid(), in.g.dt, own.head[cell] - own.resting.at(in.v, u), point.p);
-        power += take_cell(CellStep<Real>{own.increment[cell], own.in_tension[cell], own.loose[cell]}, point.bulk(),
-                           point.p, dL);
+        const CellStep<Real> step{own.increment[cell], own.in_tension[cell], own.loose[cell], own.stiffest[cell]};
+        power += take_cell(step, point.bulk(), point.p, dL);
         point.store_pressure();
     }
 };

@@ -39,6 +39,35 @@ __device__ __forceinline__ void load_fluid_tile(const View<Real, Dim>& v, int bl
     if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile);
 }
 
+/// How far nodes of a block's tile are from surfaces [cells], where one is near.
+template <class Real, int Dim, int Width>
+struct DistanceTile {
+    FluidTile<Real, Dim, Width> of;
+    bool near;
+};
+
+/// By all threads of the team, which see it afterwards.
+template <class Shape, class Real, int Dim>
+__device__ __forceinline__ void load_distance_tile(const View<Real, Dim>& v, const SurfaceSpace& surfaces, int block,
+                                                   DistanceTile<Real, Dim, Shape::width>& tile) {
+    constexpr int side = tile_side(Shape::width);
+    if (Team<Dim>::rank() == 0) tile.near = false;
+    Team<Dim>::sync();
+    for (int n = Team<Dim>::rank(); n < tile.of.size; n += Team<Dim>::threads) {
+        int corner = 0, at = 0;
+        for (int a = 0, rest = n; a < Dim; ++a, rest /= side) {
+            const int x = rest % side;
+            corner |= (x >> 2) << a, at |= (x & 3) << (2 * a);
+        }
+        const SpaceNode* node = surfaces.of(v.table.node_block[block * Block<Dim>::corners + corner], at);
+        const Real distance = node ? Real(node->distance) : Real(100);
+        tile.of.mean[n] = distance;
+        if (distance < Real(1.5)) tile.near = true;
+    }
+    Team<Dim>::sync();
+    if (Shape::width > 2 && v.table.border[block]) set_ghosts<Shape::width>(v, block, Shape::origin, tile.of);
+}
+
 /// A particle's weights and slopes [1/cell].
 template <class Shape, class Real, int Dim>
 struct FluidStencil {
@@ -138,10 +167,13 @@ struct RestingPressure {
     }
 };
 
+struct NoDistances {};
+
 /// The tile, and what each thread's particle takes of it: the shift [m], or the pressure first.
-template <class Real, int Dim, int Width>
+template <class Real, int Dim, int Width, bool Surfaces>
 struct FluidShared {
     FluidTile<Real, Dim, Width> tile;
+    std::conditional_t<Surfaces, DistanceTile<Real, Dim, Width>, NoDistances> distance;
     RestingPressure<Real> resting;
     Real own[Dim][Team<Dim>::threads];
 };
@@ -156,13 +188,15 @@ struct FluidTerm {
     static constexpr bool rolled = Case::light || Shape::width > 3;
     static constexpr unsigned hooks =
         Case::fluid ? hook_block | hook_gather | hook_velocity | (Case::pressure ? 0u : unsigned(hook_stress)) : 0u;
-    struct Shared : SharedIf<FluidTerm, Case::fluid, FluidShared<Real, dim, Shape::width>> {};
+    struct Shared : SharedIf<FluidTerm, Case::fluid, FluidShared<Real, dim, Shape::width, Case::surfaces>> {};
 
     MORAINE_TEAM bool shifts(const auto& in) { return Case::pressure || in.g.fluid.shifts; }
 
     MORAINE_TEAM void at_block(const auto& in, Shared& own) {
         if (!Case::pressure && Case::T::rank() == 0) own.resting.template load<Shape>(in.v, in.work.block);
         load_fluid_tile<Shape>(in.v, in.work.block, own.tile);
+        if constexpr (Case::surfaces)
+            if (shifts(in)) load_distance_tile<Shape>(in.v, in.g.fluid.surfaces, in.work.block, own.distance);
     }
 
     /// What the particle's rows say is read anew afterwards: registers that held weights until then spilled.
@@ -173,13 +207,20 @@ struct FluidTerm {
         const int at = number_of<Case::side, Real, dim>(u), rank = Case::T::rank();
         const FluidStencil<Shape, Real, dim> n(u, point.half_sizes());
         if (shifts(in)) {
-            const Vec<Real, dim> shift = found_shift<Shape, rolled>(in.v, of, shifting_dt(in, of), own.tile, at, n);
+            Vec<Real, dim> shift = found_shift<Shape, rolled>(in.v, of, shifting_dt(in, of), own.tile, at, n);
+            if constexpr (Case::surfaces) keep_out(own.distance, at, n, shift);
 #pragma unroll
             for (int a = 0; a < dim; ++a) own.own[a][rank] = shift[a];
         } else {
             own.own[0][rank] = gathered_mean<Shape, rolled, Real, dim>(own.tile, at, n) - own.resting.at(in.v, u);
         }
         asm volatile("" ::: "memory");
+    }
+
+    MORAINE_TEAM void keep_out(const auto& distance, int at, const auto& n, Vec<Real, dim>& shift) {
+        if (!distance.near) return;
+        keep_from_surface(gathered_mean<Shape, rolled, Real, dim>(distance.of, at, n),
+                          excess_gradient<Shape, rolled, Real, dim>(distance.of, at, n), shift);
     }
 
     /// No further than it is stable.

@@ -11,6 +11,7 @@
 #include "core/grid/light_nodes.hpp"
 #include "core/grid/particle_update.hpp"
 #include "core/particles/place_step.hpp"
+#include "core/structures/surface_space.hpp"
 #include "gpu/kernels/view.hpp"
 
 namespace moraine::gpu {
@@ -45,7 +46,8 @@ template <class Real>
 struct FluidArgs {
     const FluidTerms<Real>* by_body;  ///< on the device; null: of all particles the same
     FluidTerms<Real> all;
-    bool shifts;  ///< in this step; nodes hold e_i then, else P_i (kernels/nodes/nodes.hpp)
+    bool shifts;            ///< in this step; nodes hold e_i then, else P_i (kernels/nodes/nodes.hpp)
+    SurfaceSpace surfaces;  ///< that act where they are
 };
 
 /// With them; kernels of other scenes do not get them.

@@ -18,10 +18,11 @@ namespace moraine::gpu {
 /// Physics that an instance is compiled with, as bits.
 enum GatherTerms : unsigned {
     no_terms = 0,
-    light_term = 1,        ///< of blocks that find_limited.cuh has listed
-    means_term = 2,        ///< means of cells
-    fluid_term = 4,        ///< pressures are smoothed, particles shifted, by a number per node
-    pressure_term = 4 | 8  ///< particles are shifted, and the pressure is the grid's
+    light_term = 1,         ///< of blocks that find_limited.cuh has listed
+    means_term = 2,         ///< means of cells
+    fluid_term = 4,         ///< pressures are smoothed, particles shifted, by a number per node
+    pressure_term = 4 | 8,  ///< particles are shifted, and the pressure is the grid's
+    surface_term = 16       ///< with those: surfaces act where they are
 };
 
 template <class R, int D, class S, bool A, unsigned Terms>
@@ -32,6 +33,7 @@ struct GatherCase {
     static constexpr bool affine = A;
     static constexpr bool light = (Terms & light_term) != 0, means = (Terms & means_term) != 0;
     static constexpr bool fluid = (Terms & fluid_term) != 0, pressure = (Terms & pressure_term) == pressure_term;
+    static constexpr bool surfaces = fluid && (Terms & surface_term) != 0;
     using Args = GatherArgsOf<R, D, pressure ? FluidGrid::pressure : fluid ? FluidGrid::means : FluidGrid::none>;
     using T = Team<D>;
     using U = Vec<Coordinate<R>, D>;

@@ -63,15 +63,18 @@ __device__ __forceinline__ bool is_full_above(const View<Real, Dim>& view, const
 
 /// e_i of node n of the node block c whose lowest node is `lowest`. filling: v_i / h^d; full: is_full_above.
 template <int Width, class Real, int Dim>
-__device__ __forceinline__ Real excess_of_node(const ContactField<Dim>& contact,
-                                               const NodeCapacity<Real, Dim>& capacity, int c, int n,
-                                               const int (&lowest)[Dim], const int (&node)[Dim], Real filling,
-                                               bool full) {
+__device__ __forceinline__ Real excess_of_node(const NodeContact<Dim>& contact, const NodeCapacity<Real, Dim>& capacity,
+                                               int c, int n, const int (&lowest)[Dim], const int (&node)[Dim],
+                                               Real filling, bool full) {
+    if (!contact.acts) {
+        const SpaceNode* beside = contact.surfaces.of(c, n);
+        return limits_node(beside) ? excess_beside(*beside, filling) : node_excess(filling, capacity.of(node), full);
+    }
     constexpr double reach = 0.5 * Width;
-    const GroundNode<Dim>* ground = ground_of_block(contact, c);
-    if (ground && ground[n].surface.distance < reach * contact.cell) return at_structure<Real>;
-    if (structure_within<false>(contact, lowest, Block<Dim>::side, reach) &&
-        reaches_structure<false>(contact, node, reach))
+    const ContactField<Dim>& field = contact.field;
+    const GroundNode<Dim>* ground = ground_of_block(field, c);
+    if (ground && ground[n].surface.distance < reach * field.cell) return at_structure<Real>;
+    if (structure_within<false>(field, lowest, Block<Dim>::side, reach) && reaches_structure<false>(field, node, reach))
         return at_structure<Real>;
     return node_excess(filling, capacity.of(node), full);
 }

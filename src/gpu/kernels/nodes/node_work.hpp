@@ -27,7 +27,8 @@ struct NodeContact {
     ContactField<Dim> field;
     GapTiles gaps;
     NearBlocks near;
-    bool acts = true;  ///< at nodes: not where surfaces act themselves (gpu/kernels/surfaces)
+    bool acts = true;         ///< at nodes: not where surfaces act themselves (gpu/kernels/surfaces)
+    SurfaceSpace surfaces{};  ///< those
 };
 
 /// Numbers of blocks that light nodes ask for: LimitedBlocks of two parts.

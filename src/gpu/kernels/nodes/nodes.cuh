@@ -43,7 +43,7 @@ __device__ __forceinline__ Real mean_of_node(const FluidNodeWork<Real, Dim>& w, 
         int lowest[Dim];
 #pragma unroll
         for (int a = 0; a < Dim; ++a) lowest[a] = 4 * w.view.table.node_position[c][a] - w.origin;
-        return excess_of_node<Width>(w.contact.field, w.fluid.capacity, c, n, lowest, node, filling, full);
+        return excess_of_node<Width>(w.contact, w.fluid.capacity, c, n, lowest, node, filling, full);
     }
     return node_excess(filling, w.fluid.capacity.of(node), full);
 }

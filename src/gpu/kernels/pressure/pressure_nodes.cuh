@@ -25,7 +25,7 @@ __device__ __forceinline__ void hold_node(const HoldWork<Real, Dim>& w, int c, i
     first[quad - 1] = sums[0];
     held.filling = force[quad - 1] * w.inverse_volume;
     if constexpr (Contact)
-        second[quad - 1] = excess_of_node<3>(w.contact.field, w.capacity, c, n, lowest, node, held.filling, full);
+        second[quad - 1] = excess_of_node<3>(w.contact, w.capacity, c, n, lowest, node, held.filling, full);
     else
         second[quad - 1] = node_excess(held.filling, w.capacity.of(node), full);
     Quad<Real>* out = values_of_node(w.view, c, n);

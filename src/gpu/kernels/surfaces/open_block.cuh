@@ -17,7 +17,7 @@ struct OpenNodes {
     int corner;
 
     __device__ __forceinline__ const Real* values(int at) const { return nodes.values(w, corner + at); }
-    __device__ __forceinline__ const OpenNode& node(int at) const {
+    __device__ __forceinline__ const SpaceNode& node(int at) const {
         const std::int32_t near = nodes.near[corner + at];
         return w.open.node[near / Block<Dim>::cells][near % Block<Dim>::cells];
     }

@@ -48,7 +48,7 @@ __device__ __forceinline__ void sum_cell(const OpenWork<Real, Dim>& w, int block
     }
 }
 
-/// Cells by themselves, and what children tell their roots.
+/// Cells by themselves, and M_i.
 template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1)
     find_open_cells_kernel(const __grid_constant__ OpenWork<Real, Dim> w) {
@@ -56,7 +56,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
     const OpenBlock<Real, Dim> block(w);
     nodes.find(w, block.block);
     const int c = static_cast<int>(threadIdx.x);
-    bool child = false;
+    bool gives = false;
     if (c < block.cells) {
         OpenCell<Real, Dim>& cell = block.cell(c);
         const SurfaceCell<Dim>& place = block.place(c);
@@ -71,6 +71,34 @@ __global__ void __launch_bounds__(surface_threads, 1)
                                OpenNodes<Real, Dim>{w, nodes, tile_offset<Dim, 3>(c)}, cell);
             }
         }
+        gives = cell.on;
+    }
+    const bool any = __syncthreads_or(gives);
+    if (threadIdx.x == 0) block.gives(any);
+    if (!any) return;
+    block.fill_quads([&](int n, Quad<Real>& sum) {
+        block.each_cell(n, [&](int k, int i) {
+            const OpenCell<Real, Dim>& cell = block.cell(k);
+            if (cell.on) sum[0] += size_of(cell.factor[i]);
+        });
+    });
+}
+
+/// R_c, and what children tell their roots.
+template <class Real, int Dim>
+__global__ void __launch_bounds__(surface_threads, 1)
+    weigh_open_cells_kernel(const __grid_constant__ OpenWork<Real, Dim> w) {
+    __shared__ TileNodes<Dim> nodes;
+    const OpenBlock<Real, Dim> block(w);
+    nodes.find(w, block.block);
+    const int c = static_cast<int>(threadIdx.x);
+    bool child = false;
+    if (c < block.cells && block.cell(c).on) {
+        OpenCell<Real, Dim>& cell = block.cell(c);
+        const int corner = tile_offset<Dim, 3>(c);
+        weigh_open_cell(
+            w.open.grid, OpenNodes<Real, Dim>{w, nodes, corner},
+            [&](int at) { return block.sum_at(nodes, corner + at)[0]; }, cell);
         child = cell.child;
     }
     const bool any = __syncthreads_or(child);
@@ -152,7 +180,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
         for (int k = 0; k < block.cells; ++k) {
             const OpenCell<Real, Dim>& cell = block.cell(k);
             if (tile_offset<Dim, 3>(k) + to_middle<Dim> != n || !cell.on || cell.child || !cell.mixed) continue;
-            for (int q = 0; q < root_lanes; ++q) sum[sum_lane<Dim>(q)] = told_by_root(cell.state, q);
+            for (int q = 0; q < root_lanes; ++q) sum[sum_lane<Dim>(q)] = told_by_root(cell, q);
         }
     });
 }

@@ -45,9 +45,7 @@ __global__ void __launch_bounds__(surface_threads, 1)
         force[c] = on ? cell.state.pressure + static_cast<Real>(w.damping) * cell.state.change : Real(0);
         if (!w.presses && on && block.particles() > 0) {
             CellPressure<Real>& to = block.pressure(c);
-            const Real head = to.head;
-            to = cell.state;
-            to.head = head;
+            to = finished_cell(cell, to.head);
         }
         if (w.presses && on) tell_pressure(block, c, double(force[c]) * w.dt);
     }

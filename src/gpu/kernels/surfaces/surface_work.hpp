@@ -57,16 +57,11 @@ struct SurfaceWork {
     double damping;                    ///< d of the grid's pressure [-]
 };
 
-/// What a node finds of the surfaces, as cells ask for it.
-struct OpenNode {
-    double distance, capacity;
-};
-
 /// Cells beside surfaces.
 template <class Real, int Dim>
 struct OpenTables {
     OpenGrid<Real, Dim> grid;
-    const OpenNode* const* node;             ///< [near node block]: of its nodes; stays over epochs
+    const SpaceNode* const* node;            ///< [near node block]: of its nodes; stays over epochs
     OpenCell<Real, Dim>* cell;               ///< [giver][cell]
     Real* sums;                              ///< of a pass [near node block][node][node_reals]
     Vec<Real, Dim>* acceleration;            ///< HeldNode's, without cells [near node block][node]
