@@ -13,7 +13,6 @@
 #include "scene/read_scene.hpp"
 #include "scene/scene_file.hpp"
 #include "scene/scene_identity.hpp"
-#include "seeding/seed_table.hpp"
 
 namespace moraine {
 namespace {
@@ -85,8 +84,7 @@ std::vector<Common> values_of(const Scene& scene) {
     std::vector<Common> all;
     for (const auto& [key, value] : scene_identity(scene)) all.push_back({key, hash_of(value), remedy});
     for (const BodySpec& body : scene.bodies)
-        if (body.shape == BodyShape::table)
-            all.push_back({"the bytes of " + body.file, hash_of_file(path_of_file(scene, body.file)), remedy});
+        if (body.shape == BodyShape::table) all.push_back({"the bytes of " + body.file, body.table_hash, remedy});
     for (const GaugeSpec& gauge : scene.hazard.gauges)
         all.push_back({"hazard.gauges", hash_of(fmt::format("{} {} {}", gauge.name, gauge.x, gauge.y)), remedy});
     if (!scene.hazard.path.empty())

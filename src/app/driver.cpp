@@ -33,14 +33,17 @@ bool is_inside(const std::string& checkpoint, const std::string& directory) {
 }  // namespace
 
 template <class Real, int Dim>
-Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device)
+Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device,
+                          Watchdog& watchdog)
     : scene_(scene),
       options_(options),
       comm_(comm),
       directory_(options.output.empty() ? default_run_directory(scene.name) : options.output),
       device_message_(device.message),
       sim_(scene, comm, device.cuda ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr),
-      records_(scene, options, sim_, directory_, [this](const std::string& text) { say(text); }) {
+      records_(scene, options, sim_, directory_, [this](const std::string& text) { say(text); }),
+      watchdog_(watchdog),
+      watched_(watchdog, sim_.phases()) {
     // Moves within one host leave its memory as full as it was.
     if (!device.cuda && host_count(sim_.hosts()) > 1)
         sim_.hold_at_most(particles_in_memory(scene, {comm.size(), comm.on_this_machine().size, host_memory()}));
@@ -111,17 +114,17 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::run() {
-    comm_.agree_no_error<MachineError>(
-        message_of([&] { watchdog_ = std::make_unique<Watchdog>(scene_.watchdog, comm_.rank(), sim_.phases()); }));
     begin();
-    watchdog_->be_patient(false);
+    watchdog_.be_patient(false);
     try {
         if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
         while (sim_.clock().time < scene_.end && !ends_at_rest()) advance();
+        watchdog_.be_patient(true);
         sim_.conclude();
         records_.end_part();
         check_volume();
     } catch (const PhysicsError&) {
+        watchdog_.be_patient(true);
         progress_->clear();
         records_.output_last();
         finish("fault");
@@ -148,7 +151,9 @@ void Driver<Real, Dim>::begin_stage() {
     sim_.conclude();
     records_.end_part();
     const bool rests = rest_ && rest_->is_at_rest();
+    watchdog_.be_patient(true);
     sim_.begin_stage();
+    watchdog_.be_patient(false);
     watch_rest();
     say(fmt::format("Stage {} of {}, {}, begins at t = {:.6g} s{}", sim_.clock().stages.size(),
                     scene_.course.stages.size(), sim_.stage()->name, sim_.clock().time, rests ? ", at rest" : ""));
@@ -166,7 +171,7 @@ void Driver<Real, Dim>::advance() {
     sim_.step();
     sim_.balance();
     stepping_ += wall_clock() - before;
-    watchdog_->step_finished(sim_.clock().step);
+    watchdog_.step_finished(sim_.clock().step);
     after_step();
     check_volume();
 }
@@ -221,7 +226,7 @@ void Driver<Real, Dim>::checkpoint() {
 template <class Real, int Dim>
 void Driver<Real, Dim>::finish(const std::string& ended_by) {
     const RunClock<Dim>& clock = sim_.clock();
-    watchdog_->be_patient(true);
+    watchdog_.be_patient(true);
     records_.finish();
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const std::string times = records_.summarize(ended_by, wall(), stepping_);
@@ -234,20 +239,22 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
 namespace {
 
 template <class Real>
-void run_precision(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device) {
+void run_precision(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device,
+                   Watchdog& watchdog) {
     if (scene.dimensions == 2)
-        Driver<Real, 2>(scene, options, comm, device).run();
+        Driver<Real, 2>(scene, options, comm, device, watchdog).run();
     else
-        Driver<Real, 3>(scene, options, comm, device).run();
+        Driver<Real, 3>(scene, options, comm, device, watchdog).run();
 }
 
 }  // namespace
 
-void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device) {
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device,
+               Watchdog& watchdog) {
     if (scene.precision == Precision::double_)
-        run_precision<double>(scene, options, comm, device);
+        run_precision<double>(scene, options, comm, device, watchdog);
     else
-        run_precision<float>(scene, options, comm, device);
+        run_precision<float>(scene, options, comm, device, watchdog);
 }
 
 }  // namespace moraine

@@ -23,7 +23,8 @@ template <class Real, int Dim>
 class Driver {
   public:
     /// Collective.
-    Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
+    Driver(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device,
+           Watchdog& watchdog);
 
     /// Collective. Throws what the simulation throws, after the last state was written.
     void run();
@@ -52,7 +53,8 @@ class Driver {
     RunRecords<Real, Dim> records_;
     std::unique_ptr<RestWatch<Dim>> rest_;  ///< none unless the run or its stage is to end at rest
     std::unique_ptr<Progress> progress_;
-    std::unique_ptr<Watchdog> watchdog_;
+    Watchdog& watchdog_;
+    const WatchedPhases watched_;
     double start_wall_ = 0;  ///< [s]
     double stepping_ = 0;    ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
@@ -62,6 +64,7 @@ class Driver {
 
 /// Reads nothing, runs all: the instance for the scene's precision and dimension, on the host or on this rank's
 /// device. Collective.
-void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device);
+void run_scene(const Scene& scene, const Options& options, const Comm& comm, const DeviceChoice& device,
+               Watchdog& watchdog);
 
 }  // namespace moraine

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <sstream>
 
@@ -21,10 +22,12 @@
 #include "app/options.hpp"
 #include "app/report_page.hpp"
 #include "app/step_timing.hpp"
+#include "app/watchdog.hpp"
 #include "comm/comm.hpp"
 #include "compile/system_compiler.hpp"
 #include "core/data/error.hpp"
 #include "core/data/rank_failure.hpp"
+#include "io/disk_file.hpp"
 #include "io/input_error.hpp"
 #include "predict/capacity.hpp"
 #include "predict/prediction.hpp"
@@ -135,9 +138,19 @@ void check(const Scene& scene, const Options& options, const Comm& comm, const M
     if (comm.is_root()) fmt::print("{}", check_report(scene, run));
 }
 
+/// Of a run, from its first message on. Collective.
+std::unique_ptr<Watchdog> begin_watch(const Options& options, const Comm& comm) {
+    std::unique_ptr<Watchdog> watchdog;
+    if (options.command != "run") return watchdog;
+    comm.agree_no_error<MachineError>(message_of([&] { watchdog = std::make_unique<Watchdog>(comm.rank()); }));
+    return watchdog;
+}
+
 void execute(const Options& options, const Comm& comm) {
+    const std::unique_ptr<Watchdog> watchdog = begin_watch(options, comm);
     const Machine machine = machine_of(comm, options);
     const Scene scene = read_agreed(comm, options, [&](const Scene& s) {
+        if (watchdog) watchdog->set_limit(s.watchdog);
         if (machine.devices) check_device_scene(s);
         check_allowed(s, options.allow_changes);
         check_capacity(s, machine);
@@ -153,7 +166,7 @@ void execute(const Options& options, const Comm& comm) {
     }
     for (const std::string& notice : scene.notices)
         if (comm.is_root() && !options.quiet) fmt::print(stderr, "{}\n", notice);
-    run_scene(scene, options, comm, prepare_device(scene, options, comm));
+    run_scene(scene, options, comm, prepare_device(scene, options, comm), *watchdog);
 }
 
 int run_program(int argc, char** argv) {

@@ -38,8 +38,7 @@ bool StallTimer::expired(double now, std::int64_t step, double share) {
     return waited_ >= limit_;
 }
 
-Watchdog::Watchdog(double limit, int rank, const Phases& phases) : limit_(limit), rank_(rank), phases_(phases) {
-    if (limit_ <= 0) return;
+Watchdog::Watchdog(int rank, double limit) : rank_(rank), limit_(limit) {
     try {
         thread_ = std::thread([this] { watch(); });
     } catch (const std::system_error& error) {
@@ -50,7 +49,6 @@ Watchdog::Watchdog(double limit, int rank, const Phases& phases) : limit_(limit)
 }
 
 Watchdog::~Watchdog() {
-    if (!thread_.joinable()) return;
     {
         const std::lock_guard lock(mutex_);
         over_ = true;
@@ -59,33 +57,71 @@ Watchdog::~Watchdog() {
     thread_.join();
 }
 
-/// False once the run is over.
-bool Watchdog::sleep(double seconds) {
+void Watchdog::set_limit(double limit) {
+    {
+        const std::lock_guard lock(mutex_);
+        limit_ = limit;
+    }
+    changed_.notify_all();
+}
+
+void Watchdog::look_at(const Phases* phases) {
+    const std::lock_guard lock(mutex_);
+    phases_ = phases;
+}
+
+/// False once the run is over or has another limit.
+bool Watchdog::sleep(double seconds, double limit) {
     std::unique_lock lock(mutex_);
-    return !changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return over_; });
+    return !changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return over_ || limit_ != limit; });
 }
 
 void Watchdog::watch() {
-    const double pause = std::min(limit_ / 10, 5.0);
-    StallTimer timer(limit_, 2 * pause, wall_clock());
-    while (sleep(pause)) {
-        const std::optional<Phase> phase = phases_.now();
-        const bool patient = patient_.load(std::memory_order_relaxed);
-        const double share = patient || phase == Phase::output || phase == Phase::balance ? 0.1 : 1;
-        if (timer.expired(wall_clock(), step_.load(std::memory_order_relaxed), share)) return end_job(pause);
+    std::unique_lock lock(mutex_);
+    while (!over_) {
+        const double limit = limit_;
+        if (limit <= 0) {
+            changed_.wait(lock, [&] { return over_ || limit_ != limit; });
+            continue;
+        }
+        lock.unlock();
+        watch(limit);
+        lock.lock();
     }
 }
 
+/// As long as this is the limit.
+void Watchdog::watch(double limit) {
+    const double pause = std::min(limit / 10, 5.0);
+    StallTimer timer(limit, 2 * pause, wall_clock());
+    while (sleep(pause, limit)) {
+        const std::optional<Phase> now = phase();
+        const bool patient = patient_.load(std::memory_order_relaxed);
+        const double share = patient || now == Phase::output || now == Phase::balance ? 0.1 : 1;
+        if (timer.expired(wall_clock(), step_.load(std::memory_order_relaxed), share)) return end_job(limit, pause);
+    }
+}
+
+std::optional<Phase> Watchdog::phase() {
+    const std::lock_guard lock(mutex_);
+    return phases_ ? phases_->now() : std::nullopt;
+}
+
+/// Where this rank is, in words.
+std::string Watchdog::place() {
+    if (const std::optional<Phase> now = phase())
+        return fmt::format("in {}", Phases::names[static_cast<std::size_t>(*now)]);
+    const std::lock_guard lock(mutex_);
+    return phases_ ? "between phases" : "before its first phase";
+}
+
 /// Others see it within two pauses, and say where they are; who is lost does not.
-void Watchdog::end_job(double pause) {
-    const std::optional<Phase> phase = phases_.now();
-    fmt::print(
-        stderr,
-        "moraine: rank {}: no step was finished for {:g} s (it is {}, after step {}). Is a link or a host lost, or "
-        "run.watchdog too short? The last checkpoint is whole.\n",
-        rank_, limit_, phase ? fmt::format("in {}", Phases::names[static_cast<std::size_t>(*phase)]) : "between phases",
-        step_.load(std::memory_order_relaxed));
-    if (!sleep(3 * pause)) return;
+void Watchdog::end_job(double limit, double pause) {
+    fmt::print(stderr,
+               "moraine: rank {}: no step was finished for {:g} s (it is {}, after step {}). Is a link or a host lost, "
+               "or run.watchdog too short? The last checkpoint is whole.\n",
+               rank_, limit, place(), step_.load(std::memory_order_relaxed));
+    if (!sleep(3 * pause, limit)) return;
     std::signal(SIGALRM, leave);  // should the launcher be lost as well
     ::alarm(patience_of_mpi);
     MPI_Abort(MPI_COMM_WORLD, machine_failed);

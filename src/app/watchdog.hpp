@@ -2,15 +2,17 @@
 // The watchdog: a run that stands still is ended, and every rank says where it waits.
 //
 // MPI over TCP waits for a lost host without an error, so no rank would ever know. A thread per rank checks now and
-// then whether a step was finished. Seeding, output, checkpoints and plans may take long (a slow disk, a serial
-// partitioner), but a link can be lost in them as well: their time counts a tenth. Time in which the process itself was
-// stopped (a suspended job) shows as a gap between two checks, and does not count. The last checkpoint is whole: it got
-// its name after its bytes.
+// then, from the first message of a run on, whether a step was finished. Reading, seeding, output, checkpoints and
+// plans may take long (a slow disk, a serial partitioner), but a link can be lost in them as well: their time counts a
+// tenth. Time in which the process itself was stopped (a suspended job) shows as a gap between two checks, and does not
+// count. The last checkpoint is whole: it got its name after its bytes.
 
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "comm/phases.hpp"
@@ -34,31 +36,52 @@ class StallTimer {
 
 class Watchdog {
   public:
-    /// From now on, after `limit` [s]; 0: never. Patient at first. `phases` must outlive it. Not collective; throws
-    /// MachineError where there is no thread for it.
-    Watchdog(double limit, int rank, const Phases& phases);
+    /// The default of run.watchdog, for the time in which no scene is known [s].
+    static constexpr double first_limit = 1800;
+
+    /// From now on. Patient at first. Not collective; throws MachineError where there is no thread for it.
+    explicit Watchdog(int rank, double limit = first_limit);
     ~Watchdog();
     Watchdog(const Watchdog&) = delete;
     Watchdog& operator=(const Watchdog&) = delete;
 
+    /// After `limit` from now on [s]; 0: never.
+    void set_limit(double limit);
+    /// Whose phases it tells; none: of a run that has not come to them.
+    void look_at(const Phases* phases);
     void step_finished(std::int64_t step) { step_.store(step, std::memory_order_relaxed); }
     /// From now on: at the start and at the end more is read and written than in a step, and it counts a tenth.
     void be_patient(bool patient) { patient_.store(patient, std::memory_order_relaxed); }
 
   private:
     void watch();
-    bool sleep(double seconds);
-    void end_job(double pause);
+    void watch(double limit);
+    bool sleep(double seconds, double limit);
+    void end_job(double limit, double pause);
+    std::optional<Phase> phase();
+    std::string place();
 
-    const double limit_;
     const int rank_;
-    const Phases& phases_;
     std::atomic<std::int64_t> step_{0};
     std::atomic<bool> patient_{true};
     std::mutex mutex_;
     std::condition_variable changed_;
+    double limit_;
+    const Phases* phases_ = nullptr;
     bool over_ = false;
     std::thread thread_;
+};
+
+/// A watchdog looks at these phases as long as this lives.
+class WatchedPhases {
+  public:
+    WatchedPhases(Watchdog& watchdog, const Phases& phases) : watchdog_(watchdog) { watchdog_.look_at(&phases); }
+    ~WatchedPhases() { watchdog_.look_at(nullptr); }
+    WatchedPhases(const WatchedPhases&) = delete;
+    WatchedPhases& operator=(const WatchedPhases&) = delete;
+
+  private:
+    Watchdog& watchdog_;
 };
 
 }  // namespace moraine

@@ -77,6 +77,12 @@ struct Hydrograph {
     double volume = 0;                           ///< until the end of the run [m3]
 };
 
+/// A raster in a file, and what it holds; none where the scene names none.
+struct RasterSpec {
+    std::string file;
+    std::shared_ptr<const Ground> values;
+};
+
 struct BodySpec {
     std::string name;
     int material = 0;  ///< index into Scene::materials
@@ -85,12 +91,11 @@ struct BodySpec {
     Triple center{};                            ///< sphere (2-D: disk) [m]
     double radius = 0;                          ///< [m]
     std::vector<std::array<double, 2>> points;  ///< polygon, layer: in x, y, either sense; inflow: a line [m]
-    std::string file;            ///< table: path of .csv or .h5; layer: of its polygon; inflow: of its table
-    double thickness = 0;        ///< layer, inflow: normal to the ground, largest [m]
-    std::string thickness_file;  ///< layer: of its raster
-    std::shared_ptr<const Ground>
-        thickness_raster;                          ///< layer: thickness in place of heights; none: the same everywhere
-    std::shared_ptr<const Ground> ground;          ///< layer, inflow
+    std::string file;                      ///< table: path of .csv or .h5; layer: of its polygon; inflow: of its table
+    std::uint64_t table_hash = 0;          ///< table: of the bytes of its file as the scene was read; 0: of no file
+    double thickness = 0;                  ///< layer, inflow: normal to the ground, largest [m]
+    RasterSpec thickness_raster;           ///< layer: thickness in place of heights; no values: the same everywhere
+    std::shared_ptr<const Ground> ground;  ///< layer, inflow
     std::shared_ptr<const Hydrograph> hydrograph;  ///< inflow
     double release_time = 0;                       ///< layer [s]
     int stage = 0;                                 ///< as whose part it comes in: its place in CourseSpec::stages

@@ -23,6 +23,7 @@
 #include "scene/scene_tractions.hpp"
 #include "scene/scene_values.hpp"
 #include "scene/table_reader.hpp"
+#include "seeding/seed_table.hpp"
 #include "seeding/strength_profile.hpp"
 
 namespace moraine {
@@ -265,7 +266,7 @@ class Reader {
             if (const toml::table* nested = TableReader::section_table(table, part))
                 tables_.read_table(nested, std::string("body.") + part, path + "." + part, body_rows(), body);
         if (body.seeding == Seeding::lattice) body.jitter = 0;
-
+        if (body.shape == BodyShape::table) body.table_hash = hash_of_file(path_of_file(scene_, body.file));
         body.material = material_of(table, path);
         scene_.bodies.push_back(std::move(body));
     }

@@ -13,7 +13,6 @@
 #include "core/structures/ground.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
-#include "seeding/seed_table.hpp"
 
 namespace moraine {
 
@@ -144,13 +143,6 @@ void add_tractions(Entries& all, const Scene& s) {
     }
 }
 
-/// Of the bytes of a table that is read again when a run goes on, as this process found them first: it may be large.
-std::uint64_t first_hash_of(const std::string& path) {
-    static std::map<std::string, std::uint64_t> found;
-    const auto at = found.find(path);
-    return at != found.end() ? at->second : found[path] = hash_of_file(path);
-}
-
 void add_bodies(Entries& all, const Scene& s) {
     for (const BodySpec& b : s.bodies) {
         const std::string key = path_of(b);
@@ -176,14 +168,13 @@ void add_bodies(Entries& all, const Scene& s) {
         if (b.shape == BodyShape::layer) add(all, key + ".thickness", b.thickness);
         if (b.release_time > 0) add(all, key + ".start", b.release_time);
         if (b.stage > 0) add(all, key + ".stage", b.stage);
-        if (b.stage > 0 && b.shape == BodyShape::table)
-            add(all, key + ".file.bytes", first_hash_of(path_of_file(s, b.file)));
+        if (b.stage > 0 && b.shape == BodyShape::table) add(all, key + ".file.bytes", b.table_hash);
         if (b.hydrograph) {
             add(all, key + ".time", b.hydrograph->time);
             add(all, key + ".discharge", b.hydrograph->discharge);
             add(all, key + ".speed", b.hydrograph->speed);
         }
-        if (b.thickness_raster) add(all, key + ".thickness.raster", hash_of(*b.thickness_raster));
+        if (b.thickness_raster.values) add(all, key + ".thickness.raster", hash_of(*b.thickness_raster.values));
         if (b.start.over_consolidation_ratio != 1)
             add(all, key + ".over_consolidation_ratio", b.start.over_consolidation_ratio);
     }

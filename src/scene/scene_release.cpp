@@ -36,7 +36,7 @@ double largest_of(const BodySpec& spec, const std::string& file) {
                    "Is it the right raster?");
         most = std::max(most, value);
     };
-    const Ground& raster = *spec.thickness_raster;
+    const Ground& raster = *spec.thickness_raster.values;
     for (std::int64_t j = 0; j < raster.count[1]; ++j)
         for (std::int64_t i = 0; i < raster.count[0]; ++i) {
             const double x = raster.first[0] + static_cast<double>(i) * raster.spacing;
@@ -65,8 +65,8 @@ void check_corners(const Scene& scene, const BodySpec& spec) {
 void check_thickness(const Scene& scene, const BodySpec& spec, const std::string& place) {
     if (spec.thickness >= scene.cell) return;
     refuse(place,
-           spec.thickness_raster ? fmt::format("{} is at most {:.6g} m thick", path_of(spec), spec.thickness)
-                                 : fmt::format("{}.thickness = {}", path_of(spec), spec.thickness),
+           spec.thickness_raster.values ? fmt::format("{} is at most {:.6g} m thick", path_of(spec), spec.thickness)
+                                        : fmt::format("{}.thickness = {}", path_of(spec), spec.thickness),
            fmt::format("less than a cell, {} m; from 4 cells on a flow is resolved", scene.cell),
            "Use a smaller domain.cell?");
 }
@@ -79,12 +79,12 @@ std::vector<BodySpec> load_releases(Scene& scene, BodySpec spec, const Places& p
     spec.shape = BodyShape::layer;
     spec.ground = scene.structures[0].ground;
     require_file(scene, spec.file, path + ".area", places);
-    require_file(scene, spec.thickness_file, path + ".thickness", places);
+    require_file(scene, spec.thickness_raster.file, path + ".thickness", places);
     const std::vector<GisShape> areas =
         read_areas(path_of_file(scene, spec.file), path + ".area", spec.ground->crs, scene.notices);
-    const std::string file = spec.thickness_file.empty() ? "" : path_of_file(scene, spec.thickness_file);
+    const std::string file = spec.thickness_raster.file.empty() ? "" : path_of_file(scene, spec.thickness_raster.file);
     if (!file.empty())
-        spec.thickness_raster = std::make_shared<const Ground>(
+        spec.thickness_raster.values = std::make_shared<const Ground>(
             read_values(file, {"raster of thickness", path + ".thickness", "thickness"}, *spec.ground,
                         {scene.min[0], scene.min[1]}, {scene.max[0], scene.max[1]}, scene.notices));
     std::vector<BodySpec> all;

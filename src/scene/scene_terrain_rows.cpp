@@ -82,7 +82,7 @@ const std::vector<KeyRow<BodySpec>> releases = in_tables<BodySpec>({
       .meaning =
           "Normal to the ground; the volume is this times the sloping area. At least a cell; 4 cells and more are "
           "resolved. Or the path of a raster of it; left out: the attribute thickness of the polygons."},
-     [](B& b, const V& v) { b.thickness = v.real, b.thickness_file = v.text; }},
+     [](B& b, const V& v) { b.thickness = v.real, b.thickness_raster.file = v.text; }},
     {{.name = "particles_per_cell",
       .type = per_axis,
       .standard = "2",

@@ -69,7 +69,7 @@ double layer_volume(const BodySpec& body) {
             const auto [area, mx, my] = moments_of(cell);
             if (area == 0) continue;
             const double px = cell[0][0] + mx / area, py = cell[0][1] + my / area;
-            const double part = body.thickness_raster ? layer_thickness(body, px, py) / body.thickness : 1.0;
+            const double part = body.thickness_raster.values ? layer_thickness(body, px, py) / body.thickness : 1.0;
             sum += area * sec_at(*body.ground, px, py) * part;
         }
     }
@@ -77,8 +77,8 @@ double layer_volume(const BodySpec& body) {
 }
 
 double layer_thickness(const BodySpec& body, double x, double y) {
-    if (!body.thickness_raster) return body.thickness;
-    const double t = raster_value(*body.thickness_raster, x, y);
+    if (!body.thickness_raster.values) return body.thickness;
+    const double t = raster_value(*body.thickness_raster.values, x, y);
     return std::isnan(t) ? 0.0 : std::min(t, body.thickness);
 }
 
@@ -118,7 +118,7 @@ Layer::Column Layer::column(std::int64_t i, std::int64_t j) const {
     c.weight = sec_at(*body_.ground, x, y, &c.foot, &c.normal);
     c.thickness = body_.thickness;
     c.particles = layers_;
-    if (body_.thickness_raster) {
+    if (body_.thickness_raster.values) {
         c.thickness = layer_thickness(body_, x, y);
         c.weight *= c.thickness / body_.thickness;
         c.particles = std::llround(c.thickness / spacing_along_normal_);

@@ -78,7 +78,7 @@ bool is_in_layer(const BodySpec& body, const Triple& place) {
     const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
     if (!(s.distance > 0 && s.distance < body.thickness)) return false;
     const double px = x[0] - s.distance * s.normal[0], py = x[1] - s.distance * s.normal[1];
-    return is_in_polygon(body, px, py) && (!body.thickness_raster || s.distance < layer_thickness(body, px, py));
+    return is_in_polygon(body, px, py) && (!body.thickness_raster.values || s.distance < layer_thickness(body, px, py));
 }
 
 }  // namespace

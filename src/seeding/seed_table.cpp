@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/data/hash.hpp"
+#include "core/data/rank_failure.hpp"
 #include "io/byte_order_mark.hpp"
 #include "io/file_numbers.hpp"
 #include "io/h5_open.hpp"
@@ -191,6 +192,11 @@ ParticleTable read_particle_table(const Scene& scene, const BodySpec& body) {
     std::vector<int> line_of;
     const Columns data = csv ? read_csv(path, names, line_of) : read_h5(path, names);
     check_columns(data, names, scene.dimensions, path);
+    if (body.table_hash != 0 && hash_of_file(path) != body.table_hash)
+        throw RankFailure(fmt::format(
+            "{}: the table has changed since the scene was read (all ranks, and restarts, must have one). Does another "
+            "program write it?",
+            path));
     const PlaceOfRow place_of_row = [&](std::size_t r) {
         return csv ? fmt::format("{}:{}", path, line_of[r]) : fmt::format("{}, row {}", path, r);
     };

@@ -17,8 +17,9 @@ struct ParticleTable {
     std::vector<double> mass;      ///< empty: from density and particles_per_cell
 };
 
-/// Throws InputError with file and line (csv) or dataset (h5); also for a particle outside the domain.
-/// Not collective: every rank that calls it reads the whole file.
+/// Throws InputError with file and line (csv) or dataset (h5); also for a particle outside the domain. Throws
+/// RankFailure where the file is no more the one that the scene was read with. Not collective: every rank that calls it
+/// reads the whole file.
 ParticleTable read_particle_table(const Scene& scene, const BodySpec& body);
 
 /// Of the bytes of a file; 0 where there is none that can be read.

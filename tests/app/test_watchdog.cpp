@@ -45,9 +45,13 @@ TEST_CASE("the clock of phases tells the innermost phase under way") {
     CHECK_FALSE(phases.now());
 }
 
-TEST_CASE("a watchdog that has nothing to say ends with its run") {
+TEST_CASE("a watchdog that has nothing to say ends with its run, whatever its limit became") {
+    Watchdog never(0, 0), as_scenes(0);
+    for (const double limit : {7200.0, 0.0}) as_scenes.set_limit(limit);
+    Watchdog on(0, 3600);
     const Phases phases;
-    Watchdog off(0, 0, phases);
-    Watchdog on(3600, 0, phases);
-    on.step_finished(1);
+    {
+        const WatchedPhases watched(on, phases);
+        on.step_finished(1);
+    }
 }

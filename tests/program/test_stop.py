@@ -1,8 +1,11 @@
 """A run that is killed, or stopped by a signal, goes on from its last checkpoint to the same answer."""
 import os
 import random
+import shutil
 import signal
+import subprocess
 import time
+import unittest.mock
 
 import moraine
 from moraine import INPUTS, Job, checkpoints, sets, summary
@@ -10,6 +13,22 @@ from moraine import INPUTS, Job, checkpoints, sets, summary
 SCENE = INPUTS / "slurry_runout.toml"
 END = 0.1 if moraine.SLOW else 1.0
 KEYS = sets(time__end=END, output__interval=END / 10)
+
+
+# A system that gives no thread to who asks through std::thread.
+THREADLESS = """
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <pthread.h>
+#include <string.h>
+typedef int create(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*), void* argument) {
+    Dl_info who;
+    if (dladdr(__builtin_return_address(0), &who) && strstr(who.dli_fname, "libstdc++")) return EAGAIN;
+    return ((create*)dlsym(RTLD_NEXT, "pthread_create"))(thread, attributes, start, argument);
+}
+"""
 
 
 class Stop(moraine.ProgramTest):
@@ -82,6 +101,33 @@ class Stop(moraine.ProgramTest):
             self.assertRegex(ended.err, rf"rank {rank}: no step was finished for {limit} s "
                                         r"\(it is (in [a-z0-9]+|between phases), after step \d+\)\. Is .+\?")
         self.assert_goes_on(name, ranks=2)
+
+    def test_a_rank_that_is_lost_before_the_scene_is_read_is_missed(self):
+        """All ranks wait for the text of the scene, which comes through a pipe, when one is stopped."""
+        os.mkfifo(self.folder / "fifo.toml")
+        words = ("run", self.folder / "fifo.toml", "--output", self.folder / "missed", "--quiet", *sets(run__watchdog=0.5))
+        job = Job(*words, ranks=3)
+        self.addCleanup(job.stop)
+        with open(self.folder / "fifo.toml", "w") as pipe:  # rank 0 has opened it, so all have started
+            time.sleep(0.5)
+            os.kill(job.ranks()[1], signal.SIGSTOP)
+            pipe.write(SCENE.read_text())
+        ended = job.end(limit=60)
+        self.assertEqual(ended.code, 4, ended)
+        for rank in (0, 2):
+            self.assertRegex(ended.err, rf"rank {rank}: no step was finished for 0.5 s \(it is before its first phase, after step 0\)")
+
+    def test_without_a_thread_for_the_watchdog_no_run_begins(self):
+        if not shutil.which("cc"):
+            self.skipTest("cc is missing. apt install gcc?")
+        library = self.folder / "threadless.so"
+        subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-x", "c", "-", "-o", library], input=THREADLESS, text=True, check=True)
+        for ranks in (None, 2):
+            with unittest.mock.patch.dict(os.environ, LD_PRELOAD=str(library)):
+                ended = moraine.call("run", SCENE, "--output", self.folder / "none", "--quiet", *KEYS, ranks=ranks)
+            line = self.assert_one_problem(ended, code=4)
+            self.assertIn("rank 0 has no thread for the watchdog (Resource temporarily unavailable). Raise the limits", line)
+            self.assertFalse((self.folder / "none").exists())
 
     def test_a_suspended_run_is_not_ended_by_its_watchdog(self):
         job = self.start("suspended", *sets(run__watchdog=1), ranks=2)

@@ -155,3 +155,20 @@ TEST_CASE("a particle with a thousandth or a thousand times of its volume ends a
     row.particles = 0;  // all have left
     CHECK(RunHealth<2>::lost_volume_in(row).empty());
 }
+
+TEST_CASE("a volume that is no number is not lost among others, in any order") {
+    const double none = std::nan("");
+    for (const auto& order : {std::array{1.0, none, 2.0}, {none, 1.0, 2.0}, {1.0, 2.0, none}}) {
+        TimeSeriesRow<2> row;
+        row.particles = 3;
+        for (const double J : order) {
+            Totals<2> one;
+            one.min_J = one.max_J = one.stretch.value = J, one.stretch.x = {J > 1 ? 3.0 : 1.0, 0};
+            row.totals.widen(one);
+        }
+        CHECK(std::isnan(row.totals.min_J));
+        CHECK(std::isnan(row.totals.max_J));
+        CHECK(std::isnan(row.totals.stretch.value));
+        CHECK(!RunHealth<2>::lost_volume_in(row).empty());
+    }
+}

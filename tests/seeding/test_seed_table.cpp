@@ -136,6 +136,20 @@ TEST_CASE("a packed table is read") {
     CHECK(read_particle_table(scene, body).x.size() == rows);
 }
 
+TEST_CASE("a table that is another than when the scene was read is refused") {
+    const TestFolder folder;
+    folder.write("t.csv", "x,y\n1.0,1.0\n");
+    Scene scene;
+    scene.dimensions = 2;
+    scene.max = {2, 2, 0};
+    BodySpec body;
+    body.file = folder.file("t.csv");
+    body.table_hash = hash_of_file(body.file);
+    CHECK(read_particle_table(scene, body).x.size() == 1);
+    folder.write("t.csv", "x,y\n1.0,1.5\n");
+    CHECK_THROWS_AS(read_particle_table(scene, body), RankFailure);
+}
+
 TEST_CASE("a table that is no regular file is refused") {
     const TestFolder folder;
     std::filesystem::create_symlink("/dev/zero", folder.file("t.csv"));

@@ -17,14 +17,24 @@
 
 namespace moraine {
 
-/// A particle by the largest of a quantity, and where it is. Equals are told apart by place: the same of any order.
+/// The lesser of both, the greater of both: not a number where either is none, which std::min and std::max may drop.
+inline double least(double a, double b) {
+    return b < a || std::isnan(b) ? b : a;
+}
+inline double greatest(double a, double b) {
+    return b > a || std::isnan(b) ? b : a;
+}
+
+/// A particle by the largest of a quantity, and where it is; what is not a number is larger than all. Equals are told
+/// apart by place: the same of any order.
 template <int Dim>
 struct Extremum {
     double value = 0;
     std::array<double, Dim> x{};  ///< [m]
 
     void widen(const Extremum& o) {
-        if (std::tie(value, x) < std::tie(o.value, o.x)) *this = o;
+        const bool none = std::isnan(value), other_none = std::isnan(o.value);
+        if (none != other_none ? other_none : none ? x < o.x : std::tie(value, x) < std::tie(o.value, o.x)) *this = o;
     }
 };
 
@@ -58,8 +68,8 @@ struct Totals {
     void widen(const Totals& o) {
         speed.widen(o.speed);
         stretch.widen(o.stretch);
-        min_J = std::min(min_J, o.min_J);
-        max_J = std::max(max_J, o.max_J);
+        min_J = least(min_J, o.min_J);
+        max_J = greatest(max_J, o.max_J);
         max_x = std::max(max_x, o.max_x);
     }
 };
@@ -103,8 +113,8 @@ void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_
     const double J = std::exp(ln_J);
     t.speed.widen({std::sqrt(square), x});
     if (keeps_volume) t.stretch.widen({std::abs(ln_J), x});
-    t.min_J = std::min(t.min_J, J);
-    t.max_J = std::max(t.max_J, J);
+    t.min_J = least(t.min_J, J);
+    t.max_J = greatest(t.max_J, J);
     t.max_x = std::max(t.max_x, x[0]);
 }
 
