@@ -277,7 +277,7 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
       .range = from_zero,
       .meaning =
           "Wall time without a finished step after which a run ends with exit code 4 (a link or a host is lost); "
-          "in output, checkpoints and plans ten times that; 0: never."},
+          "at the start and the end, in output, checkpoints and plans ten times that; 0: never."},
      [](S& s, const V& v) { s.watchdog = v.real; }},
 });
 
