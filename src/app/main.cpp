@@ -28,6 +28,7 @@
 #include "core/data/error.hpp"
 #include "core/data/rank_failure.hpp"
 #include "io/disk_file.hpp"
+#include "io/file_numbers.hpp"
 #include "io/input_error.hpp"
 #include "predict/capacity.hpp"
 #include "predict/prediction.hpp"
@@ -138,11 +139,21 @@ void check(const Scene& scene, const Options& options, const Comm& comm, const M
     if (comm.is_root()) fmt::print("{}", check_report(scene, run));
 }
 
+/// run.watchdog as long as no scene is read: of --set, or its default [s].
+double first_limit(const Options& options) {
+    const std::string key = "run.watchdog=";
+    double limit = Watchdog::standard_limit;
+    for (const std::string& set : options.sets)
+        if (set.starts_with(key)) limit = number_in(set.substr(key.size())).value_or(limit);
+    return limit;
+}
+
 /// Of a run, from its first message on. Collective.
 std::unique_ptr<Watchdog> begin_watch(const Options& options, const Comm& comm) {
     std::unique_ptr<Watchdog> watchdog;
     if (options.command != "run") return watchdog;
-    comm.agree_no_error<MachineError>(message_of([&] { watchdog = std::make_unique<Watchdog>(comm.rank()); }));
+    comm.agree_no_error<MachineError>(
+        message_of([&] { watchdog = std::make_unique<Watchdog>(comm.rank(), first_limit(options)); }));
     return watchdog;
 }
 

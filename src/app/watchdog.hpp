@@ -36,16 +36,16 @@ class StallTimer {
 
 class Watchdog {
   public:
-    /// The default of run.watchdog, for the time in which no scene is known [s].
-    static constexpr double first_limit = 1800;
+    static constexpr double standard_limit = 1800;  ///< the default of run.watchdog [s]
 
-    /// From now on. Patient at first. Not collective; throws MachineError where there is no thread for it.
-    explicit Watchdog(int rank, double limit = first_limit);
+    /// From now on, after `limit` [s]; 0: never. Patient at first. Not collective; throws MachineError where there is
+    /// no thread for it.
+    Watchdog(int rank, double limit);
     ~Watchdog();
     Watchdog(const Watchdog&) = delete;
     Watchdog& operator=(const Watchdog&) = delete;
 
-    /// After `limit` from now on [s]; 0: never.
+    /// What the scene says: counts anew.
     void set_limit(double limit);
     /// Whose phases it tells; none: of a run that has not come to them.
     void look_at(const Phases* phases);

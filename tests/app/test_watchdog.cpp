@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/watchdog.hpp"
+#include "scene/scene_keys.hpp"
 
 using namespace moraine;
 
@@ -46,7 +47,7 @@ TEST_CASE("the clock of phases tells the innermost phase under way") {
 }
 
 TEST_CASE("a watchdog that has nothing to say ends with its run, whatever its limit became") {
-    Watchdog never(0, 0), as_scenes(0);
+    Watchdog never(0, 0), as_scenes(0, Watchdog::standard_limit);
     for (const double limit : {7200.0, 0.0}) as_scenes.set_limit(limit);
     Watchdog on(0, 3600);
     const Phases phases;
@@ -54,4 +55,9 @@ TEST_CASE("a watchdog that has nothing to say ends with its run, whatever its li
         const WatchedPhases watched(on, phases);
         on.step_finished(1);
     }
+}
+
+TEST_CASE("before its scene is read a run has the default of run.watchdog") {
+    for (const SceneKey& key : all_scene_keys())
+        if (key.table == "run" && key.name == "watchdog") CHECK(std::stod(key.standard) == Watchdog::standard_limit);
 }
