@@ -59,5 +59,5 @@ TEST_CASE("a watchdog that has nothing to say ends with its run, whatever its li
 
 TEST_CASE("before its scene is read a run has the default of run.watchdog") {
     for (const SceneKey& key : all_scene_keys())
-        if (key.table == "run" && key.name == "watchdog") CHECK(std::stod(key.standard) == Watchdog::standard_limit);
+        if (key.table == "run" && key.name == "watchdog") CHECK(std::stod(*key.standard) == Watchdog::standard_limit);
 }

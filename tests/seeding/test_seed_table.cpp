@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/data/rank_failure.hpp"
 #include "scene/scene_text.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_table.hpp"
