@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,8 @@ template <class Action>
 std::string message_of(Action&& action) {
     try {
         action();
+    } catch (const std::bad_alloc&) {
+        return "memory ran out. More ranks, or a larger domain.cell?";
     } catch (const std::exception& error) {
         return error.what();
     }

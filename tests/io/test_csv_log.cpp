@@ -6,9 +6,15 @@
 
 #include "core/data/error.hpp"
 #include "io/csv_log.hpp"
+#include "io/disk_file.hpp"
 #include "io/test_folder.hpp"
 
 using namespace moraine;
+
+TEST_CASE("what gets no memory says so") {
+    CHECK(message_of([] { throw std::bad_alloc(); }).starts_with("memory ran out"));
+    CHECK(message_of([] {}).empty());
+}
 
 TEST_CASE("a row reads back to the same bits, and is on the disk at once") {
     const Comm comm(MPI_COMM_WORLD);
