@@ -34,8 +34,9 @@ struct Structure {
     int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table, BedTables
     Vec<double, Dim> velocity;  ///< in this step [m/s]
     InterfaceLaw law;
-    double friction;  ///< Coulomb coefficient [-]
-    double cap;       ///< largest shear stress [Pa]; voellmy: that at 1 m/s
+    bool follows_soil;  ///< undrained: the soil bears a share of `cap` (SoilShare)
+    double friction;    ///< Coulomb coefficient [-]
+    double cap;         ///< largest shear stress [Pa]; voellmy: that at 1 m/s
 };
 
 template <int Dim>
