@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/data/block.hpp"
-#include "core/structures/surface_space.hpp"
 #include "core/surfaces/open_rule.hpp"
 #include "core/surfaces/surface_elements.hpp"
 #include "core/surfaces/surface_geometry.hpp"

@@ -67,8 +67,8 @@ const SurfaceNodes<Dim>* SurfacePlan<Dim>::node_block(Key key, const Place& plac
     for (int n = 0; n < cells; ++n) {
         Place node = place;
         for (int a = 0; a < Dim; ++a) node[a] = 4 * node[a] - origin + cell_coordinate<Dim>(n, a);
-        at->second->node[n] = geometry_.node(node);
-        at->second->space[n] = {at->second->node[n].distance, at->second->node[n].capacity};
+        const SurfaceNode<Dim> found = geometry_.node(node);
+        at->second->node[n] = {found.distance, found.capacity};
     }
     return at->second.get();
 }
@@ -100,7 +100,7 @@ void SurfacePlan<Dim>::list_blocks(const EpochTables<Dim>& tables) {
 
 template <int Dim>
 void SurfacePlan<Dim>::list_nodes(const EpochTables<Dim>& tables) {
-    near_nodes.clear(), nodes_at.clear(), space_at.clear();
+    near_nodes.clear(), nodes_at.clear(), node_at.clear();
     near_of.assign(tables.node_position.size(), -1);
     for (std::size_t c = 0; c < near_of.size(); ++c)
         for (int d = 0; d < Block<Dim>::corners; ++d) {
@@ -109,7 +109,7 @@ void SurfacePlan<Dim>::list_nodes(const EpochTables<Dim>& tables) {
             near_of[c] = static_cast<std::int32_t>(near_nodes.size());
             near_nodes.push_back(static_cast<std::int32_t>(c));
             nodes_at.push_back(node_block(tables.node_key[c], tables.node_position[c]));
-            space_at.push_back(nodes_at.back()->space);
+            node_at.push_back(nodes_at.back()->node);
             break;
         }
 }

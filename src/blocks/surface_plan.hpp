@@ -12,6 +12,7 @@
 
 #include "blocks/epoch.hpp"
 #include "blocks/surface_block.hpp"
+#include "core/structures/surface_space.hpp"
 
 namespace moraine {
 
@@ -19,8 +20,7 @@ namespace moraine {
 template <int Dim>
 struct SurfaceNodes {
     std::size_t number;  ///< as SurfaceBlock's
-    SurfaceNode<Dim> node[Block<Dim>::cells];
-    SpaceNode space[Block<Dim>::cells];  ///< of it
+    SpaceNode node[Block<Dim>::cells];
 };
 
 template <int Dim>
@@ -38,11 +38,11 @@ class SurfacePlan {
     std::vector<std::int32_t> near_nodes{}, near_of{};  ///< node blocks, and their numbers among those
     std::vector<SurfaceBlock<Dim>*> block_at{};         ///< [block]
     std::vector<const SurfaceNodes<Dim>*> nodes_at{};   ///< [near node block]
-    std::vector<const SpaceNode*> space_at{};           ///< the same: of their nodes
+    std::vector<const SpaceNode*> node_at{};            ///< the same: of their nodes
     std::int64_t generation = 0;                        ///< times that all was forgotten
 
     SurfacePlan(double cell, int of_stencil) : h(cell), origin(of_stencil) {}
-    SurfaceSpace space() const { return {near_of.data(), space_at.data()}; }
+    SurfaceSpace space() const { return {near_of.data(), node_at.data()}; }
     /// For the blocks of an epoch. What has been found so far holds unless a structure moves. Not collective.
     template <class Real>
     void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves, const Walls<Real, Dim>& walls,

@@ -12,7 +12,7 @@ void SurfaceStore<Dim>::update(const SurfacePlan<Dim>& plan, bool cells, cudaStr
         if (block->number >= beds_.size()) beds_.push_back(put(*block, cells, stream));
     }
     for (const SurfaceNodes<Dim>* nodes : plan.nodes_at) {
-        if (nodes->number >= nodes_.size()) nodes_.push_back(memory_.put(nodes->space, Block<Dim>::cells, stream));
+        if (nodes->number >= nodes_.size()) nodes_.push_back(memory_.put(nodes->node, Block<Dim>::cells, stream));
     }
     memory_.flush(stream);
 }

@@ -85,7 +85,7 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     SurfaceBlock<Dim>& at(int k) const { return *block_at[static_cast<std::size_t>(k)]; }
     const SurfaceCell<Dim>& cell_at(int k, int c) const { return at(k).cell[static_cast<std::size_t>(c)]; }
     std::int32_t node_at(int k, int n) const { return node_index[static_cast<std::size_t>(k * tile_nodes + n)]; }
-    const SurfaceNode<Dim>& surface_node(std::int32_t near) const {
+    const SpaceNode& surface_node(std::int32_t near) const {
         return nodes_at[static_cast<std::size_t>(near / cells)]->node[near % cells];
     }
     const Real* sum_of(std::int32_t near) const {

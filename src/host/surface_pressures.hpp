@@ -41,7 +41,7 @@ class SurfacePressures {
         const SurfacePressures& of;
         int k, corner;
         std::int32_t near(int at) const { return of.on_.node_at(k, corner + at); }
-        const SurfaceNode<Dim>& place(int at) const { return of.on_.surface_node(near(at)); }
+        const SpaceNode& place(int at) const { return of.on_.surface_node(near(at)); }
         const Real* values(int at) const { return of.on_.values(near(at)); }
         double distance(int at) const { return place(at).distance; }
         double capacity(int at) const { return place(at).capacity; }

@@ -155,6 +155,15 @@ TEST_CASE_TEMPLATE("hydrostatic pressures are the head of their cell, wherever i
     }
 }
 
+TEST_CASE("particles of a soft cell count no more of their modulus than the cell bears") {
+    CellPressure<double> cell{};
+    cell.source = 100;
+    CHECK(CellStep<double>::of(cell).modulus(400) == 400);
+    cell.soft = true;
+    CHECK(CellStep<double>::of(cell).modulus(400) == 100);
+    CHECK(CellStep<double>::of(cell).modulus(50) == 50);
+}
+
 TEST_CASE("beyond zero pressure particles take of a loose cell what the grid bears") {
     CellPressure<double> cell{};
     cell.bulk = 100;
