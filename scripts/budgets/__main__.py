@@ -28,9 +28,9 @@ def judged(name, budget, found):
             yield f"{item} is not there (it may have {plain(most)} {name} by scripts/budgets.toml). Take its line out by scripts/check-budgets --lower?"
         elif most <= ceiling:
             yield f"{item}: {plain(most)} is not over {plain(ceiling)} {name}. Take its line out by scripts/check-budgets --lower?"
-        elif not budget.get("noisy") and found[item] <= ceiling:
+        elif not budget.get("partial") and found[item] <= ceiling:
             yield f"{item}: {plain(found[item])} {name} are within the ceiling of {plain(ceiling)}. Take its line out by scripts/check-budgets --lower?"
-        elif not budget.get("noisy") and most > STALE * found[item]:
+        elif not budget.get("partial") and most > STALE * found[item]:
             yield f"{item}: {plain(found[item])} {name}, and {plain(most)} are allowed. Lower that by scripts/check-budgets --lower?"
 
 

@@ -76,21 +76,18 @@ def kernels(tree):
     return {"default build": sum(line.startswith("| ") for line in file.read_text().splitlines()) - 1} if file.is_file() else {}
 
 
-def core_minutes(tree, cuda):
-    """Sum of all steps that ninja has recorded: that of a clean build, where the folder has been built once and without a compiler cache."""
-    log, cache = tree.build / ".ninja_log", tree.build / "CMakeCache.txt"
-    if not log.is_file() or not cache.is_file():
+def compiled(tree):
+    """What compilers have read for the objects of a folder, by ninja's own record: what a clean build costs, whatever the machine and who shares it."""
+    if not (tree.build / ".ninja_deps").is_file():
         return {}
-    settings = cache.read_text()
-    if re.search(r"^CMAKE_(CXX|CUDA)_COMPILER_LAUNCHER:\w+=.", settings, re.M):
-        return {}
-    if bool(re.search(r"^MORAINE_CUDA:\w+=(ON|1|TRUE)$", settings, re.M | re.I)) != cuda:
-        return {}
-    steps = {}
-    for line in log.read_text().splitlines()[1:]:
-        begin, end, _, output, command = line.split("\t")
-        steps[output] = (int(begin), int(end), command)
-    return {"clean build": round(sum(end - begin for begin, end, _ in set(steps.values())) / 60000, 1)} if steps else {}
+    listed = subprocess.run(["ninja", "-C", str(tree.build), "-t", "deps"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    sizes = {name: size(tree.build / name) for name in set(re.findall(r"^ +(.+)$", listed, re.M))}
+    read = sum(sizes[name] for name in re.findall(r"^ +(.+)$", listed, re.M))
+    return {"build": round(read / 1e6)} if read else {}
+
+
+def size(file):
+    return file.stat().st_size if file.is_file() else 0
 
 
 BUDGETS = {
@@ -103,8 +100,7 @@ BUDGETS = {
     "words of an ADR": adr_words,
     "words of evidence over words of guidance": evidence,
     "kernels of a device build": kernels,
-    "core-minutes of a clean build with CUDA": lambda tree: core_minutes(tree, True),
-    "core-minutes of a clean build without CUDA": lambda tree: core_minutes(tree, False),
+    "megabytes that compilers read": compiled,
 }
 
 
