@@ -2,6 +2,8 @@
 
 #include "blocks/surface_plan.hpp"
 
+#include <omp.h>
+
 #include "core/data/morton.hpp"
 #include "core/grid/stencil.hpp"
 
@@ -20,10 +22,15 @@ Vec<std::int32_t, Dim> first_of(const Vec<std::int32_t, Dim>& block) {
 }  // namespace
 
 template <int Dim>
+SurfacePlan<Dim>::SurfacePlan(double cell, int of_stencil)
+    : h(cell), origin(of_stencil), geometry_(static_cast<std::size_t>(omp_get_max_threads())) {}
+
+template <int Dim>
 void SurfacePlan<Dim>::make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves) {
     field_ = of;
     constexpr std::size_t kept = 4, always = 4096;  // times those of an epoch, and blocks
     if (moves || block_count_ > kept * blocks.size() + always) forget();
+    find_blocks(tables);
     list_blocks(tables);
     list_nodes(tables);
 }
@@ -31,9 +38,9 @@ void SurfacePlan<Dim>::make(const EpochTables<Dim>& tables, const ContactField<D
 template <int Dim>
 void SurfacePlan<Dim>::forget() {
     ++generation;
-    geometry_.forget();
+    for (SurfaceGeometry<Dim>& of_thread : geometry_) of_thread.forget();
     found_.clear(), found_nodes_.clear(), near_.clear();
-    block_count_ = node_count_ = 0;
+    block_count_ = 0;
 }
 
 /// Whether a block may have a cell or a node that a surface is near: by the distance of its middle.
@@ -48,29 +55,36 @@ bool SurfacePlan<Dim>::is_near(const Place& block) const {
     return false;
 }
 
-/// Of an own block; null: no surface is near.
+/// Own blocks that were not here before.
 template <int Dim>
-SurfaceBlock<Dim>* SurfacePlan<Dim>::block(Key key, const Place& place) {
-    const auto [at, is_new] = found_.try_emplace(key);
-    if (!is_new || !is_near(place)) return at->second.get();
-    at->second = std::make_unique<SurfaceBlock<Dim>>(make_surface_block(first_of(place), field_, h, geometry_));
-    at->second->number = block_count_++;
-    return at->second.get();
+void SurfacePlan<Dim>::find_blocks(const EpochTables<Dim>& tables) {
+    std::vector<NewBlock> added;
+    for (std::size_t b = 0; b < tables.own.size(); ++b) {
+        const auto [at, is_new] = found_.try_emplace(tables.own[b]);
+        if (is_new) added.push_back({&at->second, tables.position[b], false});
+    }
+#pragma omp parallel for schedule(static) if (added.size() > 64)
+    for (NewBlock& block : added) block.is_near = is_near(block.place);
+    std::erase_if(added, [](const NewBlock& block) { return !block.is_near; });
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(geometry_.size())) if (added.size() > 1)
+    for (const NewBlock& block : added) {
+        SurfaceGeometry<Dim>& geometry = geometry_[static_cast<std::size_t>(omp_get_thread_num())];
+        *block.found =
+            std::make_unique<SurfaceBlock<Dim>>(make_surface_block(first_of(block.place), field_, h, geometry));
+    }
+    for (const NewBlock& block : added) (*block.found)->number = block_count_++;
 }
 
 template <int Dim>
-const SurfaceNodes<Dim>* SurfacePlan<Dim>::node_block(Key key, const Place& place) {
-    const auto [at, is_new] = found_nodes_.try_emplace(key);
-    if (!is_new) return at->second.get();
-    at->second = std::make_unique<SurfaceNodes<Dim>>();
-    at->second->number = node_count_++;
-    for (int n = 0; n < cells; ++n) {
-        Place node = place;
-        for (int a = 0; a < Dim; ++a) node[a] = 4 * node[a] - origin + cell_coordinate<Dim>(n, a);
-        const SurfaceNode<Dim> found = geometry_.node(node);
-        at->second->node[n] = {found.distance, found.capacity};
-    }
-    return at->second.get();
+void SurfacePlan<Dim>::find_nodes(const std::vector<NewNodes>& added) {
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(geometry_.size())) if (added.size() > 1)
+    for (const NewNodes& block : added)
+        for (int n = 0; n < cells; ++n) {
+            Place node = block.place;
+            for (int a = 0; a < Dim; ++a) node[a] = 4 * node[a] - origin + cell_coordinate<Dim>(n, a);
+            const SurfaceNode<Dim>& found = geometry_[static_cast<std::size_t>(omp_get_thread_num())].node(node);
+            block.found->node[n] = {found.distance, found.capacity};
+        }
 }
 
 template <int Dim>
@@ -80,7 +94,7 @@ void SurfacePlan<Dim>::list_blocks(const EpochTables<Dim>& tables) {
     blocks.clear(), block_at.clear();
     bed_of.assign(own + ghosts, -1);
     for (std::size_t b = 0; b < own; ++b) {
-        SurfaceBlock<Dim>* found = block(tables.own[b], tables.position[b]);
+        SurfaceBlock<Dim>* found = found_.find(tables.own[b])->second.get();
         if (!found) continue;
         bed_of[b] = static_cast<std::int32_t>(blocks.size());
         blocks.push_back(static_cast<std::int32_t>(b));
@@ -102,16 +116,24 @@ template <int Dim>
 void SurfacePlan<Dim>::list_nodes(const EpochTables<Dim>& tables) {
     near_nodes.clear(), nodes_at.clear(), node_at.clear();
     near_of.assign(tables.node_position.size(), -1);
+    std::vector<NewNodes> added;
     for (std::size_t c = 0; c < near_of.size(); ++c)
         for (int d = 0; d < Block<Dim>::corners; ++d) {
             const std::int32_t source = tables.source[c * Block<Dim>::corners + static_cast<std::size_t>(d)];
             if (source < 0 || bed_of[static_cast<std::size_t>(source)] < 0) continue;
             near_of[c] = static_cast<std::int32_t>(near_nodes.size());
             near_nodes.push_back(static_cast<std::int32_t>(c));
-            nodes_at.push_back(node_block(tables.node_key[c], tables.node_position[c]));
-            node_at.push_back(nodes_at.back()->node);
+            std::unique_ptr<SurfaceNodes<Dim>>& found = found_nodes_[tables.node_key[c]];
+            if (!found) {
+                found = std::make_unique<SurfaceNodes<Dim>>();
+                found->number = found_nodes_.size() - 1;
+                added.push_back({found.get(), tables.node_position[c]});
+            }
+            nodes_at.push_back(found.get());
+            node_at.push_back(found->node);
             break;
         }
+    find_nodes(added);
 }
 
 template class SurfacePlan<2>;

@@ -4,7 +4,7 @@
 //
 // What a block or a node block finds is kept from epoch to epoch, and is found when it first appears: an epoch's work
 // is its lists and what is new. Where a structure moves all is forgotten in each step; where a flow has gone far, what
-// it left behind.
+// it left behind. Threads share what is new, each with what it has found of the geometry.
 
 #include <memory>
 #include <unordered_map>
@@ -41,34 +41,41 @@ class SurfacePlan {
     std::vector<const SpaceNode*> node_at{};            ///< the same: of their nodes
     std::int64_t generation = 0;                        ///< times that all was forgotten
 
-    SurfacePlan(double cell, int of_stencil) : h(cell), origin(of_stencil) {}
+    SurfacePlan(double cell, int of_stencil);
     SurfaceSpace space() const { return {near_of.data(), node_at.data()}; }
     /// For the blocks of an epoch. What has been found so far holds unless a structure moves. Not collective.
     template <class Real>
     void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves, const Walls<Real, Dim>& walls,
               const NodeCapacity<Real, Dim>& ends) {
-        geometry_.begin(of, walls, ends);
+        for (SurfaceGeometry<Dim>& of_thread : geometry_) of_thread.begin(of, walls, ends);
         make(tables, of, moves);
     }
 
   private:
-    template <class T>
-    using Found = std::unordered_map<Key, std::unique_ptr<T>>;  ///< null: no surface is near
+    struct NewBlock {
+        std::unique_ptr<SurfaceBlock<Dim>>* found;
+        Place place;
+        bool is_near;
+    };
+    struct NewNodes {
+        SurfaceNodes<Dim>* found;
+        Place place;
+    };
 
     void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves);
     void forget();
+    void find_blocks(const EpochTables<Dim>& tables);
     void list_blocks(const EpochTables<Dim>& tables);
     void list_nodes(const EpochTables<Dim>& tables);
+    void find_nodes(const std::vector<NewNodes>& added);
     bool is_near(const Place& block) const;
-    SurfaceBlock<Dim>* block(Key key, const Place& place);
-    const SurfaceNodes<Dim>* node_block(Key key, const Place& place);
 
     ContactField<Dim> field_{};
-    SurfaceGeometry<Dim> geometry_{};
-    Found<SurfaceBlock<Dim>> found_{};
-    std::unordered_map<Key, bool> near_{};  ///< ghosts
-    Found<SurfaceNodes<Dim>> found_nodes_{};
-    std::size_t block_count_ = 0, node_count_ = 0;  ///< found
+    std::vector<SurfaceGeometry<Dim>> geometry_;                           ///< by thread
+    std::unordered_map<Key, std::unique_ptr<SurfaceBlock<Dim>>> found_{};  ///< own; null: no surface is near
+    std::unordered_map<Key, bool> near_{};                                 ///< ghosts
+    std::unordered_map<Key, std::unique_ptr<SurfaceNodes<Dim>>> found_nodes_{};
+    std::size_t block_count_ = 0;  ///< found
 };
 
 }  // namespace moraine

@@ -10,10 +10,10 @@
 // towards the soil, of which the first holds most:  v = 2 v_1 - v_2,  share f = clamp((c* - c_i) / (0.67 c*)).
 
 #include <deque>
-#include <unordered_map>
 
 #include "core/structures/contact_field.hpp"
 #include "core/surfaces/cut_cell.hpp"
+#include "core/surfaces/place_table.hpp"
 #include "core/surfaces/surface_node.hpp"
 
 namespace moraine {
@@ -47,7 +47,7 @@ class SurfaceGeometry {
     void begin(const ContactField<Dim>& field, const Walls<Real, Dim>& walls, const NodeCapacity<Real, Dim>& ends) {
         field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
-    void forget() { part_.clear(), cut_.clear(), capacity_.clear(), node_.clear(); }
+    void forget() { part_.forget(), cut_.clear(), capacity_.forget(), node_.forget(); }
 
     CellPart part(const Place& node) { return state_of(node).part; }
     /// Of a cell that is cut.
@@ -57,9 +57,8 @@ class SurfaceGeometry {
         return beside(node, nearest).distance / field_.cell;
     }
 
-    SurfaceNode<Dim> node(const Place& place) {
-        const auto found = node_.find(place);
-        return found != node_.end() ? found->second : node_[place] = find_node(place);
+    const SurfaceNode<Dim>& node(const Place& place) {
+        return node_.at(place, [&] { return find_node(place); });
     }
 
     CellBox<Dim> box(const Place& node) const {
@@ -78,22 +77,6 @@ class SurfaceGeometry {
         CellPart part;
         std::int32_t index;  ///< of cut_
     };
-    struct PlaceHash {
-        std::size_t operator()(const Place& p) const {
-            std::uint64_t h = 0;
-            for (int a = 0; a < Dim; ++a) h = (h ^ static_cast<std::uint32_t>(p[a])) * 0x9E3779B97F4A7C15ull;
-            return static_cast<std::size_t>(h ^ h >> 29);
-        }
-    };
-    struct SamePlace {
-        bool operator()(const Place& p, const Place& q) const {
-            for (int a = 0; a < Dim; ++a)
-                if (p[a] != q[a]) return false;
-            return true;
-        }
-    };
-    template <class T>
-    using Map = std::unordered_map<Place, T, PlaceHash, SamePlace>;
 
     Surface<Dim> beside(const Vec<double, Dim>& node, int* nearest) const {
         Surface<Dim> least{1e300, last_axis<Dim>()};
@@ -132,8 +115,7 @@ class SurfaceGeometry {
     }
 
     State state_of(const Place& node) {
-        const auto found = part_.find(node);
-        return found != part_.end() ? found->second : part_[node] = look(node);
+        return part_.at(node, [&] { return look(node); });
     }
     State look(const Place& node) {
         if (is_outside(node)) return {CellPart::solid, -1};
@@ -161,8 +143,7 @@ class SurfaceGeometry {
     }
 
     double capacity(const Place& place) {
-        const auto found = capacity_.find(place);
-        return found != capacity_.end() ? found->second : capacity_[place] = find_capacity(place);
+        return capacity_.at(place, [&] { return find_capacity(place); });
     }
     double find_capacity(const Place& place) {
         if (is_outside(place)) return 0;
@@ -230,9 +211,9 @@ class SurfaceGeometry {
     Walls<double, Dim> walls_{};
     NodeCapacity<double, Dim> ends_{};
     CellCutter<Dim> cutter_;
-    Map<State> part_;
-    Map<double> capacity_;
-    Map<SurfaceNode<Dim>> node_;
+    PlaceTable<State, Dim> part_;
+    PlaceTable<double, Dim> capacity_;
+    PlaceTable<SurfaceNode<Dim>, Dim> node_;
     std::deque<CutCell<Dim>> cut_;  // who is cut stays in place
 };
 
