@@ -55,15 +55,19 @@ struct OpenCell {
     CellNode<Real, Dim> factor[nodes]{};  ///< G_ic
 };
 
-/// s_i. distance [cells], capacity: of SurfaceNode; filling: v_i / h^d.
-MORAINE_HD double node_share(double distance, double capacity, double filling) {
-    if (!(distance < lacks_within && capacity > 1e-9 && capacity < lacks_below)) return 1;
-    const double share = filling / capacity / 0.8;
+/// min(1, fill_i / 0.8), fill_i = v_i / (h^d c_i). filling: v_i / h^d.
+MORAINE_HD double share_of_full(double capacity, double filling) {
+    const double share = capacity > 1e-9 ? filling / capacity / 0.8 : 1;
     return share < 1 ? share : 1;
 }
 
+/// s_i. distance [cells], capacity: of SurfaceNode.
+MORAINE_HD double node_share(double distance, double capacity, double filling) {
+    return distance < lacks_within && capacity < lacks_below ? share_of_full(capacity, filling) : 1;
+}
+
 /// Makes a cell's rows of the sums of its particles, which are in `factor`. face, bed: F_ic and S_ic [m^(d-1)]; share
-/// of node i: s_i. open: V_c [m^d].
+/// of node i: s_i; negative: it holds no soil, and neither it nor the structure bears anything. open: V_c [m^d].
 template <class Real, int Dim, class Face, class BedOf, class ShareOf>
 MORAINE_HD void open_rows(Real open, const Face& face, const BedOf& bed, const ShareOf& share_of,
                           OpenCell<Real, Dim>& cell) {
@@ -72,8 +76,11 @@ MORAINE_HD void open_rows(Real open, const Face& face, const BedOf& bed, const S
     cell.bears = phi + x;
     for (int a = 0; a < Dim; ++a) cell.bed[a] = Real(0);
     for (int i = 0; i < cell.nodes; ++i) {
+        const bool holds = share_of(i) >= Real(0);
         const Real of_row = x * share_of(i);
         for (int a = 0; a < Dim; ++a) {
+            if (!holds) cell.factor[i].gradient[a] = Real(0);
+            if (!holds) continue;
             const Real borne = phi * bed(i, a) + of_row * face(i, a);
             cell.factor[i].gradient[a] = (Real(1) - x) * cell.factor[i].gradient[a] + borne;
             cell.bed[a] += borne;

@@ -98,7 +98,8 @@ MORAINE_HD void make_rows(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim
     int n = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double capacity = nodes.capacity(at);
-        share[n++] = static_cast<Real>(node_share(nodes.distance(at), capacity, nodes.filling(at)));
+        const double of_row = node_share(nodes.distance(at), capacity, nodes.filling(at));
+        share[n++] = nodes.values(at) ? static_cast<Real>(of_row) : Real(-1);
         light = light || capacity < light_capacity;
     });
     const Real scale = static_cast<Real>(grid.face);
@@ -142,12 +143,11 @@ MORAINE_HD void weigh_open_cell(const OpenGrid<Real, Dim>& grid, const Nodes& no
         const Real size = size_of(cell.factor[n++]);
         const Real* v = nodes.values(at);
         if (!v) return;
-        const double filling = nodes.filling(at);
-        const Real among = nodes.capacity(at) < light_capacity ? Real(0) : full * Real(filling < 1 ? filling : 1);
+        const double filling = nodes.filling(at), capacity = nodes.capacity(at);
+        const Real among = capacity < light_capacity ? Real(0) : full * Real(filling < 1 ? filling : 1);
         const Real row = size * (push(at) > among ? push(at) : among) / v[quad - 1];
         cell.weight += row;
-        cell.full_weight +=
-            static_cast<Real>(node_share(nodes.distance(at), nodes.capacity(at), nodes.filling(at))) * row;
+        cell.full_weight += static_cast<Real>(share_of_full(capacity, filling)) * row;
     });
 }
 
