@@ -61,7 +61,7 @@ class Shear:
     times = (0.2, 0.5, 0.9, 1.4, 2.0)
     scene = {"dimensions": 2, "domain": {"min": [0.0, 0.0], "max": [1.0, 0.5], "cell": 1 / 32, "periodic": ["x", "y"]}, "time": {"end": 2.1},
              "output": {"interval": 0.005},
-             "material": [{"name": "fluid", "law": "newtonian", "density": RHO, "young": E, "poisson": NU, "viscosity": ETA}],
+             "material": [{"name": "fluid", "law": "newtonian", "density": RHO, "young": E, "poisson": NU, "viscosity": ETA, "volumetric": "particle"}],
              "body": [{"name": "body", "material": "fluid", "shape": "box", "min": [0.0, 0.0], "max": [1.0, 0.5],
                        "wave": {"velocity": [0.0, V], "axis": "x", "wavelength": 1.0}}]}
     coarsest, methods = (1 / 16, 1 / 8), METHODS

@@ -1,6 +1,6 @@
 // benchmark_stability: stress tests of the method, on one core of the host.
 //
-//   benchmark_stability CASE... [--configurations WORDS] [--few] [--free] [--first N] [--count N] [--list]
+//   benchmark_stability CASE... [--configurations WORDS] [--few] [--free] [--defaults] [--first N] [--count N] [--list]
 //
 // One JSON line per case and configuration: numbers, whether its goal is met, and why not. `run` makes tables of it.
 
@@ -117,6 +117,8 @@ Options parse(int argc, char** argv) {
             o.wanted.few = true;
         else if (key == "--free")
             o.wanted.free = true;
+        else if (key == "--defaults")
+            o.wanted.defaults = true;
         else if (key == "--first")
             o.wanted.first = std::stoi(value());
         else if (key == "--count")

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "method_name.hpp"
+#include "scene/scene_defaults.hpp"
 #include "stability/cases.hpp"
 #include "verification/fluid_scene.hpp"
 #include "verification/random_run.hpp"
@@ -76,7 +77,8 @@ void run_thin(const Wanted& wanted, const Report& report) {
 void run_fluids(const Wanted& wanted, const Report& report) {
     for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
         const auto number = static_cast<std::uint64_t>(n);
-        const Scene scene = fluid_scene(number);
+        Scene scene = fluid_scene(number);
+        if (wanted.defaults) scene.bed = Bed::surface, take_defaults(scene, Places(""));
         const std::string description = fmt::format("scene {}: {}, {}, {}", n, name_of(fluid_kind(number)),
                                                     description_of(scene), grid_pressure_of(scene));
         if (wanted.names(description)) report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));

@@ -36,6 +36,7 @@ density = {DENSITY!r}
 young = {young(wave_speed)!r}
 poisson = {POISSON!r}
 viscosity = {viscosity!r}
+volumetric = "particle"
 """
 
 

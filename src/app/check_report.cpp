@@ -16,6 +16,7 @@
 #include "predict/scene_warnings.hpp"
 #include "predict/step_speed.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_defaults.hpp"
 #include "scene/scene_keys.hpp"
 #include "seeding/inflow.hpp"
 #include "seeding/seed_region.hpp"
@@ -195,6 +196,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     text += fmt::format("blocks     {} occupied at the start, of 4^{} cells\n", p.blocks, scene.dimensions);
     for (const std::string& notice : scene.notices) text += fmt::format("notice     {}\n", notice);
     for (const std::string& warning : scene_warnings(scene)) text += fmt::format("warning    {}\n", warning);
+    text += fmt::format("method     {}\n", method_text(scene));
     text += law_lines(scene);
     text += strength_lines(scene);
     text += structure_lines(scene);

@@ -11,6 +11,7 @@
 #include "core/fluid/grid_pressure.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_defaults.hpp"
 #include "scene/scene_file.hpp"
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
@@ -57,9 +58,6 @@ class Reader {
         if (places_.has("time.cfl") && places_.has("time.dt"))
             refuse(places_.of("time.dt"), "time.cfl and time.dt are both given", "a step is by cfl or fixed",
                    "Remove one of them?");
-        if (!places_.has("numerics.transfer")) scene_.transfer = standard_transfer(scene_.shape);
-        if (!places_.has("numerics.flip")) scene_.flip = standard_flip(scene_.transfer);
-        if (!places_.has("time.cfl")) scene_.cfl = standard_courant(scene_);
         read_time_tables();
         read_shaking(TableReader::section_table(tables_.root, "shaking"));
         tables_.each_of("material",
@@ -83,9 +81,9 @@ class Reader {
         read_tractions();
         read_stages();
         complete_shaking(scene_, places_);
-        if (scene_.substeps == substeps_by_scene) scene_.substeps = bears_substeps(scene_) ? most_substeps : 1;
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
+        take_defaults(scene_, places_);
         check_scene(scene_, places_);
         if (admit) admit(scene_);
         check_particles(scene_, places_);

@@ -15,9 +15,6 @@ inline std::string path_of(const BodySpec& body) {
            body.name;
 }
 
-/// numerics.substeps = "auto", until all of the scene is read.
-inline constexpr int substeps_by_scene = 0;
-
 /// What keeps a scene from something: where it is written, what it is, why, and a remedy.
 struct Hindrance {
     std::string key, what;

@@ -35,25 +35,27 @@ const std::vector<KeyRow<MaterialSpec>> materials = in_tables<MaterialSpec>({
      [](M& m, const V& v) { m.density = v.real; }},
     {{.name = "volumetric",
       .type = choice,
-      .standard = "\"particle\"",
+      .standard = "",
       .choices = {"particle", "cell", "grid"},
       .meaning =
           "Volumetric rate and pressure: each particle's; the mean of a cell, against locking near nu = 0.5; or, "
-          "for fluids and undrained clays, on the cells of the grid, with exact integrals in full ones."},
+          "for fluids and undrained clays, on the cells of the grid, with exact integrals in full ones. Left out: grid "
+          "for fluids that say none of these three keys, where the scene can have it (docs/guide/choose-method.md), "
+          "else particle."},
      [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
     {{.name = "pressure_smoothing",
       .standard = "0.0",
       .range = from_zero,
       .meaning =
           "For fluids and undrained clays (bingham, herschel-bulkley, newtonian, tresca, von-mises): the share of "
-          "its pressure that a particle takes from the grid while a wave crosses a cell; 0: none. 0.22 leaves little "
-          "noise."},
+          "its pressure that a particle takes from the grid while a wave crosses a cell; 0: none. Left out: 0.22 "
+          "where a fluid takes grid by itself."},
      [](M& m, const V& v) { m.pressure_smoothing = v.real; }},
     {{.name = "particle_shifting",
       .standard = "0.0",
       .range = {0, 0.4},
       .meaning = "For the same: how far particles are shifted out of over-filled nodes while a wave crosses a cell, in "
-                 "cells per filling and cell; 0: not at all. 0.2 leaves 0.03 % at rest."},
+                 "cells per filling and cell; 0: not at all. Left out: 0.2 where a fluid takes grid by itself."},
      [](M& m, const V& v) { m.particle_shifting = v.real; }},
 });
 

@@ -1,6 +1,6 @@
 // Keys of the tables that are written once: the scene itself, its domain, numerics, balance, output, run.
 #include "core/fluid/grid_pressure.hpp"
-#include "scene/scene_check.hpp"
+#include "scene/scene_defaults.hpp"
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -73,8 +73,8 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
       .type = choice,
       .standard = "",
       .choices = {"flip", "pic", "apic", "tpic", "fmpm", "aflip"},
-      .meaning = "How velocity goes between particles and grid; left out: apic, or flip with linear shapes "
-                 "(docs/accuracy.md)."},
+      .meaning = "How velocity goes between particles and grid; left out: aflip where all is fluid with volumetric "
+                 "= \"grid\", else apic, or flip with linear shapes (docs/accuracy.md)."},
      [](S& s, const V& v) { s.transfer = static_cast<Transfer>(v.choice); }},
     {{.name = "flip",
       .standard = "1.0",
@@ -89,7 +89,7 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
      [](S& s, const V& v) { s.order = static_cast<int>(v.integer); }},
     {{.name = "substeps",
       .type = integer_or_choice,
-      .standard = "1",
+      .standard = "\"auto\"",
       .range = {1, most_substeps},
       .choices = {"auto"},
       .meaning = "Most steps of pressure and node velocity in one of the particles, for fluids with volumetric = "

@@ -33,6 +33,7 @@ density = 1000.0
 young = 3.0e4
 poisson = 0.49
 viscosity = 1.0
+volumetric = "particle"
 """
 GEL = """\
 [[material]]
@@ -59,7 +60,7 @@ def weight(g):
 
 COLUMN = weight(9.81) + HEAD + FLUID + body("fluid", (0.0, 0.0), (1.0, 1.5)) + wall("x-min", "free-slip") + wall("x-max", "free-slip") + wall("y-min", "no-slip")
 SURFACE = sets(numerics__bed="surface")
-CURED = sets(material__fluid__volumetric="grid", numerics__substeps=10, material__fluid__pressure_smoothing=0.22, material__fluid__particle_shifting=0.2)
+CURED = sets(numerics__transfer="apic", material__fluid__volumetric="grid", numerics__substeps=10, material__fluid__pressure_smoothing=0.22, material__fluid__particle_shifting=0.2)
 
 
 def moved(last, first):

@@ -44,6 +44,37 @@ TEST_CASE("a scene that names no transfer takes APIC, or FLIP with linear shapes
     CHECK(read_text(text, {"numerics.transfer=aflip", "numerics.flip=1"}).flip == 1);
 }
 
+TEST_CASE("a fluid takes pressures on cells by itself where the scene can have them, and what it says instead") {
+    const std::string mud = replaced(
+        replaced(replaced(good_scene, "von-mises", "newtonian"), "su = 2.0e3", "viscosity = 50.0"), "cfl = 0.4\n", "");
+    const auto takes_cells = [](const Scene& s) {
+        const MaterialSpec& m = s.materials[0];
+        const bool cells = m.volumetric == Volumetric::grid;
+        CHECK((m.pressure_smoothing == 0.22) == cells);
+        CHECK((m.particle_shifting == 0.2) == cells);
+        CHECK((s.transfer == Transfer::aflip) == cells);
+        CHECK(s.flip == (cells ? 0.95 : 1));
+        CHECK(s.cfl == standard_courant(s));
+        CHECK(s.substeps == (cells ? 10 : 1));
+        return cells;
+    };
+    const std::vector<std::string> stiff{"material.clay.poisson=0.49"};
+    const auto with = [&](const char* set) { return std::vector<std::string>{stiff[0], set}; };
+    const std::string ball =
+        "\n[[structure]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [1.0, 1.0]\nradius = 0.3\nclear = true\n";
+    CHECK(takes_cells(read_text(mud, stiff)));
+    CHECK(takes_cells(read_text(mud + ball, with("numerics.bed=surface"))));
+    CHECK(!takes_cells(read_text(mud + ball, stiff)));
+    CHECK(!takes_cells(read_text(mud, {"material.clay.poisson=0.4"})));
+    CHECK(!takes_cells(read_text(mud, with("numerics.shape=cubic"))));
+    CHECK(!takes_cells(read_text(mud, with("material.clay.volumetric=particle"))));
+    CHECK(!takes_cells(read_text(replaced(good_scene, "cfl = 0.4\n", ""), stiff)));
+    CHECK(read_text(mud, with("numerics.transfer=apic")).materials[0].volumetric == Volumetric::grid);
+    const Scene sleeps = read_text(mud, with("numerics.sleep=on"));
+    CHECK(sleeps.materials[0].volumetric == Volumetric::grid);
+    CHECK(sleeps.transfer == Transfer::apic);
+}
+
 TEST_CASE("what a scene leaves out is as in core/scene_spec.hpp") {
     const Scene s = read_text(replaced(replaced(good_scene, "cfl = 0.4\n", ""), "fields = [\"velocity\"]\n", ""));
     const Scene standard;

@@ -1,5 +1,7 @@
-// S1 and S22 in small: the default method is stable while it drifts, and random scenes keep their budget.
+// S1, S22 and S24 in small: the default method is stable while it drifts, and random scenes keep their budget.
+#include "scene/scene_defaults.hpp"
 #include "verification/drive.hpp"
+#include "verification/fluid_scene.hpp"
 #include "verification/problem_cloud.hpp"
 #include "verification/random_run.hpp"
 
@@ -31,5 +33,22 @@ TEST_CASE("S22: forty random scenes run to their end, lose nothing, keep momentu
         CHECK(v.lost == 0);
         CHECK(v.momentum <= 1e-10);
         CHECK(v.created <= (may_gain(scene) ? 2e-4 : 1e-6));
+    }
+}
+
+TEST_CASE(
+    "S24: random scenes of fluids, by the method that they take by themselves, keep momentum and gain no energy") {
+    for (std::uint64_t number = 1; number <= 12; ++number) {
+        CAPTURE(number);
+        Scene scene = fluid_scene(number);
+        scene.bed = Bed::surface;
+        take_defaults(scene, Places(""));
+        CHECK(scene.transfer == Transfer::aflip);
+        CHECK(scene.materials[0].volumetric == Volumetric::grid);
+        const Verdict v = scene.dimensions == 2 ? judge<double, 2>(scene, 2000) : judge<double, 3>(scene, 2000);
+        CHECK(v.fault == "");
+        CHECK(v.lost == 0);
+        CHECK(v.momentum <= 1e-10);
+        CHECK(v.created <= 1e-6);
     }
 }

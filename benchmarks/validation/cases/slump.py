@@ -10,7 +10,7 @@ H = D = 0.1 m, let go at t = 0: a quarter between two planes of symmetry, no sli
   over the area of that circle. Radius: with 99 % of the volume inside, of all, and of sectors of 15 degrees along x, y and the diagonal.
 * The start is in balance up to where it yields: the vertical stress is the weight above, the horizontal one zero. Particles that the
   mantle cuts have the mass and centroid of what is inside.
-* Variants: `grid` has the keys of a fluid on a level bed (`volumetric = "grid"`, both cures, substeps), `plain` the defaults; `slip` is `grid` on a smooth
+* Variants: `grid` has the keys of a fluid on a level bed (`volumetric = "grid"`, both cures, substeps), `plain` pressures of particles; `slip` is `grid` on a smooth
   bed, `slip4` and `slip8` that with R = H/4 and H/8. mu=120: four times the viscosity, to 4 or 6 s. nu-0.3: Poisson's ratio 0.3.
 
 Why it differs from the formula:
@@ -42,11 +42,11 @@ YIELDS = (0.1, 0.2, 0.3)
 HEIGHT, DENSITY, GRAVITY, VISCOSITY, END = 0.1, 1000.0, 9.81, 30.0, 3.0
 RADII = {"": HEIGHT / 2, "4": HEIGHT / 4, "8": HEIGHT / 8}  # [m], by what stands behind the name of a variant
 WEIGHT = DENSITY * GRAVITY * HEIGHT  # [Pa]
-LEVEL_BED = ["material.fluid.volumetric=grid", "material.fluid.pressure_smoothing=0.22", "material.fluid.particle_shifting=0.2", "numerics.substeps=auto"]
+LEVEL_BED = ["material.fluid.volumetric=grid", "material.fluid.pressure_smoothing=0.22", "material.fluid.particle_shifting=0.2", "numerics.substeps=auto", "numerics.transfer=apic"]
 SLIP = "wall.z-min.kind=free-slip"
 
 
-KINDS = {"grid": LEVEL_BED, "plain": [], "slip": [*LEVEL_BED, SLIP],
+KINDS = {"grid": LEVEL_BED, "plain": ["material.fluid.volumetric=particle", "numerics.transfer=apic"], "slip": [*LEVEL_BED, SLIP],
          "slip4": [*LEVEL_BED, SLIP, "body.cylinder.file=cylinder4.csv"], "slip8": [*LEVEL_BED, SLIP, "body.cylinder.file=cylinder8.csv"]}
 VARIANTS = {f"{kind}-{tau:g}": [f"material.fluid.yield_stress={tau * WEIGHT:.6g}", *more] for kind, more in KINDS.items() for tau in YIELDS}
 ASKED = [v for v in VARIANTS if v.startswith(("grid", "plain"))]  # those with goals; the others show causes

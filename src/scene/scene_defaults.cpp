@@ -1,0 +1,102 @@
+#include "scene/scene_defaults.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/courant.hpp"
+#include "core/gravity.hpp"
+#include "core/material/laws.hpp"
+#include "core/transfer/method.hpp"
+#include "scene/scene_check.hpp"
+
+namespace moraine {
+
+namespace {
+
+constexpr double smoothing = 0.22, shifting = 0.2;  ///< docs/adr/0008-filling.md
+constexpr double least_poisson = 0.45;              ///< below it shear is nearly as fast as pressure
+
+bool says(const MaterialSpec& m, const Places& places) {
+    const std::string path = "material." + m.name;
+    return places.has(path + ".volumetric") || places.has(path + ".pressure_smoothing") ||
+           places.has(path + ".particle_shifting");
+}
+
+bool absorbs(const WallSpecs& walls) {
+    return std::any_of(walls.begin(), walls.end(), [](const auto& axis) { return axis[0].absorbs || axis[1].absorbs; });
+}
+
+bool has_absorbing_walls(const Scene& scene) {
+    const auto& stages = scene.course.stages;
+    return absorbs(scene.walls) ||
+           std::any_of(stages.begin(), stages.end(), [](const StageSpec& stage) { return absorbs(stage.walls); });
+}
+
+/// Whether pressures on cells are right with all else that the scene has. Beside structures that act at nodes still
+/// fluids sink (docs/adr/0011-pressure-at-structures.md).
+bool bears_grid_pressure(const Scene& scene) {
+    const auto cures = [](const MaterialSpec& m) { return has_fluid_terms(m) && m.volumetric != Volumetric::grid; };
+    return scene.shape == Shape::quadratic && scene.stress_update == StressUpdate::usl &&
+           scene.transfer != Transfer::fmpm && (scene.structures.empty() || scene.bed == Bed::surface) &&
+           scene.course.tractions.empty() && !gravity_changes(scene) && !has_absorbing_walls(scene) &&
+           std::none_of(scene.materials.begin(), scene.materials.end(), cures);
+}
+
+/// A fluid resists compression as water does, and shear hardly: pressures of particles lock, and crowd them.
+void take_grid_pressure(Scene& scene, const Places& places) {
+    if (!bears_grid_pressure(scene)) return;
+    for (std::size_t k = 0; k < scene.materials.size(); ++k) {
+        MaterialSpec& m = scene.materials[k];
+        if (!find_law(m.law)->is_fluid || poisson_ratio(m) < least_poisson || says(m, places)) continue;
+        m.volumetric = Volumetric::grid, m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
+        for (StageSpec& stage : scene.course.stages) {
+            MaterialSpec& later = stage.materials[k];
+            later.volumetric = m.volumetric, later.pressure_smoothing = smoothing, later.particle_shifting = shifting;
+        }
+    }
+}
+
+bool is_all_fluid(const Scene& scene) {
+    return std::all_of(scene.materials.begin(), scene.materials.end(), [](const MaterialSpec& m) {
+        return find_law(m.law)->is_fluid && m.volumetric == Volumetric::grid && has_fluid_terms(m);
+    });
+}
+
+std::string material_text(const MaterialSpec& m) {
+    std::string text;
+    if (m.volumetric == Volumetric::grid) text = ", pressures on cells";
+    if (m.volumetric == Volumetric::cell) text = ", means of cells";
+    if (m.pressure_smoothing > 0) text += ", smoothed";
+    if (m.particle_shifting > 0) text += ", shifted";
+    return text.empty() ? text : "; " + m.name + ": " + text.substr(2);
+}
+
+}  // namespace
+
+void take_defaults(Scene& scene, const Places& places) {
+    const bool says_transfer = places.has("numerics.transfer");
+    if (!says_transfer) scene.transfer = standard_transfer(scene.shape);
+    take_grid_pressure(scene, places);
+    if (!says_transfer && scene.shape == Shape::quadratic && !scene.sleep.on && is_all_fluid(scene))
+        scene.transfer = Transfer::aflip;
+    if (!places.has("numerics.flip")) scene.flip = standard_flip(scene.transfer);
+    if (!places.has("time.cfl")) scene.cfl = standard_courant(scene);
+    if (!places.has("numerics.substeps") || scene.substeps == substeps_by_scene)
+        scene.substeps = bears_substeps(scene) ? most_substeps : 1;
+}
+
+std::string method_text(const Scene& scene) {
+    constexpr const char* shapes[] = {"linear shapes", "GIMP", "contiguous GIMP", "quadratic splines", "cubic splines"};
+    constexpr const char* transfers[] = {"flip", "pic", "apic", "tpic", "fmpm", "aflip"};
+    constexpr const char* updates[] = {"stress last", "stress first", "velocities mapped twice"};
+    std::string text = fmt::format("{}, {}, {}", shapes[static_cast<std::size_t>(scene.shape)],
+                                   transfers[static_cast<std::size_t>(scene.transfer)],
+                                   updates[static_cast<std::size_t>(scene.stress_update)]);
+    if (!scene.structures.empty())
+        text += scene.bed == Bed::surface ? "; structures act on their surfaces" : "; structures act at nodes";
+    for (const MaterialSpec& m : scene.materials) text += material_text(m);
+    return text;
+}
+
+}  // namespace moraine

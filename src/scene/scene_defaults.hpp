@@ -1,0 +1,24 @@
+#pragma once
+// The method that a scene leaves out: one for each kind of law, where the scene can have it. Not collective.
+
+#include "core/scene_spec.hpp"
+#include "io/input_error.hpp"
+
+namespace moraine {
+
+/// numerics.substeps is left out or "auto", until all of the scene is read.
+inline constexpr int substeps_by_scene = 0;
+
+/// Sets what was not written, of a scene that is read and not yet checked:
+///   structures           act on their surfaces (core/surfaces/)
+///   fluids               pressures on cells, smoothed, with particle shifting, in substeps (core/fluid/); of a
+///   material
+///                        that says none of these keys
+///   numerics.transfer    aflip where all is fluid with pressures on cells, else apic; flip with linear shapes
+///   time.cfl             of that transfer
+void take_defaults(Scene& scene, const Places& places);
+
+/// "quadratic splines, aflip, stress last; on surfaces; slurry: pressures on cells, smoothed, shifted"
+std::string method_text(const Scene& scene);
+
+}  // namespace moraine
