@@ -35,26 +35,24 @@ bool has_absorbing_walls(const Scene& scene) {
 
 /// Whether pressures on cells are right with all else that the scene has. Beside structures that act at nodes still
 /// fluids sink (docs/adr/0011-pressure-at-structures.md).
-bool bears_grid_pressure(const Scene& scene) {
-    const auto cures = [](const MaterialSpec& m) { return has_fluid_terms(m) && m.volumetric != Volumetric::grid; };
-    return scene.shape == Shape::quadratic && scene.stress_update == StressUpdate::usl &&
-           scene.transfer != Transfer::fmpm && (scene.structures.empty() || scene.bed == Bed::surface) &&
-           scene.course.tractions.empty() && !gravity_changes(scene) && !has_absorbing_walls(scene) &&
-           std::none_of(scene.materials.begin(), scene.materials.end(), cures);
+bool bears_grid_pressure(const Scene& scene, const Places& places) {
+    const auto takes = [&](const MaterialSpec& m) {
+        return find_law(m.law)->is_fluid && poisson_ratio(m) >= least_poisson && !says(m, places);
+    };
+    return std::all_of(scene.materials.begin(), scene.materials.end(), takes) && scene.shape == Shape::quadratic &&
+           scene.stress_update == StressUpdate::usl && scene.transfer != Transfer::fmpm &&
+           (scene.structures.empty() || scene.bed == Bed::surface) && scene.course.tractions.empty() &&
+           !gravity_changes(scene) && !has_absorbing_walls(scene);
 }
 
 /// A fluid resists compression as water does, and shear hardly: pressures of particles lock, and crowd them.
-void take_grid_pressure(Scene& scene, const Places& places) {
-    if (!bears_grid_pressure(scene)) return;
-    for (std::size_t k = 0; k < scene.materials.size(); ++k) {
-        MaterialSpec& m = scene.materials[k];
-        if (!find_law(m.law)->is_fluid || poisson_ratio(m) < least_poisson || says(m, places)) continue;
+void take_grid_pressure(Scene& scene) {
+    const auto take = [](MaterialSpec& m) {
         m.volumetric = Volumetric::grid, m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
-        for (StageSpec& stage : scene.course.stages) {
-            MaterialSpec& later = stage.materials[k];
-            later.volumetric = m.volumetric, later.pressure_smoothing = smoothing, later.particle_shifting = shifting;
-        }
-    }
+    };
+    for (MaterialSpec& m : scene.materials) take(m);
+    for (StageSpec& stage : scene.course.stages)
+        for (MaterialSpec& m : stage.materials) take(m);
 }
 
 bool is_all_fluid(const Scene& scene) {
@@ -77,7 +75,7 @@ std::string material_text(const MaterialSpec& m) {
 void take_defaults(Scene& scene, const Places& places) {
     const bool says_transfer = places.has("numerics.transfer");
     if (!says_transfer) scene.transfer = standard_transfer(scene.shape);
-    take_grid_pressure(scene, places);
+    if (bears_grid_pressure(scene, places)) take_grid_pressure(scene);
     if (!says_transfer && scene.shape == Shape::quadratic && !scene.sleep.on && is_all_fluid(scene))
         scene.transfer = Transfer::aflip;
     if (!places.has("numerics.flip")) scene.flip = standard_flip(scene.transfer);

@@ -11,9 +11,8 @@ inline constexpr int substeps_by_scene = 0;
 
 /// Sets what was not written, of a scene that is read and not yet checked:
 ///   structures           act on their surfaces (core/surfaces/)
-///   fluids               pressures on cells, smoothed, with particle shifting, in substeps (core/fluid/); of a
-///   material
-///                        that says none of these keys
+///   fluids               pressures on cells, smoothed, with particle shifting, in substeps (core/fluid/), where all is
+///                        fluid that says none of these keys, and no structure acts at nodes
 ///   numerics.transfer    aflip where all is fluid with pressures on cells, else apic; flip with linear shapes
 ///   time.cfl             of that transfer
 void take_defaults(Scene& scene, const Places& places);

@@ -40,8 +40,9 @@ const std::vector<KeyRow<MaterialSpec>> materials = in_tables<MaterialSpec>({
       .meaning =
           "Volumetric rate and pressure: each particle's; the mean of a cell, against locking near nu = 0.5; or, "
           "for fluids and undrained clays, on the cells of the grid, with exact integrals in full ones. Left out: grid "
-          "for fluids that say none of these three keys, where the scene can have it (docs/guide/choose-method.md), "
-          "else particle."},
+          "where all is fluid "
+          "that says none of these three keys, and the scene can have it (docs/guide/choose-method.md), else "
+          "particle."},
      [](M& m, const V& v) { m.volumetric = static_cast<Volumetric>(v.choice); }},
     {{.name = "pressure_smoothing",
       .standard = "0.0",
