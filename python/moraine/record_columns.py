@@ -10,7 +10,7 @@ from .results import Run
 from .runout import OF_PARTICLES
 
 RECORDS = {"structure": "structures.csv", "gauges": "gauges.csv", "sections": "sections.csv"}
-UNITS = ("m", "s", "N", "J", "kg", "Pa", "m_s", "N_m", "N_s", "kg_m_s", "m3", "m3_s")
+UNITS = ("m", "s", "N", "J", "kg", "Pa", "m_s", "N_m", "N_s", "kg_m_s", "m3", "m3_s", "rad", "rad_s")
 
 
 def column_of(table: Table, name: str, where: str, ahead: str = "") -> NDArray[Any]:

@@ -5,7 +5,7 @@ from typing import Any, List, Mapping, Optional, Tuple
 import numpy
 from numpy.typing import NDArray
 
-from .outlines import displacement_at, outline
+from .outlines import displacement_at, outline, turn_at
 from .results import Run
 
 SOLID = {"facecolor": "0.82", "edgecolor": "0.35", "linewidth": 1.2}
@@ -34,7 +34,7 @@ class Surroundings:
         found = []
         for structure in self._scene.get("structure", []):
             moved = displacement_at(self._tables, structure["name"], time, self.dimensions)
-            shape = outline(structure, axes, self.dimensions, moved)
+            shape = outline(structure, axes, self.dimensions, moved, turn_at(self._tables, structure["name"], time, self.dimensions))
             if shape is not None:
                 found.append((structure["name"], shape))
         return found

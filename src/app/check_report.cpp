@@ -67,9 +67,10 @@ std::string structure_lines(const Scene& scene) {
     for (const StructureSpec& s : scene.structures) {
         const std::string law = word("structure.contact", "law", static_cast<int>(s.law));
         text += s.ground ? domain_line(scene) + terrain_lines(scene, *s.ground, law)
-                         : fmt::format("structure  {}: {}, {}, {}\n", s.name,
+                         : fmt::format("structure  {}: {}, {}{}, {}\n", s.name,
                                        word("structure", "shape", static_cast<int>(s.shape)),
-                                       word("structure.motion", "kind", static_cast<int>(s.motion.kind)), law);
+                                       word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
+                                       turns(s.motion) ? " and turns" : "", law);
     }
     return text;
 }

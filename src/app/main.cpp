@@ -100,6 +100,10 @@ void check_device_scene(const Scene& scene) {
     if (!scene.course.tractions.empty())
         throw InputError(
             fmt::format("{}: [[traction]] (devices do not have it). Use --device cpu?", scene.source.path));
+    for (const StructureSpec& s : scene.structures)
+        if (turns(s.motion))
+            throw InputError(fmt::format("{}: structure.{}, which turns (devices do not have it). Use --device cpu?",
+                                         scene.source.path, s.name));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));

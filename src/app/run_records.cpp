@@ -61,7 +61,8 @@ void RunRecords<Real, Dim>::open(std::optional<ResumeAfter> resume, const std::v
     balance_ =
         std::make_unique<CsvLog>(comm_, directory_ + "/balance.csv", BalanceRow::columns(scene_.sleep.on), resume);
     if (!sim_.structures().empty())
-        structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv", structure_columns<Dim>(), resume);
+        structures_ = std::make_unique<CsvLog>(comm_, directory_ + "/structures.csv",
+                                               structure_columns<Dim>(sim_.structures().any_turns()), resume);
     if (!scene_.hazard.gauges.empty())
         gauges_ = std::make_unique<CsvLog>(comm_, directory_ + "/gauges.csv", maps_->gauge_columns(), resume);
     if (flow_) sections_ = std::make_unique<CsvLog>(comm_, directory_ + "/sections.csv", flow_->columns(), resume);

@@ -113,14 +113,22 @@ struct BodySpec {
 /// How a structure moves (core/structures/structure_motion.hpp).
 struct MotionSpec {
     StructureMotion kind = StructureMotion::fixed;
-    Triple velocity{};   ///< velocity, table: its direction and unit; free: at the start [m/s]
-    double ramp = 0;     ///< velocity: time of the rise [s]
-    Triple amplitude{};  ///< sinusoid [m]
-    double period = 0;   ///< sinusoid [s]
-    TimeTable factor;    ///< table: of the velocity
-    double mass = 0;     ///< free [kg]
-    Triple force{};      ///< free: besides gravity and contact [N]
+    Triple velocity{};                     ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;                       ///< velocity: time of the rise [s]
+    Triple amplitude{};                    ///< sinusoid [m]
+    double period = 0;                     ///< sinusoid [s]
+    TimeTable factor;                      ///< table: of the velocity
+    double mass = 0;                       ///< free [kg]
+    Triple force{};                        ///< free: besides gravity and contact [N]
+    double density = 0;                    ///< free: in place of the mass [kg/m3]
+    bool turns = false;                    ///< free
+    std::vector<double> inertia;           ///< principal, about the axes of the scene; empty: of the shape [kg m2]
+    std::vector<double> angular_velocity;  ///< velocity, table: as velocity; free: at the start; one in 2-D [rad/s]
 };
+
+inline bool turns(const MotionSpec& m) {
+    return m.turns || !m.angular_velocity.empty();
+}
 
 struct StructureSpec {
     std::string name;

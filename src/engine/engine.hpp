@@ -28,12 +28,13 @@ struct StepReport {
     double square_speed = 0;  ///< largest |v|^2, with the grid's pressure [m2/s2]
     double moved = 0;         ///< largest displacement along an axis [cells]
     std::uint32_t faults = 0;
-    bool in_guard_layer = false;           ///< when they were binned, by the tables of then (blocks/guard_layer.hpp)
-    std::int64_t clamped = 0;              ///< contiguous GIMP boxes held at half a cell
-    Budget<Dim> budget;                    ///< to be added
-    std::vector<StructureSums<Dim>> felt;  ///< by the structures; empty where there are none
-    double next_dt = 0;                    ///< that the engine took by itself; 0: it does not lead [s]
-    std::array<double, 3> seconds{};       ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
+    bool in_guard_layer = false;            ///< when they were binned, by the tables of then (blocks/guard_layer.hpp)
+    std::int64_t clamped = 0;               ///< contiguous GIMP boxes held at half a cell
+    Budget<Dim> budget;                     ///< to be added
+    std::vector<StructureSums<Dim>> felt;   ///< by the structures; empty where there are none
+    std::vector<TurningSums<Dim>> turning;  ///< likewise; empty where none turns
+    double next_dt = 0;                     ///< that the engine took by itself; 0: it does not lead [s]
+    std::array<double, 3> seconds{};  ///< on the device: P2G, nodes, G2P; on the host the caller has the clock [s]
 };
 
 /// What holds for the sums of a step, whose dt is not known yet.

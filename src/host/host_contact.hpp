@@ -42,9 +42,11 @@ struct HostContact {
     /// What travels with the sums of this round; null: nothing.
     const GapShare<Dim>* to_share() const { return finding && at_nodes ? &share : nullptr; }
     /// Structures as nodes meet them, with what they feel in `sums`.
-    ContactField<Dim> field_with(const StructureSet<Dim>& structures, StructureSums<Dim>* sums) {
+    ContactField<Dim> field_with(const StructureSet<Dim>& structures, StructureSums<Dim>* sums,
+                                 TurningSums<Dim>* turning) {
         ContactField<Dim> now = structures.field();
         now.sums = sums;
+        now.turning = turning;
         now.ground = ground.empty() ? nullptr : ground.data();
         return now;
     }

@@ -24,7 +24,7 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
     solve(node_round(round.nodes, step.dt, step), step);
     if (!surfaces_) return;
     surfaces_->begin_step({step.structures->field(), step.quantum, static_cast<Real>(step.mass_cutoff),
-                           pressures_.held(), nullptr, report_.felt.data()},
+                           pressures_.held(), nullptr, report_.felt.data(), report_.turning.data()},
                           *halo_, contact_.pairs);
     if (round.nodes == NodeTask::hold) return;
     surfaces_->forces.act({step.dt, step.dt}, 0);
@@ -35,8 +35,9 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step) {
     if (step.structures) report_.felt.resize(step.structures->size());
+    if (step.structures && step.structures->any_turns()) report_.turning.resize(step.structures->size());
     if (!step.structures || surfaces_) return solve<false>(round, step, {});
-    solve<true>(round, step, contact_.field_with(*step.structures, report_.felt.data()));
+    solve<true>(round, step, contact_.field_with(*step.structures, report_.felt.data(), report_.turning.data()));
 }
 
 template <class Real, int Dim>

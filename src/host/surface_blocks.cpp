@@ -117,9 +117,14 @@ std::ptrdiff_t SurfaceBlocks<Real, Dim>::stored(std::int32_t near) const {
 
 template <class Real, int Dim>
 void SurfaceBlocks<Real, Dim>::tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
-                                    const Vec<double, Dim>& follows) const {
+                                    const Vec<double, Dim>& follows, const Vec<double, moments<Dim>>& couple) const {
     double all[StructureSums<Dim>::count] = {};
-    structure_values(scene.field, scene.field.structure[structure], impulse, place, follows, all);
+    const Structure<Dim>& s = scene.field.structure[structure];
+    structure_values(scene.field, s, impulse, place, follows, all);
+    if (s.turns) {
+        for (int a = 0; a < moments<Dim>; ++a) all[Dim + a] += couple[a];
+        all[StructureSums<Dim>::work] += dot(couple, s.spin);
+    }
     add_shared(scene.felt[structure].sum, scene.quantum, all);
 }
 

@@ -28,6 +28,7 @@ struct SurfaceScene {
     HeldNode<Real, Dim>* held;  ///< null: pressures are the particles'
     CellPressure<Real>* cells;  ///< of occupied blocks, as PressureContext's
     StructureSums<Dim>* felt;   ///< by structure
+    TurningSums<Dim>* turning;  ///< likewise; null: none turns
 };
 
 /// What a pass gave to the nodes near surfaces.
@@ -101,15 +102,43 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
         return node[quad - 1] > scene.mass_cutoff ? node : nullptr;
     }
     std::ptrdiff_t stored(std::int32_t near) const;
-    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg].
+    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg]; couple: what
+    /// one that turns gets besides [kg m2/s].
     void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
-              const Vec<double, Dim>& follows = zero_vec<double, Dim>()) const;
+              const Vec<double, Dim>& follows = zero_vec<double, Dim>(),
+              const Vec<double, moments<Dim>>& couple = zero_vec<double, moments<Dim>>()) const;
+    /// What follows a structure that turns.
+    void tell_following(int structure, const Following<Dim>& by) const {
+        add_following(by, scene.quantum, scene.turning[structure]);
+    }
+    /// The moment about `place` of what the nodes of cell c of block k give: of(n, at), n of the stencil, `at` in the
+    /// tile [kg m/s]. It differs from that of their sum there where some lack soil, or give another share.
+    template <class Of>
+    Vec<double, moments<Dim>> couple_of(int k, int c, const Structure<Dim>& s, const Vec<double, Dim>& place,
+                                        const Of& of) const;
 
   private:
     void index_nodes();
     void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
     void sum_nodes(int j, int quads);
 };
+
+template <class Real, int Dim>
+template <class Of>
+Vec<double, moments<Dim>> SurfaceBlocks<Real, Dim>::couple_of(int k, int c, const Structure<Dim>& s,
+                                                              const Vec<double, Dim>& place, const Of& of) const {
+    const Place node = at(k).cell_node(c);
+    const Vec<double, Dim> arm = node_place(scene.field, s, &node[0], 0.0) - place;
+    Vec<double, moments<Dim>> sum = zero_vec<double, moments<Dim>>();
+    int n = 0;
+    each_node<Dim, 3>([&](int to, int i, int j, int l) {
+        const int offset[3] = {i - 1, j - 1, l - 1};
+        Vec<double, Dim> own = arm;
+        for (int a = 0; a < Dim; ++a) own[a] += scene.field.cell * offset[a];
+        sum = sum - (-1.0) * moment_of(own, of(n++, to));
+    });
+    return sum;
+}
 
 template <class Real, int Dim>
 template <class Write>

@@ -12,6 +12,7 @@ void SurfacePressures<Real, Dim>::count_taken(int k, int c, const Substep& subst
     const Structure<Dim>& s = on_.scene.field.structure[on_.cell_at(k, c).structure];
     double flux = 0, of_structure = 0;
     for (int a = 0; a < Dim; ++a) of_structure += double(cell.bed[a]) * s.velocity[a];
+    of_structure += turned_flux(k, c);
     int n = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const CellNode<Real, Dim>& g = cell.factor[n++];

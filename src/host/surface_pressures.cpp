@@ -231,7 +231,23 @@ void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
         any = any || given[a] != 0;
         place[a] = on_.scene.field.origin[a] + on_.h * node[a];
     }
-    if (any) on_.tell(on_.cell_at(k, c).structure, given, place);
+    if (!any) return;
+    const int structure = on_.cell_at(k, c).structure;
+    const Structure<Dim>& s = on_.scene.field.structure[structure];
+    if (!s.turns) return on_.tell(structure, given, place);
+    place = image_near(on_.scene.field, s, place);
+    on_.tell(structure, given, place, zero_vec<double, Dim>(), impulse * couple_of(k, c, s, place));
+}
+
+template <class Real, int Dim>
+Vec<double, moments<Dim>> SurfacePressures<Real, Dim>::couple_of(int k, int c, const Structure<Dim>& s,
+                                                                 const Vec<double, Dim>& place) const {
+    const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
+    return on_.couple_of(k, c, s, place, [&](int i, int) {
+        Vec<double, Dim> row;
+        for (int a = 0; a < Dim; ++a) row[a] = double(cell.factor[i].gradient[a]);
+        return row;
+    });
 }
 
 template <class Real, int Dim>
@@ -242,6 +258,7 @@ void SurfacePressures<Real, Dim>::update(const Substep& substep) {
             const int structure = on_.cell_at(k, c).structure;
             cell.flux =
                 flux_into(cell, on_.scene.field.structure[structure], NodesOf{*this, k, tile_offset<Dim, 3>(c)});
+            cell.flux -= static_cast<Real>(turned_flux(k, c));
             if (on_.counts_energy) count_taken(k, c, substep);
         });
     });

@@ -10,6 +10,7 @@
 #include "core/courant.hpp"
 #include "core/gravity.hpp"
 #include "core/material/laws.hpp"
+#include "core/structures/rigid_body.hpp"
 #include "core/transfer/method.hpp"
 #include "predict/prediction.hpp"
 #include "seeding/inflow.hpp"
@@ -150,11 +151,26 @@ void warn_of_transfer(const Scene& scene, const BodySpec& body, std::vector<std:
                     body.name, depth / scene.cell, share, m.name, scene.cell * std::cbrt(good_share / share)));
 }
 
+/// From the centre to the furthest point of a structure that turns [m].
+double reach_of(const StructureSpec& s) {
+    const auto half = [](const Triple& a, const Triple& b) {
+        return 0.5 * norm({b[0] - a[0], b[1] - a[1], b[2] - a[2]});
+    };
+    if (s.shape != StructureShape::polygon) return s.radius + std::max(half(s.min, s.max), half(s.from, s.to));
+    const Vec<double, 2> centre = centre_of_mass<2>(s);
+    double flat = 0;
+    for (const auto& p : s.points) flat = std::max(flat, std::hypot(p[0] - centre[0], p[1] - centre[1]));
+    return std::hypot(flat, half(s.min, s.max));
+}
+
 /// As its motion says; of a free one at the start.
-double fastest(const MotionSpec& motion) {
+double fastest(const StructureSpec& s) {
+    const MotionSpec& motion = s.motion;
     if (motion.kind == StructureMotion::sinusoid) return 2 * std::numbers::pi * norm(motion.amplitude) / motion.period;
     const double factor = motion.kind == StructureMotion::table ? motion.factor.largest() : 1;
-    return motion.kind == StructureMotion::fixed ? 0 : factor * norm(motion.velocity);
+    double turns = 0;
+    for (const double w : motion.angular_velocity) turns = std::hypot(turns, w);
+    return motion.kind == StructureMotion::fixed ? 0 : factor * (norm(motion.velocity) + turns * reach_of(s));
 }
 
 /// Steps are as long as waves need: what is as fast as they crosses a cell in a step, and thin soil unseen.
@@ -162,7 +178,7 @@ void warn_of_fast_structures(const Scene& scene, std::vector<std::string>& all) 
     double wave = std::numeric_limits<double>::infinity();
     for (const BodySpec& body : scene.bodies) wave = std::min(wave, wave_speed(scene, body));
     for (const StructureSpec& s : scene.structures) {
-        const double speed = fastest(s.motion);
+        const double speed = fastest(s);
         if (speed <= most_mach * wave) continue;
         all.push_back(
             fmt::format("structure.{} moves at Mach {:.2g} ({:.3g} m/s, waves {:.3g} m/s: above 0.3 it squeezes soil, "

@@ -155,6 +155,23 @@ void each_structure_sum(StructureSet<Dim>& set, const F& f) {
             f("felt" + at, state.felt.sum[q]);
             f("reported" + at, state.reported.sum[q]);
         }
+        for (int q = 0; turns(set.spec(k).motion) && q < TurningSums<Dim>::count; ++q)
+            f(fmt::format("turning_{}_{}", set.spec(k).name, q), state.pending_turning.sum[q]);
+    }
+}
+
+/// What all structures are at, one after the other.
+template <int Dim, class F>
+void each_structure_value(StructureSet<Dim>& set, const F& f) {
+    for (std::size_t k = 0; k < set.size(); ++k) {
+        StructureState<Dim>& state = set.states()[k];
+        for (double& value : state.displacement.e) f(value);
+        for (double& value : state.velocity.e) f(value);
+        for (double& value : state.carried.e) f(value);
+        if (!turns(set.spec(k).motion)) continue;
+        for (double& value : state.turned.e) f(value);
+        for (double& value : state.spin.e) f(value);
+        for (double& value : state.carried_spin.e) f(value);
     }
 }
 

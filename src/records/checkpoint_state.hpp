@@ -71,14 +71,16 @@ void save_structures(Simulation<Real, Dim>& sim, const Comm& comm, CheckpointHea
         StructureState<Dim>& state = set.states()[k];
         state.pending = sums[3 * k], state.felt = sums[3 * k + 1], state.reported = sums[3 * k + 2];
     }
+    if (set.any_turns()) {
+        std::vector<TurningSums<Dim>> turning;
+        for (const StructureState<Dim>& state : set.states()) turning.push_back(state.pending_turning);
+        turning = comm.exact_sums(turning);
+        for (std::size_t k = 0; k < set.size(); ++k) set.states()[k].pending_turning = turning[k];
+    }
     each_structure_sum(
         set, [&](const std::string& name, const ExactSum& all) { header["structure_" + name] = stored_sum(all); });
     std::vector<double> motion{set.reported_time};
-    for (const StructureState<Dim>& state : set.states()) {
-        motion.insert(motion.end(), state.displacement.e, state.displacement.e + Dim);
-        motion.insert(motion.end(), state.velocity.e, state.velocity.e + Dim);
-        motion.insert(motion.end(), state.carried.e, state.carried.e + Dim);
-    }
+    each_structure_value(set, [&](double& value) { motion.push_back(value); });
     header["structure_motion"] = motion;
 }
 
@@ -92,17 +94,13 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
         mine = comm.is_root() ? all : ExactSum{};
     });
     const auto& motion = file.get<std::vector<double>>("structure_motion");
-    if (motion.size() != 1 + 3 * Dim * set.size() ||
-        !std::all_of(motion.begin(), motion.end(), [](double x) { return std::isfinite(x); }))
+    std::size_t count = 1;
+    each_structure_value(set, [&](double&) { ++count; });
+    if (motion.size() != count || !std::all_of(motion.begin(), motion.end(), [](double x) { return std::isfinite(x); }))
         file.refuse("it does not hold these structures");
     set.reported_time = motion[0];
     auto from = motion.begin() + 1;
-    for (StructureState<Dim>& state : set.states()) {
-        std::copy_n(from, Dim, state.displacement.e);
-        std::copy_n(from + Dim, Dim, state.velocity.e);
-        std::copy_n(from + 2 * Dim, Dim, state.carried.e);
-        from += 3 * Dim;
-    }
+    each_structure_value(set, [&](double& value) { value = *from++; });
 }
 
 /// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and

@@ -17,16 +17,24 @@ namespace moraine {
 class StructurePath {
   public:
     StructurePath(const Scene& scene, const Comm& comm, std::string path)
-        : scene_(scene), comm_(comm), path_(std::move(path)) {}
+        : scene_(scene), comm_(comm), path_(std::move(path)) {
+        for (const StructureSpec& s : scene.structures)
+            if (turns(s.motion)) width_ = 7;
+    }
 
     /// Where they are now. Collective.
     template <int Dim>
     void append(double time, const StructureSet<Dim>& set) {
         times_.push_back(time);
         for (std::size_t k = 0; k < set.size(); ++k) {
-            Triple way{};
-            for (std::size_t a = 0; a < Dim; ++a) way[a] = set.state(k).displacement[static_cast<int>(a)];
-            ways_.push_back(way);
+            const StructureState<Dim>& state = set.state(k);
+            StructureShift shift;
+            for (std::size_t a = 0; a < Dim; ++a) shift.way[a] = state.displacement[static_cast<int>(a)];
+            if constexpr (Dim == 3)
+                shift.turned = state.turned;
+            else
+                shift.turned = rotation_by(Vec<double, 3>{{0, 0, state.turned.e[0]}});
+            shifts_.push_back(shift);
         }
         if (8 * times_.size() >= 9 * written_) write();
     }
@@ -37,33 +45,39 @@ class StructurePath {
     void write() {
         if (written_ == times_.size()) return;
         comm_.agree_no_error<MachineError>(message_of([&] {
-            if (comm_.is_root()) replace_file(path_, moving_image(scene_, times_, ways_));
+            if (comm_.is_root()) replace_file(path_, moving_image(scene_, times_, shifts_));
         }));
         written_ = times_.size();
     }
 
-    /// For a checkpoint: per output its time and the ways.
+    /// For a checkpoint: per output its time, the ways, and how they are turned where one turns.
     std::vector<double> stored() const {
         std::vector<double> rows;
         const std::size_t n = scene_.structures.size();
         for (std::size_t t = 0; t < times_.size(); ++t) {
             rows.push_back(times_[t]);
-            for (std::size_t k = 0; k < n; ++k)
-                rows.insert(rows.end(), ways_[t * n + k].begin(), ways_[t * n + k].end());
+            for (std::size_t k = t * n; k < (t + 1) * n; ++k) {
+                rows.insert(rows.end(), shifts_[k].way.begin(), shifts_[k].way.end());
+                if (width_ > 3) rows.insert(rows.end(), shifts_[k].turned.e, shifts_[k].turned.e + 4);
+            }
         }
         return rows;
     }
 
     /// Whether these may be rows of such a run.
     bool restore(const std::vector<double>& rows) {
-        const std::size_t n = scene_.structures.size(), width = 1 + 3 * n;
+        const std::size_t n = scene_.structures.size(), width = 1 + width_ * n;
         if (rows.size() % width != 0) return false;
         for (const double x : rows)
             if (!std::isfinite(x)) return false;
-        for (std::size_t at = 0; at < rows.size(); at += width) {
-            times_.push_back(rows[at]);
-            for (std::size_t k = 0; k < n; ++k)
-                ways_.push_back({rows[at + 1 + 3 * k], rows[at + 2 + 3 * k], rows[at + 3 + 3 * k]});
+        for (auto from = rows.begin(); from != rows.end();) {
+            times_.push_back(*from++);
+            for (std::size_t k = 0; k < n; ++k, from += static_cast<std::ptrdiff_t>(width_)) {
+                StructureShift shift;
+                std::copy_n(from, 3, shift.way.begin());
+                if (width_ > 3) std::copy_n(from + 3, 4, shift.turned.e);
+                shifts_.push_back(shift);
+            }
         }
         return true;
     }
@@ -72,9 +86,10 @@ class StructurePath {
     const Scene& scene_;
     const Comm& comm_;
     std::string path_;
-    std::vector<double> times_;  ///< [s]
-    std::vector<Triple> ways_;   ///< of all structures, time by time [m]
-    std::size_t written_ = 0;    ///< times in the file
+    std::vector<double> times_;           ///< [s]
+    std::vector<StructureShift> shifts_;  ///< of all structures, time by time
+    std::size_t written_ = 0;             ///< times in the file
+    std::size_t width_ = 3;               ///< of a structure in stored(): 7 where one turns
 };
 
 }  // namespace moraine

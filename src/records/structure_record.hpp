@@ -6,7 +6,9 @@
 // reference point (centre, middle, or the plane's point) as it moves.
 // impulse_* is what it felt since the start of the run: the momentum that the soil lost to it. work [J] is that of the
 // soil on it since then: each node's impulse times the velocity that the structure had in that step. What the soil
-// loses besides (friction, the normal blow of a contact) is heat.
+// loses besides (friction, the normal blow of a contact) is heat. Where a structure of the scene turns there are
+// columns of its orientation and angular velocity: in 2-D an angle [rad], in 3-D a unit quaternion from its axes at the
+// start.
 
 #include <string>
 #include <vector>
@@ -18,7 +20,7 @@
 namespace moraine {
 
 template <int Dim>
-std::vector<std::string> structure_columns() {
+std::vector<std::string> structure_columns(bool turn) {
     std::vector<std::string> names{"step", "time_s", "structure"};
     const auto per_axis = [&](const std::string& name, const std::string& unit) {
         for (int a = 0; a < Dim; ++a) names.push_back(name + "_" + "xyz"[a] + "_" + unit);
@@ -31,6 +33,13 @@ std::vector<std::string> structure_columns() {
     per_axis("displacement", "m");
     per_axis("velocity", "m_s");
     per_axis("impulse", "N_s");
+    if (!turn) return names;
+    if (Dim == 2) {
+        names.insert(names.end(), {"angle_rad", "angular_velocity_rad_s"});
+        return names;
+    }
+    for (const char part : {'w', 'x', 'y', 'z'}) names.push_back(std::string("quaternion_") + part);
+    per_axis("angular_velocity", "rad_s");
     return names;
 }
 
@@ -56,6 +65,10 @@ void record_structures(Simulation<Real, Dim>& sim, CsvLog& log) {
         for (int a = 0; a < Dim; ++a) row.emplace_back(state.displacement[a]);
         for (int a = 0; a < Dim; ++a) row.emplace_back(state.velocity[a]);
         for (int a = 0; a < Dim; ++a) row.emplace_back(sim.quantum().value(now.sum[a]));
+        if (set.any_turns()) {
+            row.insert(row.end(), state.turned.e, state.turned.e + Rotation<Dim>::count);
+            row.insert(row.end(), state.spin.e, state.spin.e + moments<Dim>);
+        }
         rows.push_back(std::move(row));
         state.reported = state.felt;
     }
@@ -87,12 +100,17 @@ Json structures_in_summary(const Simulation<Real, Dim>& sim) {
             displacement.push_back(state.displacement[a]);
             velocity.push_back(state.velocity[a]);
         }
-        all.emplace_back(set.spec(k).name,
-                         Json::Named{{"impulse_N_s", impulse},
-                                     {"mean_force_N", force},
-                                     {"displacement_m", displacement},
-                                     {"velocity_m_s", velocity},
-                                     {"work_J", sim.quantum().value(felt[k].sum[StructureSums<Dim>::work])}});
+        Json::Named one{{"impulse_N_s", impulse},
+                        {"mean_force_N", force},
+                        {"displacement_m", displacement},
+                        {"velocity_m_s", velocity},
+                        {"work_J", sim.quantum().value(felt[k].sum[StructureSums<Dim>::work])}};
+        if (turns(set.spec(k).motion)) {
+            const auto turned = std::vector<double>(state.turned.e, state.turned.e + Rotation<Dim>::count);
+            one.emplace_back(Dim == 2 ? "angle_rad" : "quaternion", turned);
+            one.emplace_back("angular_velocity_rad_s", std::vector<double>(state.spin.e, state.spin.e + moments<Dim>));
+        }
+        all.emplace_back(set.spec(k).name, one);
     }
     return all;
 }

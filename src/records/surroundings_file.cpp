@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/structures/rigid_body.hpp"
 #include "io/hdf5_image.hpp"
 #include "records/structure_mesh.hpp"
 
@@ -64,6 +65,14 @@ std::string image(const StructureMesh& mesh, bool flat, const std::vector<double
     return bytes;
 }
 
+/// About what it turns; nothing of one that does not [m].
+Vec<double, 3> turning_centre(const Scene& scene, const StructureSpec& s) {
+    if (!turns(s.motion)) return zero_vec<double, 3>();
+    if (scene.dimensions == 3) return centre_of_mass<3>(s);
+    const Vec<double, 2> flat = centre_of_mass<2>(s);
+    return {{flat[0], flat[1], 0}};
+}
+
 }  // namespace
 
 bool has_surroundings(const Scene& scene) {
@@ -75,14 +84,22 @@ std::string surroundings_image(const Scene& scene) {
     return image(mesh, scene.dimensions == 2, mesh.points, nullptr);
 }
 
-std::string moving_image(const Scene& scene, const std::vector<double>& times, const std::vector<Triple>& ways) {
+std::string moving_image(const Scene& scene, const std::vector<double>& times,
+                         const std::vector<StructureShift>& shifts) {
+    std::vector<Vec<double, 3>> centre;
+    for (const StructureSpec& s : scene.structures) centre.push_back(turning_centre(scene, s));
     const StructureMesh mesh = structure_mesh(scene, true);
     std::vector<double> points;
     points.reserve(times.size() * mesh.points.size());
     for (std::size_t t = 0; t < times.size(); ++t)
-        for (std::size_t p = 0; p < mesh.of_point.size(); ++p)
-            for (std::size_t a = 0; a < 3; ++a)
-                points.push_back(mesh.points[3 * p + a] + ways[t * scene.structures.size() + mesh.of_point[p]][a]);
+        for (std::size_t p = 0; p < mesh.of_point.size(); ++p) {
+            const std::size_t of = mesh.of_point[p];
+            const StructureShift& shift = shifts[t * scene.structures.size() + of];
+            Vec<double, 3> x{{mesh.points[3 * p], mesh.points[3 * p + 1], mesh.points[3 * p + 2]}};
+            if (turns(scene.structures[of].motion))
+                x = matrix_of(shift.turned) * (x - centre[of]) - (-1.0) * centre[of];
+            for (std::size_t a = 0; a < 3; ++a) points.push_back(x[static_cast<int>(a)] + shift.way[a]);
+        }
     return image(mesh, scene.dimensions == 2, points, &times);
 }
 

@@ -11,14 +11,22 @@
 #include <vector>
 
 #include "core/scene_spec.hpp"
+#include "core/structures/rotation.hpp"
 
 namespace moraine {
 
 /// Whether a scene has something that stands still.
 bool has_surroundings(const Scene& scene);
 
-/// The bytes of the files. ways: how far each structure of the scene has gone, time by time [m].
+/// How a structure has moved since the start.
+struct StructureShift {
+    Triple way{};          ///< [m]
+    Rotation<3> turned{};  ///< about its centre of mass; in 2-D about z
+};
+
+/// The bytes of the files. shifts: of each structure of the scene, time by time.
 std::string surroundings_image(const Scene& scene);
-std::string moving_image(const Scene& scene, const std::vector<double>& times, const std::vector<Triple>& ways);
+std::string moving_image(const Scene& scene, const std::vector<double>& times,
+                         const std::vector<StructureShift>& shifts);
 
 }  // namespace moraine

@@ -9,6 +9,7 @@
 #include "core/courant.hpp"
 #include "core/data/error.hpp"
 #include "core/fluid/grid_pressure.hpp"
+#include "core/structures/rigid_body.hpp"
 #include "io/input_error.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_defaults.hpp"
@@ -298,6 +299,8 @@ class Reader {
                            "its rows are in the table", "Remove one of them?");
             structure.motion.factor = table_of(*TableReader::section_table(table, "motion"), "table", key);
         }
+        if (structure.motion.density > 0)
+            structure.motion.mass = structure.motion.density * volume_of(structure, scene_.dimensions);
         scene_.structures.push_back(std::move(structure));
     }
 

@@ -20,6 +20,10 @@ std::optional<Hindrance> sleep_hindered_by(const Scene& scene) {
     if (scene.stress_update != StressUpdate::usl)
         return Hindrance{"numerics.sleep", "with this numerics.stress_update",
                          "sleepers take part in one round of a step", "Use stress_update = \"usl\"?"};
+    for (const StructureSpec& s : scene.structures)
+        if (turns(s.motion))
+            return Hindrance{"numerics.sleep", "with structure." + s.name + ", which turns",
+                             "whom a structure keeps awake is by its velocity alone", "Use sleep = \"off\"?"};
     return std::nullopt;
 }
 

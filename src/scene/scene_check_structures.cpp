@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "scene/scene_check.hpp"
 #include "seeding/seed.hpp"
@@ -63,6 +64,49 @@ void check_motion(const Scene& scene, const StructureSpec& s, const Places& plac
                    "that axis is periodic", fmt::format("Remove {} from domain.periodic?", axis_name[a]));
 }
 
+/// What a free structure weighs: by one key, and a plane by no density.
+void check_mass(const StructureSpec& s, const Places& places) {
+    const std::string path = path_of(s) + ".motion";
+    const bool by_mass = places.has(path + ".mass"), by_density = places.has(path + ".density");
+    if (!by_mass && !by_density)
+        refuse(places.of(path), path + ".mass is missing", "the structure is free", "Add mass = ... or density = ...?");
+    if (by_mass && by_density)
+        refuse(places.of(path + ".density"), path + ".density beside its mass", "one follows from the other",
+               "Remove one of them?");
+    if (by_density && s.shape == StructureShape::plane)
+        refuse(places.of(path + ".density"), path + ".density of a plane", "a plane has no volume", "Give its mass?");
+}
+
+/// Numbers about the axes about which it can turn.
+void check_axes(const Scene& scene, const StructureSpec& s, const char* key, const std::vector<double>& values,
+                const Places& places) {
+    const std::string path = path_of(s) + ".motion." + key;
+    const std::size_t axes = scene.dimensions == 2 ? 1 : 3;
+    if (!places.has(path) || values.size() == axes) return;
+    refuse(places.of(path), fmt::format("{} has {} numbers", path, values.size()),
+           fmt::format("in {} dimensions it has {}", scene.dimensions, axes), "Give that many?");
+}
+
+void check_turning(const Scene& scene, const StructureSpec& s, const Places& places) {
+    const std::string path = path_of(s) + ".motion";
+    const MotionSpec& m = s.motion;
+    check_axes(scene, s, "angular_velocity", m.angular_velocity, places);
+    check_axes(scene, s, "inertia", m.inertia, places);
+    for (const char* key : {".inertia", ".angular_velocity"})
+        if (m.kind == StructureMotion::free && !m.turns && places.has(path + key))
+            refuse(places.of(path + key), path + key + " of a structure that does not turn", "turns is false",
+                   "Add turns = true?");
+    if (turns(m) && s.shape == StructureShape::plane)
+        refuse(places.of(path), path_of(s) + " is a plane that turns", "it has no end, and no centre of mass",
+               "Use shape = \"box\"?");
+    for (std::size_t a = 0; a < m.inertia.size(); ++a) {
+        const double all = std::accumulate(m.inertia.begin(), m.inertia.end(), 0.0);
+        if (!(m.inertia[a] > 0) || (m.inertia.size() > 1 && m.inertia[a] > (1 + 1e-9) * (all - m.inertia[a])))
+            refuse(places.of(path + ".inertia"), fmt::format("{}.inertia has {}", path, m.inertia[a]),
+                   "each is above 0, and none is more than the other two together", "Leave it to the shape?");
+    }
+}
+
 /// Calls f(seed) for all particles of the scene, a row at a time.
 template <class F>
 void each_seed(const Scene& scene, const F& f) {
@@ -112,6 +156,8 @@ void check_structures(const Scene& scene, const Places& places) {
                    "Rename it?");
         check_shape(scene, s, places);
         check_motion(scene, s, places);
+        if (s.motion.kind == StructureMotion::free) check_mass(s, places);
+        check_turning(scene, s, places);
     }
     check_inside(scene, places);
 }

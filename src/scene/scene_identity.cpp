@@ -213,6 +213,10 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".motion.factors", r.motion.factor.values);
         add(all, key + ".motion.mass", r.motion.mass);
         add(all, key + ".motion.force", r.motion.force);
+        if (!turns(r.motion)) continue;
+        add(all, key + ".motion.turns", r.motion.turns);
+        add(all, key + ".motion.inertia", r.motion.inertia);
+        add(all, key + ".motion.angular_velocity", r.motion.angular_velocity);
     }
 }
 

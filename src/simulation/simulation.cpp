@@ -45,7 +45,7 @@ void Simulation<Real, Dim>::step() {
         phases_.time(Phase::halo, [&] { engine_->send_halo(); });
         phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::interior); });
         if (first) agree_on_dt();
-        if (first) structures_.begin_step(clock_.time, clock_.dt, clock_.gravity, agreed_forces(), quantum());
+        if (first) begin_structures();
         phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
         phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
         if (round.nodes == NodeTask::hold) make_substeps();
@@ -165,7 +165,7 @@ void Simulation<Real, Dim>::record_step() {
     led_.dt = report.next_dt;
     counts_.clamped_boxes += report.clamped;
     budget_.add(report.budget);
-    structures_.take(report.felt);
+    structures_.take(report.felt, report.turning);
     report_pending_ = false;
 }
 
@@ -215,18 +215,22 @@ void Simulation<Real, Dim>::choose_step() {
     substeps_ = choice.substeps;
 }
 
-/// Free structures move alike on all ranks: by a sum that does not depend on the owners of nodes.
+/// Free structures move alike on all ranks: by sums that do not depend on the owners of nodes.
 template <class Real, int Dim>
-std::vector<StructureSums<Dim>> Simulation<Real, Dim>::agreed_forces() {
-    std::vector<StructureSums<Dim>> forces;
-    if (!structures_.any_free()) return forces;
-    phases_.time(Phase::agree, [&] {
-        std::vector<StructureSums<Dim>> mine;
-        for (const StructureState<Dim>& state : structures_.states()) mine.push_back(state.pending);
-        forces = comm_.exact_sums(mine);
-        structures_.forget_pending();
-    });
-    return forces;
+void Simulation<Real, Dim>::begin_structures() {
+    std::vector<StructureSums<Dim>> felt;
+    std::vector<TurningSums<Dim>> turning;
+    if (structures_.any_free())
+        phases_.time(Phase::agree, [&] {
+            for (const StructureState<Dim>& state : structures_.states()) {
+                felt.push_back(state.pending);
+                if (structures_.any_turns()) turning.push_back(state.pending_turning);
+            }
+            felt = comm_.exact_sums(felt);
+            turning = comm_.exact_sums(turning);
+            structures_.forget_pending();
+        });
+    structures_.begin_step(clock_.time, clock_.dt, clock_.gravity, felt, quantum(), turning);
 }
 
 template <class Real, int Dim>

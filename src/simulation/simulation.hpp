@@ -161,7 +161,7 @@ class Simulation {
     void make_substeps();
     void check_step();
     void report_faults() const;
-    std::vector<StructureSums<Dim>> agreed_forces();
+    void begin_structures();
     void apply_body_force();
     void check_sleep();
     void begin_sums();

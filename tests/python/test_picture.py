@@ -13,7 +13,7 @@ import unittest.mock
 
 import numpy
 import moraine
-from moraine.outlines import displacement_at, outline
+from moraine.outlines import displacement_at, outline, turn_at
 from moraine.picture import draw, main
 from runs_for_tests import JELLY, PackageTest, folder, jelly, program, slurry, slurry_3d
 
@@ -85,6 +85,17 @@ class Pictures(PackageTest):
         prism = {"shape": "polygon", "points": [[0, 0], [1, 0], [0.5, 2]], "z": [1, 3]}
         self.assertEqual(outline(prism, (0, 2), 3, still).tolist(), [[0, 1], [1, 1], [1, 3], [0, 3]])
         self.assertIsNone(outline({"shape": "plane"}, (0, 1), 3, still))
+
+    def test_what_turns_is_drawn_turned_about_its_centre(self):
+        quarter = {"time_s": numpy.array([1.0]), "angle_rad": numpy.array([numpy.pi / 2])}
+        box = {"shape": "box", "min": [0, 0], "max": [4, 2]}
+        found = outline(box, (0, 1), 2, numpy.array([1.0, 0.0]), turn_at({"box": quarter}, "box", 1.0, 2))
+        numpy.testing.assert_allclose([found.min(axis=0), found.max(axis=0)], [[2, -1], [4, 3]], atol=1e-12)
+        half = {"time_s": numpy.array([1.0]), **{f"quaternion_{part}": numpy.array([value]) for part, value in zip("wxyz", (0.5 ** 0.5, 0.5 ** 0.5, 0, 0))}}
+        prism = {"shape": "polygon", "points": [[0, 0], [3, 0], [0, 3]], "z": [1, 3]}
+        found = outline(prism, (0, 1), 3, numpy.zeros(3), turn_at({"prism": half}, "prism", 1.0, 3))
+        numpy.testing.assert_allclose([found.min(axis=0), found.max(axis=0)], [[0, 0], [3, 2]], atol=1e-12)
+        self.assertIsNone(turn_at({"rod": {"time_s": numpy.array([1.0])}}, "rod", 1.0, 2))
 
     def test_the_command_writes_pictures_and_an_animation_and_tells_of_each(self):
         output = folder("drawn")

@@ -265,6 +265,12 @@ struct SolveNodes {
         return near;
     }
 
+    template <class Values, class FollowingOf>
+    void tell(int k, const Values& values, const FollowingOf& following) const {
+        add_shared(contact.sums[k].sum, quantum, values);
+        if (contact.structure[k].turns) add_following(following(), quantum, contact.turning[k]);
+    }
+
     MORAINE_HD std::size_t stored(int c, int n) const { return std::size_t(grid.node_of[c]) * Block<Dim>::cells + n; }
 
     /// Substeps begin.
@@ -325,8 +331,8 @@ struct SolveNodes {
                         near && touch_structures(
                                     contact, node, sums[0], round.contact_time(),
                                     [&](int k) { return gap_at_node(gaps, table, grid.tile_of, width, c, n, k); },
-                                    [&](int k, const auto& values) {
-                                        if (counted) add_shared(contact.sums[k].sum, quantum, values);
+                                    [&](int k, const auto& values, const auto& following) {
+                                        if (counted) tell(k, values, following);
                                     },
                                     v, given,
                                     contact.ground ? contact.ground + std::size_t(c) * Block<Dim>::cells + n : nullptr);

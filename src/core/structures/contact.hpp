@@ -139,8 +139,9 @@ template <class Real, int Dim>
 MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>& n, const ContactTime& time,
                                 double mass, Vec<Real, Dim>& v) {
     if (!(n.hold > 0 || n.area > 0)) return false;
+    const Vec<double, Dim> of_structure = velocity_at(s, n.x);
     Vec<double, Dim> slip;
-    for (int a = 0; a < Dim; ++a) slip[a] = double(v[a]) - s.velocity[a];
+    for (int a = 0; a < Dim; ++a) slip[a] = double(v[a]) - of_structure[a];
     const double approach = dot(slip, n.surface.normal);
     const double too_fast = -n.gap / time.closing - approach;
     const double pressed = too_fast > 0 ? too_fast * n.hold : 0.0;
@@ -155,23 +156,33 @@ MORAINE_HD bool touch_structure(const Structure<Dim>& s, const ContactNode<Dim>&
 template <int Dim>
 MORAINE_HD void tell_structure(const Structure<Dim>& s, const ContactNode<Dim>& n, double mass,
                                const Vec<double, Dim>& impulse, double (&all)[StructureSums<Dim>::count]) {
-    const Vec<double, Dim> arm = n.x - s.at;
+    const Vec<double, moments<Dim>> moment = moment_of(n.x - s.at, impulse);
     for (int a = 0; a < Dim; ++a) all[a] = impulse[a];
-    if constexpr (Dim == 2)
-        all[2] = arm[0] * impulse[1] - arm[1] * impulse[0];
-    else
-        for (int a = 0; a < 3; ++a)
-            all[3 + a] = arm[(a + 1) % 3] * impulse[(a + 2) % 3] - arm[(a + 2) % 3] * impulse[(a + 1) % 3];
+    for (int a = 0; a < moments<Dim>; ++a) all[Dim + a] = moment[a];
     for (int a = 0; a < Dim; ++a) {
         const double across = n.surface.normal[a] * n.surface.normal[a];
         all[StructureSums<Dim>::first_mass + a] = mass * n.hold * (s.law == InterfaceLaw::rough ? 1 : across);
     }
-    all[StructureSums<Dim>::work] = dot(impulse, s.velocity);
+    all[StructureSums<Dim>::work] = dot(impulse, velocity_at(s, n.x));
 }
 
-/// All structures in turn on one node: changes v. gap_of(k): what particles tell of structure k. tell(k, values): takes
-/// what that gets from the node (StructureSums). `given`: what they got together [kg m/s]. `ground`: the node's, where
-/// it is kept. Returns whether one touches.
+/// What of a node that gave `impulse`, and had the velocity `before`, follows a structure that turns. What slips
+/// follows by what it gave over its slip.
+template <class Real, int Dim>
+MORAINE_HD Following<Dim> following_of(const Structure<Dim>& s, const ContactNode<Dim>& n, double mass,
+                                       const Vec<Real, Dim>& before, const Vec<double, Dim>& impulse) {
+    Vec<double, Dim> slip = velocity_at(s, n.x);
+    for (int a = 0; a < Dim; ++a) slip[a] = double(before[a]) - slip[a];
+    const Vec<double, Dim>& normal = n.surface.normal;
+    slip = slip - dot(slip, normal) * normal;
+    const double pressed = -dot(impulse, normal), speed = magnitude(slip);
+    const double along = speed > 0 ? magnitude(impulse - (-pressed) * normal) / speed : 0.0;
+    return {pressed > 0 ? mass * n.hold : 0.0, along, normal, n.x - s.at};
+}
+
+/// All structures in turn on one node: changes v. gap_of(k): what particles tell of structure k. tell(k, values,
+/// following): takes what that gets from the node (StructureSums), and what following() says of one that turns.
+/// `given`: what they got together [kg m/s]. `ground`: the node's, where it is kept. Returns whether one touches.
 template <class Real, int Dim, class GapOf, class Tell>
 MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Real mass, const ContactTime& time,
                                  const GapOf& gap_of, const Tell& tell, Vec<Real, Dim>& v, Vec<double, Dim>& given,
@@ -190,7 +201,7 @@ MORAINE_HD bool touch_structures(const ContactField<Dim>& f, const int* node, Re
         }
         double all[StructureSums<Dim>::count];
         tell_structure(s, n, double(mass), impulse, all);
-        tell(k, all);
+        tell(k, all, [&] { return following_of(s, n, double(mass), before, impulse); });
     }
     return touched;
 }

@@ -7,9 +7,6 @@
 
 namespace moraine {
 
-template <int Dim>
-inline constexpr int moments = Dim == 2 ? 1 : 3;
-
 /// What the soil gave to one structure in one step: impulse [N s], moment of impulse about its reference point, per
 /// axis the mass of the nodes that follow the structure there [kg]: how much more it would have got had it been faster,
 /// and the work on it, impulse times velocity [J].
@@ -25,6 +22,49 @@ struct StructureSums {
     }
 };
 
+/// How what a structure that turns got in one step would change with its motion (V, w): the upper half of K, row by row
+/// [kg, kg m, kg m2]. On the host.
+template <int Dim>
+struct TurningSums {
+    static constexpr int axes = Dim + moments<Dim>;
+    static constexpr int count = axes * (axes + 1) / 2;
+    ExactSum sum[count];
+
+    void add(const TurningSums& o) {
+        for (int k = 0; k < count; ++k) sum[k].add(o.sum[k]);
+    }
+};
+
+/// Of soil in one place: the mass that follows the structure across its surface and along it, and the place [kg, m].
+template <int Dim>
+struct Following {
+    double across, along;
+    Vec<double, Dim> normal, arm;
+};
+
+/// K += sum over axes a, b of A_ab (e_a, r x e_a) (e_b, r x e_b),  A = along 1 + (across - along) n n. By several
+/// threads at once.
+template <int Dim>
+void add_following(const Following<Dim>& by, const Quantum& quantum, TurningSums<Dim>& to) {
+    constexpr int axes = TurningSums<Dim>::axes;
+    double way[Dim][axes], all[TurningSums<Dim>::count] = {};
+    for (int a = 0; a < Dim; ++a) {
+        Vec<double, Dim> unit = zero_vec<double, Dim>();
+        unit[a] = 1;
+        const Vec<double, moments<Dim>> moment = moment_of(by.arm, unit);
+        for (int b = 0; b < Dim; ++b) way[a][b] = unit[b];
+        for (int b = 0; b < moments<Dim>; ++b) way[a][Dim + b] = moment[b];
+    }
+    for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b) {
+            const double mass = (a == b ? by.along : 0.0) + (by.across - by.along) * by.normal[a] * by.normal[b];
+            int q = 0;
+            for (int i = 0; i < axes; ++i)
+                for (int j = i; j < axes; ++j) all[q++] += mass * way[a][i] * way[b][j];
+        }
+    add_shared(to.sum, quantum, all);
+}
+
 /// All structures as a kernel sees them, and where it adds up what they feel.
 template <int Dim>
 struct ContactField {
@@ -36,6 +76,7 @@ struct ContactField {
     double cell;                    ///< h [m]
     double offset;                  ///< binning coordinate of node 0 (Stencil::offset) [cells]
     StructureSums<Dim>* sums;       ///< by structure; shared
+    TurningSums<Dim>* turning;      ///< likewise; null: none turns
     GroundNode<Dim>* ground;        ///< of the nodes of all node blocks; null: none is kept
 };
 

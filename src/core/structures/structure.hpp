@@ -24,6 +24,10 @@ namespace moraine {
 /// What of a ground's law has a table of its own, in this order; bits of Structure::corners.
 enum BedTables { bed_friction = 1, bed_cap = 2 };
 
+/// Axes about which a structure can turn.
+template <int Dim>
+inline constexpr int moments = Dim == 2 ? 1 : 3;
+
 template <int Dim>
 struct Structure {
     StructureShape shape;
@@ -34,8 +38,11 @@ struct Structure {
     int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table, BedTables
     Vec<double, Dim> velocity;  ///< in this step [m/s]
     InterfaceLaw law;
-    double friction;  ///< Coulomb coefficient [-]
-    double cap;       ///< largest shear stress [Pa]; voellmy: that at 1 m/s
+    double friction;                 ///< Coulomb coefficient [-]
+    double cap;                      ///< largest shear stress [Pa]; voellmy: that at 1 m/s
+    bool turns;                      ///< `along` and corners are in its own axes, which turn about `at`; not on devices
+    Mat<double, Dim> turn;           ///< from its own axes to the scene's
+    Vec<double, moments<Dim>> spin;  ///< angular velocity in this step [rad/s]
 };
 
 template <int Dim>
@@ -66,6 +73,48 @@ MORAINE_HD Vec<double, N> operator-(const Vec<double, N>& a, const Vec<double, N
     Vec<double, N> r;
     for (int i = 0; i < N; ++i) r[i] = a[i] - b[i];
     return r;
+}
+
+template <int N>
+MORAINE_HD Vec<double, N> operator*(const Mat<double, N>& m, const Vec<double, N>& a) {
+    Vec<double, N> r = zero_vec<double, N>();
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j) r[i] += m(i, j) * a[j];
+    return r;
+}
+/// Transposed m times a.
+template <int N>
+MORAINE_HD Vec<double, N> turned_back(const Mat<double, N>& m, const Vec<double, N>& a) {
+    Vec<double, N> r = zero_vec<double, N>();
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j) r[i] += m(j, i) * a[j];
+    return r;
+}
+/// r x f: the moment of a force at an arm.
+template <int Dim>
+MORAINE_HD Vec<double, moments<Dim>> moment_of(const Vec<double, Dim>& r, const Vec<double, Dim>& f) {
+    Vec<double, moments<Dim>> m;
+    if constexpr (Dim == 2)
+        m[0] = r[0] * f[1] - r[1] * f[0];
+    else
+        for (int a = 0; a < 3; ++a) m[a] = r[(a + 1) % 3] * f[(a + 2) % 3] - r[(a + 2) % 3] * f[(a + 1) % 3];
+    return m;
+}
+/// w x r: the velocity of a point at an arm.
+MORAINE_HD Vec<double, 2> swept_by(const Vec<double, 1>& w, const Vec<double, 2>& r) {
+    return {{-w[0] * r[1], w[0] * r[0]}};
+}
+MORAINE_HD Vec<double, 3> swept_by(const Vec<double, 3>& w, const Vec<double, 3>& r) {
+    return moment_of<3>(w, r);
+}
+
+/// V + w x r of the structure at x, beside it and not at a periodic image [m/s].
+template <int Dim>
+MORAINE_HD Vec<double, Dim> velocity_at(const Structure<Dim>& s, const Vec<double, Dim>& x) {
+#if !defined(__CUDA_ARCH__)
+    if (s.turns) return s.velocity - (-1.0) * swept_by(s.spin, x - s.at);
+#endif
+    return s.velocity;
 }
 
 /// From the point's offset to the nearest point of an axis or corner; `spare` where they coincide.
@@ -201,11 +250,10 @@ MORAINE_HD Surface<Dim> ground_surface(const Vec<double, 2>* table, double reach
     return {dot(x - foot, normal), normal};
 }
 
-/// Of one structure that is no ground at x [m]; `corners` of all polygons.
+/// Of one structure that is no ground at a point `from` its middle, in its own axes [m]; `corners` of all polygons.
 template <int Dim>
-MORAINE_HD Surface<Dim> surface_of_body(const Structure<Dim>& s, const Vec<double, 2>* corners,
-                                        const Vec<double, Dim>& x) {
-    const Vec<double, Dim> from = x - s.at;
+MORAINE_HD Surface<Dim> surface_in_own_axes(const Structure<Dim>& s, const Vec<double, 2>* corners,
+                                            const Vec<double, Dim>& from) {
     switch (s.shape) {
         case StructureShape::plane:
             return {dot(from, s.along), s.along};
@@ -223,6 +271,21 @@ MORAINE_HD Surface<Dim> surface_of_body(const Structure<Dim>& s, const Vec<doubl
         default:
             return prism_surface(s, corners, from);
     }
+}
+
+/// The same at x [m].
+template <int Dim>
+MORAINE_HD Surface<Dim> surface_of_body(const Structure<Dim>& s, const Vec<double, 2>* corners,
+                                        const Vec<double, Dim>& x) {
+    Vec<double, Dim> from = x - s.at;
+#if !defined(__CUDA_ARCH__)
+    if (s.turns) from = turned_back(s.turn, from);
+#endif
+    Surface<Dim> at = surface_in_own_axes(s, corners, from);
+#if !defined(__CUDA_ARCH__)
+    if (s.turns) at.normal = s.turn * at.normal;
+#endif
+    return at;
 }
 
 /// Of any structure; `corners` also has the tables of ground.

@@ -5,7 +5,8 @@
 //   sinusoid   u(t) = A sin(2 pi t / period)
 //   table      v(t) = V f(t), f linear between its times and constant before and after them
 //
-// A step's velocity is (u(t + dt) - u(t)) / dt: the way is exact however the steps fall.
+// A step's velocity is (u(t + dt) - u(t)) / dt: the way is exact however the steps fall. What turns does so about one
+// axis, by the same factor of time.
 
 #include <cmath>
 #include <numbers>

@@ -9,8 +9,9 @@ namespace moraine {
 
 namespace {
 
-/// The middle of a polygon's box, and its corners about it, counter-clockwise.
-Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points, std::vector<Vec<double, 2>>& corners) {
+/// The middle of a polygon's box, or of its area where it turns, and its corners about that, counter-clockwise.
+Vec<double, 2> centred_corners(const StructureSpec& spec, std::vector<Vec<double, 2>>& corners) {
+    const std::vector<std::array<double, 2>>& points = spec.points;
     Vec<double, 2> low{{points[0][0], points[0][1]}}, high = low;
     double twice_area = 0;
     for (std::size_t i = 0, j = points.size() - 1; i < points.size(); j = i++) {
@@ -20,7 +21,8 @@ Vec<double, 2> centred_corners(const std::vector<std::array<double, 2>>& points,
         }
         twice_area += points[j][0] * points[i][1] - points[i][0] * points[j][1];
     }
-    const Vec<double, 2> middle{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2}};
+    const Vec<double, 2> middle =
+        turns(spec.motion) ? centre_of_mass<2>(spec) : Vec<double, 2>{{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2}};
     const std::size_t first = corners.size();
     for (const auto& p : points) corners.push_back({{p[0] - middle[0], p[1] - middle[1]}});
     if (twice_area < 0) std::reverse(corners.begin() + static_cast<std::ptrdiff_t>(first), corners.end());
@@ -74,6 +76,9 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
     s.friction = spec.friction;
     s.cap = cap_of(scene, spec, spec.xi, spec.su);
     s.velocity = zero_vec<double, Dim>();
+    s.turns = turns(spec.motion);
+    s.turn = identity<double, Dim>();
+    s.spin = zero_vec<double, moments<Dim>>();
     const Vec<double, Dim> from = vec_of<Dim>(spec.from), to = vec_of<Dim>(spec.to);
     const Vec<double, Dim> low = vec_of<Dim>(spec.min), high = vec_of<Dim>(spec.max);
     switch (spec.shape) {
@@ -99,7 +104,7 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
         case StructureShape::polygon: {
             s.first_corner = static_cast<int>(corners.size());
             s.radius = polygon_tie * scene.cell;
-            const Vec<double, 2> middle = centred_corners(spec.points, corners);
+            const Vec<double, 2> middle = centred_corners(spec, corners);
             s.corners = static_cast<int>(corners.size()) - s.first_corner;
             s.at = zero_vec<double, Dim>();
             s.at[0] = middle[0], s.at[1] = middle[1];
@@ -113,70 +118,143 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
     return s;
 }
 
+/// [rad/s]
+template <int Dim>
+Vec<double, moments<Dim>> angular_velocity_of(const MotionSpec& m) {
+    Vec<double, moments<Dim>> w = zero_vec<double, moments<Dim>>();
+    for (std::size_t a = 0; a < m.angular_velocity.size(); ++a) w[static_cast<int>(a)] = m.angular_velocity[a];
+    return w;
+}
+
 }  // namespace
 
 template <int Dim>
 StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(scene.structures.size()) {
+    bodies_.resize(states_.size());
     for (const StructureSpec& spec : scene.structures) {
         values_.push_back(structure_of<Dim>(scene, spec, corners_));
         start_.push_back(values_.back().at);
         any_free_ = any_free_ || spec.motion.kind == StructureMotion::free;
         any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;
+        any_turns_ = any_turns_ || turns(spec.motion);
     }
-    for (std::size_t k = 0; k < states_.size(); ++k)
-        if (spec(k).motion.kind == StructureMotion::free)
-            states_[k].velocity = states_[k].carried = vec_of<Dim>(spec(k).motion.velocity);
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+        const MotionSpec& motion = spec(k).motion;
+        StructureState<Dim>& state = states_[k];
+        if (motion.kind != StructureMotion::free) continue;
+        state.velocity = state.carried = vec_of<Dim>(motion.velocity);
+        if (!motion.turns) continue;
+        bodies_[k] = rigid_body<Dim>(spec(k));
+        state.spin = angular_velocity_of<Dim>(motion);
+        state.carried_spin = bodies_[k].inertia(state.turned) * state.spin;
+    }
 }
 
 template <int Dim>
 void StructureSet<Dim>::begin_step(double time, double dt, const std::array<double, Dim>& gravity,
-                                   std::span<const StructureSums<Dim>> pending, const Quantum& quantum) {
+                                   std::span<const StructureSums<Dim>> pending, const Quantum& quantum,
+                                   std::span<const TurningSums<Dim>> turning) {
     for (std::size_t k = 0; k < values_.size(); ++k) {
         const MotionSpec& motion = spec(k).motion;
-        StructureState<Dim>& state = states_[k];
-        if (motion.kind == StructureMotion::free) {
-            for (int a = 0; a < Dim; ++a) {
-                const auto i = static_cast<std::size_t>(a);
-                const double felt = quantum.value(pending[k].sum[a]);
-                const double follows = quantum.value(pending[k].sum[StructureSums<Dim>::first_mass + a]);
-                state.carried[a] += felt / motion.mass + dt * (gravity[i] + motion.force[i] / motion.mass);
-                state.velocity[a] =
-                    (motion.mass * state.carried[a] + felt + follows * state.velocity[a]) / (motion.mass + follows);
-            }
-        } else {
-            const Triple here = displacement_at(motion, time), there = displacement_at(motion, time + dt);
-            for (int a = 0; a < Dim; ++a) {
-                const auto i = static_cast<std::size_t>(a);
-                state.displacement[a] = here[i];
-                state.velocity[a] = (there[i] - here[i]) / dt;
-            }
-        }
+        if (motion.kind != StructureMotion::free)
+            prescribe(k, time, dt);
+        else if (motion.turns)
+            begin_turning(k, dt, gravity, pending[k], turning[k], quantum);
+        else
+            begin_free(k, dt, gravity, pending[k], quantum);
     }
     place();
 }
 
 template <int Dim>
-void StructureSet<Dim>::end_step(double time, double dt) {
-    for (std::size_t k = 0; k < values_.size(); ++k) {
-        StructureState<Dim>& state = states_[k];
-        if (spec(k).motion.kind == StructureMotion::free)
-            state.displacement = state.displacement - (-dt) * state.velocity;
-        else
-            state.displacement = vec_of<Dim>(displacement_at(spec(k).motion, time));
+void StructureSet<Dim>::prescribe(std::size_t k, double time, double dt) {
+    const MotionSpec& motion = spec(k).motion;
+    StructureState<Dim>& state = states_[k];
+    const Triple here = displacement_at(motion, time), there = displacement_at(motion, time + dt);
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        state.displacement[a] = here[i];
+        state.velocity[a] = (there[i] - here[i]) / dt;
+    }
+    if (!turns(motion)) return;
+    const Vec<double, moments<Dim>> w = angular_velocity_of<Dim>(motion);
+    const double factor = motion_factor(motion, time);
+    state.turned = rotation_by(factor * w);
+    state.spin = ((motion_factor(motion, time + dt) - factor) / dt) * w;
+}
+
+template <int Dim>
+void StructureSet<Dim>::begin_free(std::size_t k, double dt, const std::array<double, Dim>& gravity,
+                                   const StructureSums<Dim>& pending, const Quantum& quantum) {
+    const MotionSpec& motion = spec(k).motion;
+    StructureState<Dim>& state = states_[k];
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        const double felt = quantum.value(pending.sum[a]);
+        const double follows = quantum.value(pending.sum[StructureSums<Dim>::first_mass + a]);
+        state.carried[a] += felt / motion.mass + dt * (gravity[i] + motion.force[i] / motion.mass);
+        state.velocity[a] =
+            (motion.mass * state.carried[a] + felt + follows * state.velocity[a]) / (motion.mass + follows);
     }
 }
 
 template <int Dim>
-void StructureSet<Dim>::take(std::span<const StructureSums<Dim>> mine) {
+void StructureSet<Dim>::begin_turning(std::size_t k, double dt, const std::array<double, Dim>& gravity,
+                                      const StructureSums<Dim>& pending, const TurningSums<Dim>& turning,
+                                      const Quantum& quantum) {
+    const MotionSpec& motion = spec(k).motion;
+    const RigidBody<Dim>& body = bodies_[k];
+    StructureState<Dim>& state = states_[k];
+    FreeMotion<Dim> free;
+    for (int a = 0; a < Dim; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        free.impulse[a] = quantum.value(pending.sum[a]);
+        state.carried[a] += free.impulse[a] / motion.mass + dt * (gravity[i] + motion.force[i] / motion.mass);
+        free.momentum[a] = motion.mass * state.carried[a];
+        free.seen[a] = state.velocity[a];
+    }
+    for (int a = 0; a < moments<Dim>; ++a) {
+        free.impulse[Dim + a] = quantum.value(pending.sum[Dim + a]);
+        state.carried_spin[a] += free.impulse[Dim + a];
+        free.momentum[Dim + a] = state.carried_spin[a];
+        free.seen[Dim + a] = state.spin[a];
+    }
+    for (int q = 0; q < TurningSums<Dim>::count; ++q) free.follows[q] = quantum.value(turning.sum[q]);
+    const auto expected = expected_motion(body, state.turned, free);
+    for (int a = 0; a < Dim; ++a) state.velocity[a] = expected[a];
+    for (int a = 0; a < moments<Dim>; ++a) state.spin[a] = expected[Dim + a];
+    const Vec<double, moments<Dim>> L = body.inertia(state.turned) * state.spin;
+    state.spin = (1 / dt) * vector_of(body.turn(state.turned, L, dt));
+}
+
+template <int Dim>
+void StructureSet<Dim>::end_step(double time, double dt) {
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        const MotionSpec& motion = spec(k).motion;
+        StructureState<Dim>& state = states_[k];
+        const bool free = motion.kind == StructureMotion::free;
+        state.displacement =
+            free ? state.displacement - (-dt) * state.velocity : vec_of<Dim>(displacement_at(motion, time));
+        if (free && motion.turns)
+            state.turned = normalised(rotation_by(dt * state.spin) * state.turned);
+        else if (turns(motion))
+            state.turned = rotation_by(motion_factor(motion, time) * angular_velocity_of<Dim>(motion));
+    }
+}
+
+template <int Dim>
+void StructureSet<Dim>::take(std::span<const StructureSums<Dim>> mine, std::span<const TurningSums<Dim>> turning) {
     for (std::size_t k = 0; k < mine.size(); ++k) {
         states_[k].pending.add(mine[k]);
         states_[k].felt.add(mine[k]);
     }
+    for (std::size_t k = 0; k < turning.size(); ++k)
+        if (spec(k).motion.turns) states_[k].pending_turning.add(turning[k]);
 }
 
 template <int Dim>
 void StructureSet<Dim>::forget_pending() {
-    for (StructureState<Dim>& state : states_) state.pending = {};
+    for (StructureState<Dim>& state : states_) state.pending = {}, state.pending_turning = {};
 }
 
 template <int Dim>
@@ -200,6 +278,9 @@ void StructureSet<Dim>::place() {
     for (std::size_t k = 0; k < values_.size(); ++k) {
         values_[k].at = start_[k] - (-1.0) * states_[k].displacement;
         values_[k].velocity = states_[k].velocity;
+        if (!values_[k].turns) continue;
+        values_[k].turn = matrix_of(states_[k].turned);
+        values_[k].spin = states_[k].spin;
     }
 }
 

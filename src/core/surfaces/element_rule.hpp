@@ -24,6 +24,7 @@ template <int Dim>
 struct ElementImpulse {
     Vec<double, Dim> given;    ///< to the structure, if all nodes hold soil
     Vec<double, Dim> follows;  ///< the mass that it moves with the structure, by axis [kg]
+    double along;              ///< what it takes along the surface, over the slip [kg]
 };
 
 /// The gap of the soil over an element, and whether it acts in this step. gap: of the node in the middle of its cell;
@@ -53,12 +54,13 @@ MORAINE_HD SurfaceShares<Dim> shares_of(const Real* from) {
 
 template <int Dim, class Nodes>
 MORAINE_HD ElementSlip<Dim> slip_over(const SurfaceElement<Dim>& e, const Structure<Dim>& s, const Nodes& nodes) {
+    const Vec<double, Dim> of_structure = velocity_at(s, e.place);
     Vec<double, Dim> slip = zero_vec<double, Dim>();
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
         const auto* v = nodes.values(at);
-        for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - s.velocity[a]);
+        for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - of_structure[a]);
     });
     const double leaves = dot(slip, e.normal);
     return {leaves, slip - leaves * e.normal};
@@ -112,12 +114,13 @@ template <int Dim, class Nodes>
 MORAINE_HD ElementImpulse<Dim> act_on_element(const SurfaceElement<Dim>& e, const Structure<Dim>& s,
                                               const ContactTime& time, double pressure, double cell,
                                               const Nodes& nodes) {
-    ElementImpulse<Dim> impulse{zero_vec<double, Dim>(), zero_vec<double, Dim>()};
+    ElementImpulse<Dim> impulse{zero_vec<double, Dim>(), zero_vec<double, Dim>(), 0};
     const ElementSlip<Dim> slip = slip_over(e, s, nodes);
     const double pushed = push_off(e, s.law, slip, cell, time.closing, nodes, impulse.follows);
     const Pressing by{pushed, pressure > 0 ? pressure * time.dt : 0.0};
     const Vec<double, Dim> taken = slow_along(e, s.law, slip, by, time.dt, nodes);
     impulse.given = e.area * (taken - pushed * e.normal);
+    if (const double speed = magnitude(slip.along); speed > 0) impulse.along = e.area * magnitude(taken) / speed;
     return impulse;
 }
 
@@ -126,14 +129,11 @@ template <int Dim>
 MORAINE_HD void structure_values(const ContactField<Dim>& field, const Structure<Dim>& s,
                                  const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
                                  const Vec<double, Dim>& follows, double (&all)[StructureSums<Dim>::count]) {
-    const Vec<double, Dim> arm = image_near(field, s, place) - s.at;
+    const Vec<double, Dim> beside = image_near(field, s, place);
+    const Vec<double, moments<Dim>> moment = moment_of(beside - s.at, impulse);
     for (int a = 0; a < Dim; ++a) all[a] = impulse[a], all[StructureSums<Dim>::first_mass + a] = follows[a];
-    if constexpr (Dim == 2)
-        all[2] = arm[0] * impulse[1] - arm[1] * impulse[0];
-    else
-        for (int a = 0; a < 3; ++a)
-            all[3 + a] = arm[(a + 1) % 3] * impulse[(a + 2) % 3] - arm[(a + 2) % 3] * impulse[(a + 1) % 3];
-    all[StructureSums<Dim>::work] = dot(impulse, s.velocity);
+    for (int a = 0; a < moments<Dim>; ++a) all[Dim + a] = moment[a];
+    all[StructureSums<Dim>::work] = dot(impulse, velocity_at(s, beside));
 }
 
 /// Whether elements touch a slave, and all three nodes hold soil. own, one, two: their values, null without soil.

@@ -33,6 +33,7 @@ struct Plane {
     Scene scene;
     StructureSet<2> set;
     StructureSums<2> sums;
+    TurningSums<2> turning;
     ContactField<2> field;
     Quantum quantum = Quantum::for_largest(1e3);
     Structure<2> structure;
@@ -54,7 +55,11 @@ struct Plane {
         Vec<double, 2> given = zero_vec<double, 2>();
         touch_structures(
             field, node, 0.4, time, [&](int) { return gap; },
-            [&](int k, const auto& values) { add_shared(field.sums[k].sum, quantum, values); }, v, given);
+            [&](int k, const auto& values, const auto& following) {
+                add_shared(field.sums[k].sum, quantum, values);
+                if (structure.turns) add_following(following(), quantum, turning);
+            },
+            v, given);
         for (int a = 0; a < 2; ++a) CHECK(quantum.value(sums.sum[a]) == doctest::Approx(given[a]));
         return v;
     }
@@ -138,6 +143,29 @@ TEST_CASE("the moment of what a node gives is its arm times the impulse") {
     CHECK(plane.quantum.value(plane.sums.sum[2]) == doctest::Approx((-4 + 5 * 0.5) * -0.8));
     CHECK(plane.quantum.value(plane.sums.sum[3]) == 0);  // nothing follows along a smooth plane
     CHECK(plane.quantum.value(plane.sums.sum[4]) == doctest::Approx(0.4));
+}
+
+TEST_CASE(
+    "a node meets a structure that turns at the velocity that it has there, and the moment is that of the impulse") {
+    Plane plane(InterfaceLaw::coulomb);
+    plane.structure.turns = true;
+    plane.structure.turn = identity<double, 2>();
+    plane.structure.spin = {{2}};
+    plane.structure.velocity = {{0, 0}};
+    plane.structure.at = {{0.5, 0}};
+    const double arm = (-4 + 5 * 0.5) - 0.5;  // so it goes up there by 2 arm
+    const Vec<double, 2> v = plane.touch({{0.01, 3 * arm}});
+    CHECK(v[1] == doctest::Approx(2 * arm));
+    CHECK(std::fabs(v[0]) < 1e-15);  // friction stops it
+    const auto value = [&](const ExactSum& sum) { return plane.quantum.value(sum); };
+    const double px = value(plane.sums.sum[0]), py = value(plane.sums.sum[1]);
+    CHECK(px == doctest::Approx(0.4 * 0.01));
+    CHECK(py == doctest::Approx(0.4 * arm));
+    CHECK(value(plane.sums.sum[2]) == doctest::Approx(arm * py));
+    CHECK(value(plane.sums.sum[StructureSums<2>::work]) == doctest::Approx(2 * arm * py));
+    // all of its mass follows: across, along, and by its arm
+    const double m = 0.4, expected[] = {m, 0, 0, m, m * arm, m * arm * arm};
+    for (int q = 0; q < 6; ++q) CHECK(value(plane.turning.sum[q]) == doctest::Approx(expected[q]));
 }
 
 TEST_CASE("Voellmy's drag acts where soil lies, pressed or not, at the speed that it leaves") {

@@ -73,7 +73,7 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
             const auto gap_of = [&](int k) {
                 return gap_at_node(w.contact.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
-            const auto tell = [&](int k, const auto& values) {
+            const auto tell = [&](int k, const auto& values, const auto&) {
                 if (counting) add_together(field.sums[k].sum, w.quantum, values);
             };
             return w.contact.acts && touch_structures(field, node, sums[0], w.round.contact_time(), gap_of, tell, v,
