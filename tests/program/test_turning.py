@@ -122,12 +122,12 @@ class Turning(moraine.ProgramTest):
                 self.assertEqual(table(many, "structures.csv"), rows)
 
     def test_a_restart_goes_on_with_how_they_were_turned(self):
-        scene = self.write(SCENE)
-        whole = self.run_scene(scene, "whole", *sets(output__checkpoint_interval=0.05))
-        again = self.run_scene(scene, "again", "--restart", checkpoints(whole)[0], ranks=2)
-        self.assertEqual(summary(again)["state_hash"], summary(whole)["state_hash"])
-        rows = table(again, "structures.csv")
-        self.assertEqual(rows, table(whole, "structures.csv")[-len(rows):])
+        for bed in ("nodes", "surface"):
+            whole = self.run_scene(self.write(SCENE), f"whole-{bed}", *sets(numerics__bed=bed, output__checkpoint_interval=0.05))
+            again = self.run_scene(self.write(SCENE), f"again-{bed}", "--restart", checkpoints(whole)[0], *sets(numerics__bed=bed), ranks=2)
+            self.assertEqual(summary(again)["state_hash"], summary(whole)["state_hash"])
+            rows = table(again, "structures.csv")
+            self.assertEqual(rows, table(whole, "structures.csv")[-len(rows):])
 
     def test_a_turned_box_is_a_polygon_of_its_corners(self):
         """Contact and cut cells of one that was turned are those of one that was made so."""
@@ -144,6 +144,8 @@ class Turning(moraine.ProgramTest):
             self.assertGreater(abs(forces[0]["impulse_y_N_s"]), 10)
 
     def test_where_structures_do_not_turn_they_are_refused(self):
+        device = call("run", self.write(SCENE), "--device", "cuda")
+        self.assertIn("structure.plank, which turns (devices do not have it)", self.assert_one_problem(device))
         asleep = call("check", self.write(SCENE), *sets(numerics__sleep="on", numerics__transfer="apic"))
         self.assertIn("structure.plank, which turns", self.assert_one_problem(asleep))
         cases = {
