@@ -105,7 +105,7 @@ void exchange(StructureShape shape, InterfaceLaw law, Bed bed) {
         lost.angular = lost.angular - (-1.0) * moment;
         before = soil, last = now;
     }
-    run.sim.step();  // it feels the last impulse now
+    run.steps(1);  // it feels the last impulse now
     const double gained = scene.structures[0].motion.mass * magnitude(state.carried);
     turned = magnitude(state.carried_spin - spin - last.angular);
     say(fmt::format(
