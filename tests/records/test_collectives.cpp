@@ -10,11 +10,11 @@
 
 namespace {
 int collectives = 0;
-int turns = 0;      // times that a rank waits for what was sent since it waited last
+int waits = 0;      // times that a rank waits for what was sent since it waited last
 bool sent = false;  // since it waited last
 
 void wait(int n) {
-    if (n > 0 && sent) ++turns;
+    if (n > 0 && sent) ++waits;
     if (n > 0) sent = false;
 }
 }  // namespace
@@ -100,10 +100,10 @@ TEST_CASE("a step on few ranks waits twice in turn, and takes no collective") {
     sim.step();
     const std::int64_t epochs = sim.counts().epochs;
     for (int n = 0; n < 3; ++n) {
-        collectives = turns = 0;
+        collectives = waits = 0;
         sim.step();
         CHECK(collectives == 0);
-        CHECK(turns == 2);  // for who came over with the last step; then for the halo and dt together
+        CHECK(waits == 2);  // for who came over with the last step; then for the halo and dt together
         sim.balance();
     }
     sim.conclude();  // takes in what is on its way
