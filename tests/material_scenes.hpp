@@ -2,7 +2,7 @@
 // Scenes of several materials, for who treats blocks of one material and blocks of several apart.
 
 #include "sample_scenes.hpp"
-#include "seeding/strength_profile.hpp"
+#include "seeding/property_profile.hpp"
 
 namespace moraine::test {
 
@@ -48,7 +48,7 @@ inline Scene soils(int dimensions, int materials) {
 inline Scene soils_over_depth(int dimensions, double sensitivity) {
     Scene s = soils(dimensions, 2);
     s.materials[1].parameters[7] = sensitivity;
-    StrengthSpec cohesion, su;
+    ProfileSpec cohesion, su;
     cohesion.gradient = 80;
     su.surface = 300, su.gradient = 150;
     set_profile(s.materials[0], 4, cohesion);

@@ -60,6 +60,8 @@ def _of_interface(place: str, item: Mapping[str, Any]) -> List[Strength]:
     found = []
     for key in INTERFACES:
         value = item.get(key)
+        if value == "soil":
+            continue  # it follows the soil's, which is divided
         if isinstance(value, (dict, str)):
             raise Error(f"{place}.{key} is read from a file (it cannot be divided from run to run). Give one number?")
         if isinstance(value, (int, float)) and value > 0:

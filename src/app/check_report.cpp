@@ -19,8 +19,8 @@
 #include "scene/scene_defaults.hpp"
 #include "scene/scene_keys.hpp"
 #include "seeding/inflow.hpp"
+#include "seeding/property_profile.hpp"
 #include "seeding/seed_region.hpp"
-#include "seeding/strength_profile.hpp"
 #include "seeding/traction_place.hpp"
 
 namespace moraine {
@@ -112,18 +112,25 @@ std::string law_lines(const Scene& scene) {
     return text;
 }
 
-/// "strength   body.slope: su from 313.4 to 9715 Pa"
-std::string strength_lines(const Scene& scene) {
+/// "profile    body.slope: su from 313.4 to 9715 Pa"
+std::string profile_lines(const Scene& scene) {
     std::string text;
     for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
         const BodySpec& b = scene.bodies[k];
         const MaterialSpec& m = scene.materials[static_cast<std::size_t>(b.material)];
-        if (!m.has_profile()) continue;
-        const StrengthRange range = strength_range(scene, static_cast<int>(k));
-        const Parameter& parameter = find_law(m.law)->parameters[static_cast<std::size_t>(m.strength.parameter)];
-        text += fmt::format("strength   {}: {} from {:.4g} to {:.4g} {}\n", path_of(b), parameter.key, range.least,
-                            range.most, parameter.unit);
+        const LawInfo& law = *find_law(m.law);
+        for (const ProfileSpec& profile : m.profiles) {
+            const auto property = static_cast<std::size_t>(profile.property);
+            const ProfileRange range = profile_range(scene, static_cast<int>(k), profile);
+            text += fmt::format("profile    {}: {} from {:.4g} to {:.4g} {}\n", path_of(b),
+                                property_name(law, property), range.least, range.most,
+                                &profile == m.density_profile() ? "kg/m3" : law.parameters[property].unit);
+        }
     }
+    for (const StructureSpec& s : scene.structures)
+        if (s.soil_su)
+            text += fmt::format("contact    {}: {:.4g} of the soil's own su, as it is at the time\n",
+                                s.name == "terrain" ? s.name : "structure." + s.name, s.alpha);
     return text;
 }
 
@@ -199,7 +206,7 @@ std::string check_report(const Scene& scene, const CheckedRun& run) {
     for (const std::string& warning : scene_warnings(scene)) text += fmt::format("warning    {}\n", warning);
     text += fmt::format("method     {}\n", method_text(scene));
     text += law_lines(scene);
-    text += strength_lines(scene);
+    text += profile_lines(scene);
     text += structure_lines(scene);
     text += release_lines(scene);
     text += fmt::format("mass       {:.6g} kg{}\n", p.mass, scene.dimensions == 2 ? " per metre" : "");

@@ -28,11 +28,11 @@ struct WallSpec {
     std::string material = {};       ///< absorbs: of what is behind it; empty: the soil beside it goes on
 };
 
-/// A parameter of a law over depth or place, instead of one number (seeding/strength_profile.hpp).
-struct StrengthSpec {
-    int parameter = -1;                    ///< of the law's; -1: none
+/// A property of a material over depth or place, instead of one number (seeding/property_profile.hpp).
+struct ProfileSpec {
+    int property = -1;                     ///< position of the law's parameter; as many as it has: the density
     int scalar = 0;                        ///< of the law's, that holds it
-    double surface = 0;                    ///< at no depth [the parameter's unit]
+    double surface = 0;                    ///< at no depth [the property's unit]
     double gradient = 0;                   ///< [its unit / m]
     std::vector<double> depth, value;      ///< a table in place of both, linear between its rows [m, its unit]
     std::optional<double> from;            ///< height at which depth begins [m]; none: the body's own surface
@@ -45,14 +45,21 @@ struct StrengthSpec {
 struct MaterialSpec {
     std::string name;
     std::string law;                               ///< a name of core/material/laws.hpp
-    double density = 0;                            ///< at ln J = 0 [kg/m3]
-    std::vector<double> parameters;                ///< in the order of the law's table, defaults filled in
+    double density = 0;                            ///< at ln J = 0; of a profile the least [kg/m3]
+    std::vector<double> parameters;                ///< in the order of the law's table; of a profile the greatest
     Volumetric volumetric = Volumetric::particle;  ///< of rate and pressure (core/grid/volumetric.hpp)
     double pressure_smoothing = 0;                 ///< k of core/fluid/pressure_smoothing.hpp [-]
     double particle_shifting = 0;                  ///< gamma of core/fluid/particle_shifting.hpp [-]
-    StrengthSpec strength;
+    std::vector<ProfileSpec> profiles;             ///< what is no single number, by property
+    bool keeps_strength = false;                   ///< contacts follow its undrained strength as it is now
 
-    bool has_profile() const { return strength.parameter >= 0; }
+    /// nullptr: the property is one number.
+    const ProfileSpec* profile_of(std::size_t property) const {
+        for (const ProfileSpec& p : profiles)
+            if (p.property == static_cast<int>(property)) return &p;
+        return nullptr;
+    }
+    const ProfileSpec* density_profile() const { return profile_of(parameters.size()); }
 };
 
 /// By axis, and there the lower and the upper face.
@@ -146,11 +153,12 @@ struct StructureSpec {
     std::string crop_file;                        ///< ground: polygon around which the domain is laid
     double smooth = 0;                            ///< ground: least radius of curvature wanted [m]; 0: as it is
     InterfaceLaw law = InterfaceLaw::smooth;
-    double friction = 0;  ///< coulomb, voellmy: mu [-]
-    double alpha = 0;     ///< undrained: share of su [-]
-    double su = 0;        ///< undrained [Pa]
-    double xi = 0;        ///< voellmy [m/s2]
-    double density = 0;   ///< voellmy: rho [kg/m3]
+    double friction = 0;   ///< coulomb, voellmy: mu [-]
+    double alpha = 0;      ///< undrained: share of su [-]
+    double su = 0;         ///< undrained [Pa]
+    bool soil_su = false;  ///< undrained: that of the soil beside it, and su the greatest that any has at the start
+    double xi = 0;         ///< voellmy [m/s2]
+    double density = 0;    ///< voellmy: rho [kg/m3]
     MotionSpec motion;
 };
 

@@ -81,8 +81,11 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair, MayBeNear&
         distance[i] = surface(field.structure[pair.structure], field.corners, near.place[i]).distance / field.cell;
     for (int i = 0; i < near.count; ++i) {
         const std::uint32_t slot = near.slot[i];
-        const ParticleGap own = gap_at<Real, Dim>(field, distance[i], p.volume[slot], p.ln_J[slot]);
-        if (own.gap != NodeGap::none) tell_element(pair, near.cell[i], slot, own);
+        ParticleGap own = gap_at<Real, Dim>(field, distance[i], p.volume[slot], p.ln_J[slot]);
+        if (own.gap == NodeGap::none) continue;
+        own.area = bearing_area(field, field.structure[pair.structure], own.area, p.body[slot],
+                                [&](int n) { return p.history[n][slot]; });
+        tell_element(pair, near.cell[i], slot, own);
     }
     near.count = 0;
 }

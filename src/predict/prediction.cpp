@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "blocks/growth.hpp"
 #include "blocks/topology.hpp"
@@ -71,8 +72,8 @@ std::vector<std::int64_t> layers_of(const Scene& scene, const BodySpec& body, st
     return layer;
 }
 
-/// Adds one body, a few rows at a time so that the memory stays small. Returns its top speed [m/s].
-double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& keys) {
+/// Adds one body, a few rows at a time so that the memory stays small. Returns its top speed [m/s] and volume [m3].
+std::pair<double, double> add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& keys) {
     const BodySeeds seeds(scene, body);
     const std::int64_t rows = seeds.rows();
     const std::int64_t total = seeds.count(0, rows);
@@ -81,15 +82,16 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
     const std::int64_t stretch = scene.bodies[static_cast<std::size_t>(body)].shape == BodyShape::table ? 65536 : 1;
     std::vector<Key> mine;
     std::vector<Seed> some;
-    double speed = 0, row_mass = 0;
+    double speed = 0, volume = 0, row_mass = 0, row_volume = 0;
     std::int64_t particles = 0;
     const BodySpec& spec = scene.bodies[static_cast<std::size_t>(body)];
-    const bool alike = rows_are_alike(scene, spec);
+    const bool one_density = !scene.materials[static_cast<std::size_t>(spec.material)].density_profile();
+    const bool alike = rows_are_alike(scene, spec) && one_density;
     const std::vector<std::int64_t> layer = alike ? layers_of(scene, spec, rows) : std::vector<std::int64_t>{};
     for (std::int64_t row = 0; row < rows; row += stretch) {
         const auto at = static_cast<std::size_t>(row);
         if (alike && row > 0 && layer[at] == layer[at - 1]) {
-            p.mass += row_mass;
+            p.mass += row_mass, volume += row_volume;
             particles += seeds.count(row, row + 1);
             continue;
         }
@@ -97,19 +99,19 @@ double add_body(const Scene& scene, int body, Prediction& p, std::vector<Key>& k
         seeds.fill(row, std::min(rows, row + stretch), total, some);
         clear_structures(scene, some);
         particles += static_cast<std::int64_t>(some.size());
-        row_mass = 0;
+        row_mass = row_volume = 0;
         for (const Seed& s : some) {
-            row_mass += s.mass;
+            row_mass += s.mass, row_volume += s.volume;
             speed = std::max(speed, norm(s.velocity));
             const Key key = block(scene, offset, s.x);
             if (mine.empty() || mine.back() != key) mine.push_back(key);
         }
-        p.mass += row_mass;
+        p.mass += row_mass, volume += row_volume;
         if (mine.size() > 1000000) sort_unique(mine);
     }
     p.particles += particles;
     keys.insert(keys.end(), mine.begin(), mine.end());
-    return speed;
+    return {speed, volume};
 }
 
 template <int Dim>
@@ -153,10 +155,9 @@ Prediction predict(const Scene& scene) {
     }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodySpec& body = scene.bodies[b];
-        const double density = scene.materials[static_cast<std::size_t>(body.material)].density, before = p.mass;
-        const bool known = b < lattice.speed.size();
-        const double speed = known ? lattice.speed[b] : add_body(scene, static_cast<int>(b), p, keys);
-        const double volume = known ? measure_of(body, scene.dimensions) : (p.mass - before) / density;
+        const auto [speed, volume] = b < lattice.speed.size()
+                                         ? std::pair{lattice.speed[b], measure_of(body, scene.dimensions)}
+                                         : add_body(scene, static_cast<int>(b), p, keys);
         p.cells += volume / std::pow(scene.cell, scene.dimensions);
         const double wave = wave_speed(scene, body);
         signal = std::max(signal, wave + speed);

@@ -20,6 +20,7 @@
 #include "core/material/laws.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
+#include "records/field_scalar.hpp"
 
 namespace moraine {
 
@@ -104,12 +105,17 @@ class CellFrame {
                                  }
                              }},
                             field, "Pa");
-        std::string name = field;
-        for (const MaterialSpec& m : sim_.scene().materials) {
-            const auto& history = find_law(m.law)->history_names;
-            for (std::size_t k = 0; k < history.size(); ++k)
-                if (field == history[k]) name = "history_" + std::to_string(k);
+        const FieldScalar scalar(sim_.scene(), field);
+        if (!scalar.is_one) {
+            const auto sum = [scalar](const Binned& b, double* sums) {
+                for (std::size_t k = 0; k < b.slots.size(); ++k)
+                    sums[b.cell[k]] +=
+                        static_cast<double>(b.piece.p.volume[b.slots[k]]) * scalar.value(b.piece.p, b.slots[k]);
+            };
+            for (const std::string& name : scalar.needs()) needs_.push_back(name);
+            return add_mean({"body", Weight::volume, 1, 0, sum}, field, "-");
         }
+        const std::string name = scalar.column < 0 ? field : "history_" + std::to_string(scalar.column);
         const Weight weight = field == "velocity"                    ? Weight::mass
                               : field == "mass" || field == "volume" ? Weight::none
                                                                      : Weight::volume;
@@ -164,7 +170,7 @@ class CellFrame {
 
     /// The rows of this rank, and what is in them.
     void collect() {
-        std::vector<std::string> needs{"position", "mass", "volume"};
+        std::vector<std::string> needs = needs_;
         for (const Field& f : fields_)
             if (f.read && std::find(needs.begin(), needs.end(), f.name) == needs.end()) needs.push_back(f.name);
         rows_.clear();
@@ -262,6 +268,7 @@ class CellFrame {
     Column::Type type_;
     Column position_;
     std::vector<Column> columns_;
+    std::vector<std::string> needs_{"position", "mass", "volume"};
     std::vector<Field> fields_;
     std::vector<BlockRow> rows_;
     std::vector<double> numbers_;  ///< by row: the place, then the fields

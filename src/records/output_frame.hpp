@@ -13,6 +13,7 @@
 #include "core/particles/particle_bytes.hpp"
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
+#include "records/field_scalar.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {
@@ -114,12 +115,10 @@ class OutputFrame {
                 return static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]);
             });
         } else {
-            for (const MaterialSpec& m : sim_.scene().materials) {
-                const LawInfo& law = *find_law(m.law);
-                for (std::size_t k = 0; k < law.history_names.size(); ++k)
-                    if (field == law.history_names[k]) return stored(field, "history_" + std::to_string(k));
-            }
-            stored(field, field);
+            const FieldScalar scalar(sim_.scene(), field);
+            if (scalar.column < 0) return stored(field, field);
+            if (scalar.is_one) return stored(field, "history_" + std::to_string(scalar.column));
+            derived(field, "", scalar.needs(), [scalar](const View& p, std::uint32_t s) { return scalar.value(p, s); });
         }
     }
 

@@ -16,17 +16,17 @@
 #include "scene/scene_file.hpp"
 #include "scene/scene_laws.hpp"
 #include "scene/scene_names.hpp"
+#include "scene/scene_profiles.hpp"
 #include "scene/scene_set.hpp"
 #include "scene/scene_shaking.hpp"
 #include "scene/scene_stages.hpp"
-#include "scene/scene_strength.hpp"
 #include "scene/scene_tables.hpp"
 #include "scene/scene_terrain.hpp"
 #include "scene/scene_tractions.hpp"
 #include "scene/scene_values.hpp"
 #include "scene/table_reader.hpp"
+#include "seeding/property_profile.hpp"
 #include "seeding/seed_table.hpp"
-#include "seeding/strength_profile.hpp"
 
 namespace moraine {
 namespace {
@@ -84,6 +84,7 @@ class Reader {
         complete_shaking(scene_, places_);
         if (!places_.has("domain.min")) lay_height(scene_);
         lay_beds();
+        complete_profiles(scene_, places_);
         take_defaults(scene_, places_);
         check_scene(scene_, places_);
         if (admit) admit(scene_);
@@ -207,21 +208,41 @@ class Reader {
         MaterialSpec material;
         tables_.read_table(&table, "material", path, material_rows(), material);
         const LawInfo& law = *find_law(material.law);
-        StrengthSpec profile;
+        std::vector<ProfileSpec> profiles;
         for (const Parameter& parameter : law.parameters) {
             const SceneKey key = parameter_key(law, parameter);
-            const std::string inner = path + "." + key.name;
-            const toml::table* nested =
-                key.type == KeyType::real_or_profile ? TableReader::section_table(table, key.name) : nullptr;
-            if (nested) tables_.read_table(nested, "material.su", inner, strength_rows(), profile);
-            const int position = static_cast<int>(material.parameters.size());
-            material.parameters.push_back(nested ? check_profile(profile, position, key, inner, places_)
-                                                 : tables_.read_key(key, &table, path, material.law)->real);
+            const auto number = read_profile(table, path, key, material.parameters.size(), profiles);
+            material.parameters.push_back(number ? *number : tables_.read_key(key, &table, path, material.law)->real);
         }
         if (const char* problem = law.problem(material.parameters.data()))
             throw InputError(fmt::format("{}: {}: {}", place_of(table, tables_.file()), path, problem));
-        if (profile.parameter >= 0) set_profile(material, static_cast<std::size_t>(profile.parameter), profile);
+        if (TableReader::section_table(table, "density")) {
+            if (!may_vary(law, law.parameters.size()))
+                refuse(places_.of(path + ".density"), path + ".density is a table",
+                       "law " + material.law + " has one density", "Give a number?");
+            const auto density = std::find_if(material_rows().begin(), material_rows().end(),
+                                              [](const auto& row) { return row.key.name == "density"; });
+            material.density = *read_profile(table, path, density->key, law.parameters.size(), profiles);
+        }
+        for (const ProfileSpec& profile : profiles)
+            set_profile(material, static_cast<std::size_t>(profile.property), profile);
         scene_.materials.push_back(std::move(material));
+    }
+
+    /// Of a property of a material that is a table: the number that it is everywhere, or else what stands for it, and
+    /// its profile.
+    std::optional<double> read_profile(const toml::table& table, const std::string& path, const SceneKey& key,
+                                       std::size_t property, std::vector<ProfileSpec>& profiles) {
+        const toml::table* nested =
+            key.type == KeyType::real_or_profile ? TableReader::section_table(table, key.name) : nullptr;
+        if (!nested) return {};
+        ProfileSpec profile;
+        const std::string inner = path + "." + key.name;
+        tables_.read_table(nested, "material.su", inner, profile_rows(), profile);
+        if (const std::optional<double> number = check_profile(profile, key, inner, places_)) return number;
+        profile.property = static_cast<int>(property);
+        profiles.push_back(profile);
+        return number_before_bodies(profile, key);
     }
 
     void read_time_tables() {

@@ -7,8 +7,8 @@
 #include "core/material/laws.hpp"
 #include "predict/lattice_prediction.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_profiles.hpp"
 #include "scene/scene_stages.hpp"
-#include "scene/scene_strength.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_state.hpp"
 #include "seeding/seed_table.hpp"
@@ -212,7 +212,7 @@ void check_particles(const Scene& scene, const Places& places) {
         if (particles == 0)
             refuse(places.of(path_of(body)), fmt::format("{} has no particles", path_of(body)),
                    "it is smaller than their spacing", "Use a smaller domain.cell or more particles_per_cell?");
-        check_strength(scene, b, places);
+        check_properties(scene, b, places);
     }
     check_overlaps(scene, places);
 }

@@ -91,7 +91,7 @@ std::uint64_t hash_of(const Ground& raster) {
     return mix(hash_of(raster.height) ^ hash_of(fmt::format("{} {} {}", raster.first, raster.spacing, raster.count)));
 }
 
-void add_profile(Entries& all, const std::string& key, const StrengthSpec& profile) {
+void add_profile(Entries& all, const std::string& key, const ProfileSpec& profile) {
     add(all, key + ".surface", profile.surface);
     add(all, key + ".gradient", profile.gradient);
     add(all, key + ".depth", profile.depth);
@@ -104,16 +104,18 @@ void add_materials(Entries& all, const Scene& s) {
     for (const MaterialSpec& m : s.materials) {
         const std::string key = "material." + m.name;
         add(all, key + ".law", m.law);
-        add(all, key + ".density", m.density);
+        const auto property = [&](std::size_t number, const char* name, double value) {
+            if (const ProfileSpec* profile = m.profile_of(number))
+                add_profile(all, key + "." + name, *profile);
+            else
+                add(all, key + "." + name, value);
+        };
+        property(m.parameters.size(), "density", m.density);
         add(all, key + ".volumetric", m.volumetric);
         if (m.pressure_smoothing > 0) add(all, key + ".pressure_smoothing", m.pressure_smoothing);
         if (m.particle_shifting > 0) add(all, key + ".particle_shifting", m.particle_shifting);
         const LawInfo& law = *find_law(m.law);
-        for (std::size_t p = 0; p < m.parameters.size(); ++p)
-            if (m.strength.parameter == static_cast<int>(p))
-                add_profile(all, key + "." + law.parameters[p].key, m.strength);
-            else
-                add(all, key + "." + law.parameters[p].key, m.parameters[p]);
+        for (std::size_t p = 0; p < m.parameters.size(); ++p) property(p, law.parameters[p].key, m.parameters[p]);
     }
 }
 
@@ -203,7 +205,10 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".contact.law", r.law);
         add(all, key + ".contact.friction", r.friction);
         add(all, key + ".contact.alpha", r.alpha);
-        add(all, key + ".contact.su", r.su);
+        if (r.soil_su)
+            add(all, key + ".contact.su", std::string("soil"));
+        else
+            add(all, key + ".contact.su", r.su);
         add(all, key + ".motion.kind", r.motion.kind);
         add(all, key + ".motion.velocity", r.motion.velocity);
         add(all, key + ".motion.ramp", r.motion.ramp);

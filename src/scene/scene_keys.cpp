@@ -37,9 +37,8 @@ Triple KeyValue::triple() const {
 
 SceneKey parameter_key(const LawInfo& law, const Parameter& parameter) {
     SceneKey key{.table = "material", .name = parameter.key, .unit = parameter.unit};
-    for (std::size_t k = 0; k < law.parameters.size(); ++k)
-        if (std::string_view(law.parameters[k].key) == parameter.key && find_law_over_depth(law, k))
-            key.type = KeyType::real_or_profile;
+    const auto position = static_cast<std::size_t>(parameter_named(law, parameter.key));
+    if (may_vary(law, position)) key.type = KeyType::real_or_profile;
     if (!std::isnan(parameter.standard)) key.standard = shortest(parameter.standard);
     key.range = {parameter.lower, parameter.upper, parameter.open, parameter.open};
     key.only = {law.name};
@@ -60,7 +59,7 @@ std::vector<SceneKey> all_scene_keys() {
         const LawInfo& law = *find_law(name);
         for (const Parameter& parameter : law.parameters) keys.push_back(parameter_key(law, parameter));
     }
-    append(keys, strength_rows());
+    append(keys, profile_rows());
     append(keys, body_rows());
     append(keys, wall_rows());
     append(keys, terrain_rows());
@@ -74,7 +73,13 @@ std::vector<SceneKey> all_scene_keys() {
 }
 
 std::string table_of_keys(const std::string& table) {
-    if (table == "material.cohesion") return "material.su";
+    constexpr std::string_view outer = "material.";
+    if (table.starts_with(outer))
+        for (const std::string& name : law_names()) {
+            const LawInfo& law = *find_law(name);
+            for (std::size_t k = 0; k <= law.parameters.size(); ++k)
+                if (may_vary(law, k) && table.substr(outer.size()) == property_name(law, k)) return "material.su";
+        }
     return table == "terrain.contact" ? "structure.contact" : table;
 }
 
@@ -120,6 +125,8 @@ std::string type_text(const SceneKey& key) {
             return "a number" + unit;
         case KeyType::real_or_text:
             return "a number" + unit + " or a string";
+        case KeyType::real_or_choice:
+            return "a number" + unit + " or " + listed(in_quotes(key.choices));
         case KeyType::real_or_profile:
             return "a number or a profile" + unit;
         case KeyType::integer:

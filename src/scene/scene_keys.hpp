@@ -24,7 +24,8 @@ enum class KeyType {
     choice,  ///< one of `choices`
     real,    ///< also written as a whole number
     real_or_text,
-    real_or_profile,    ///< or a table with the keys of strength_rows()
+    real_or_choice,     ///< or one of `choices`
+    real_or_profile,    ///< or a table with the keys of profile_rows()
     integer,            ///< whole number
     integer_or_choice,  ///< whole number, or one of `choices`
     vector,             ///< as many numbers as the scene has dimensions
@@ -62,7 +63,7 @@ struct SceneKey {
     std::optional<std::string> standard = {};  ///< default as TOML; none: required; empty: may be absent
     KeyRange range = {};
     std::vector<std::string> choices =
-        {};  ///< choice, integer_or_choice: all; words: all, or empty where the scene decides
+        {};  ///< choice, real_or_choice, integer_or_choice: all; words: all, or empty where the scene decides
     std::vector<std::string> only = {};  ///< values of the table's selector that use the key; empty: all
     std::string meaning = {};
 
@@ -73,7 +74,7 @@ struct SceneKey {
 struct KeyValue {
     std::string text;                           ///< text, name, choice
     int choice = -1;                            ///< choice, or -1 of a number: position in the list
-    double real = 0;                            ///< real, real_or_profile
+    double real = 0;                            ///< real, real_or_choice, real_or_profile
     std::int64_t integer = 0;                   ///< integer
     bool truth = false;                         ///< truth
     std::vector<double> numbers;                ///< vector, pair, per_axis, list
@@ -102,8 +103,8 @@ const std::vector<KeyRow<Scene>>& scene_rows();
 /// Of [time], [rest] and [sleep].
 const std::vector<KeyRow<Scene>>& time_rows();
 const std::vector<KeyRow<MaterialSpec>>& material_rows();
-/// Of the table that may stand for a strength's number, "material.su".
-const std::vector<KeyRow<StrengthSpec>>& strength_rows();
+/// Of the table that may stand for a property's number, "material.su".
+const std::vector<KeyRow<ProfileSpec>>& profile_rows();
 const std::vector<KeyRow<BodySpec>>& body_rows();
 /// One [[wall]] and the face that it is about.
 struct FacedWall {
@@ -131,8 +132,8 @@ const std::vector<KeyRow<Scene>>& hazard_rows();
 const std::vector<std::string>& hazard_map_names();
 /// Of [terrain]; its contact has the keys of a structure's.
 const std::vector<KeyRow<StructureSpec>>& terrain_rows();
-/// The table whose keys a table has: terrain.contact has those of structure.contact, material.cohesion those of
-/// material.su, others their own.
+/// The table whose keys a table has: terrain.contact has those of structure.contact, those of properties that may be a
+/// profile those of material.su, others their own.
 std::string table_of_keys(const std::string& table);
 
 /// The key of a law's parameter.

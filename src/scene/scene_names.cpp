@@ -104,7 +104,7 @@ class NameCheck {
                            [&](const SceneKey& key) { return key.table == table_of_keys(section); });
     }
 
-    /// A strength, whose table stands for a number.
+    /// A property, whose table stands for a number.
     static bool may_be_number(const std::string& section) { return table_of_keys(section) == "material.su"; }
 
     void nested(const toml::node& node, const std::string& section, const std::string& path) const {

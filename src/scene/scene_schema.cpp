@@ -47,8 +47,13 @@ std::vector<std::string> choices_of(const SceneKey& key) {
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);
         all.materials.emplace_back().law = name;
-        for (std::size_t p = 0; p < law.parameters.size(); ++p)
-            if (const LawInfo* over = find_law_over_depth(law, p)) all.materials.emplace_back().law = over->name;
+        OwnScalars own;
+        for (std::size_t k = 0; k <= law.parameters.size(); ++k)
+            if (may_vary(law, k)) own.properties.push_back(static_cast<int>(k));
+        for (const bool strength : {true, false}) {
+            own.strength = strength;
+            if (const LawInfo* over = find_law_over_depth(law, own)) all.materials.emplace_back().law = over->name;
+        }
     }
     return output_field_names(all);
 }
@@ -59,7 +64,7 @@ Named strings_of(const std::vector<std::string>& choices) {
     return out;
 }
 
-Named schema_of_strength();
+Named schema_of_profile();
 
 Named type_of(const SceneKey& key) {
     const Named number = number_of("number", key.range);
@@ -74,8 +79,10 @@ Named type_of(const SceneKey& key) {
             return number;
         case KeyType::real_or_text:
             return {{"anyOf", List{number, Named{{"type", "string"}}}}};
+        case KeyType::real_or_choice:
+            return {{"anyOf", List{number, strings_of(key.choices)}}};
         case KeyType::real_or_profile:
-            return {{"anyOf", List{number, schema_of_strength()}}};
+            return {{"anyOf", List{number, schema_of_profile()}}};
         case KeyType::integer:
             return number_of("integer", key.range);
         case KeyType::integer_or_choice:
@@ -194,10 +201,10 @@ class Table {
     List required_, conditions_;
 };
 
-constexpr const char* strength_section = "material.su";
+constexpr const char* profile_section = "material.su";
 
-Named schema_of_strength() {
-    return Table(strength_section).schema();
+Named schema_of_profile() {
+    return Table(profile_section).schema();
 }
 
 /// Tables of the scene, by the dots of their names: those within another one follow it.
@@ -206,7 +213,7 @@ std::vector<std::string> sections_in(const std::string& outer) {
     std::vector<std::string> names;
     for (const SceneKey& key : all_scene_keys()) {
         if (key.table == outer || key.table.empty() || !key.table.starts_with(prefix)) continue;
-        if (key.table == strength_section) continue;  // within the keys that it may stand for
+        if (key.table == profile_section) continue;  // within the keys that it may stand for
         const std::string name = key.table.substr(0, key.table.find('.', prefix.size()));
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }

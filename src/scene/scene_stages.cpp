@@ -165,10 +165,15 @@ void check_setting(const Scene& scene, const std::string& setting, const std::st
 void check_profiles_stay(const Scene& scene, const Scene& changed, const std::string& path, const Places& places) {
     for (std::size_t k = 0; k < scene.materials.size(); ++k) {
         const MaterialSpec& m = scene.materials[k];
-        if (m.has_profile() == changed.materials[k].has_profile()) continue;
-        const Parameter& parameter = find_law(m.law)->parameters[static_cast<std::size_t>(m.strength.parameter)];
-        refuse(places.of(path), fmt::format("{} has \"material.{}.{}\"", path, m.name, parameter.key),
-               "each particle keeps the strength over depth that it has from the start", "Leave it out?");
+        for (const auto& [of, other] : {std::pair{m, changed.materials[k]}, {changed.materials[k], m}})
+            for (const ProfileSpec& profile : of.profiles) {
+                const auto property = static_cast<std::size_t>(profile.property);
+                if (other.profile_of(property)) continue;
+                const char* name = property_name(*find_law(m.law), property);
+                refuse(places.of(path), fmt::format("{} has \"material.{}.{}\"", path, m.name, name),
+                       fmt::format("each particle keeps the {} over depth that it has from the start", name),
+                       "Leave it out?");
+            }
     }
 }
 

@@ -21,7 +21,7 @@ struct StageText {
 /// `path`: of the stage's set.
 void check_setting(const Scene& scene, const std::string& setting, const std::string& path, const Places& places);
 
-/// A strength over depth is the particles', from the start: a stage whose settings put a number in its place is
+/// A property over depth is the particles', from the start: a stage whose settings put a number in its place is
 /// refused. `changed`: the scene with them. Throws InputError.
 void check_profiles_stay(const Scene& scene, const Scene& changed, const std::string& path, const Places& places);
 

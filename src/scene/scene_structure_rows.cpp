@@ -79,11 +79,15 @@ const std::vector<KeyRow<StructureSpec>> structures = in_tables<StructureSpec>({
     {{.name = "alpha", .range = {0, 1}, .only = {"undrained"}, .meaning = "Share of su that the interface can bear."},
      [](S& s, const V& v) { s.alpha = v.real; }},
     {{.name = "su",
+      .type = real_or_choice,
       .unit = "Pa",
       .range = above_zero,
+      .choices = {"soil"},
       .only = {"undrained"},
-      .meaning = "Undrained shear strength at the interface."},
-     [](S& s, const V& v) { s.su = v.real; }},
+      .meaning =
+          "Undrained shear strength at the interface; \"soil\": that of the soil that lies on it, as it is at the "
+          "time (over depth, with its rate effect and softening)."},
+     [](S& s, const V& v) { s.su = v.real, s.soil_su = v.choice >= 0; }},
     {{.name = "xi",
       .unit = "m/s2",
       .range = above_zero,

@@ -84,6 +84,9 @@ void load_bed(Scene& scene, const StructureSpec& spec, Ground& ground, const Pla
     check(spec.friction_file, "friction", voellmy || spec.law == InterfaceLaw::coulomb);
     check(spec.xi_file, "xi", voellmy);
     check(spec.su_file, "su", undrained);
+    if (spec.soil_su && !spec.su_file.empty())
+        refuse(places.of("terrain.su"), "terrain.su beside terrain.contact.su = \"soil\"",
+               "the soil says the strength then", "Remove one of them?");
     ground.friction = bed_values(scene, ground, spec.friction_file, "friction", spec.friction, true);
     ground.xi = bed_values(scene, ground, spec.xi_file, "xi", spec.xi, false);
     ground.su = bed_values(scene, ground, spec.su_file, "su", spec.su, true);
@@ -159,6 +162,9 @@ void open_faces(Scene& scene, const Places& places) {
 void complete_law(const Scene& scene, StructureSpec& spec, const std::string& path, const Places& places) {
     if (spec.law != InterfaceLaw::voellmy || spec.density > 0) return;
     for (const MaterialSpec& material : scene.materials) {
+        if (material.density_profile())
+            refuse(places.of(path), path + ".density is missing",
+                   fmt::format("that of material.{} varies", material.name), "Add density = ...?");
         if (spec.density > 0 && material.density != spec.density)
             refuse(places.of(path), path + ".density is missing",
                    fmt::format("the materials have {} and {} kg/m3", spec.density, material.density),

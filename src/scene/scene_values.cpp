@@ -108,13 +108,16 @@ void real_or_text(const toml::node& node, const KeyContext& c, KeyValue& value) 
         value.real = real(node, c);
 }
 
-void integer_or_choice(const toml::node& node, const KeyContext& c, KeyValue& value) {
+/// One of the words, or else a number, whole or not by the type.
+void number_or_choice(const toml::node& node, const KeyContext& c, KeyValue& value) {
     const std::vector<std::string>& words = c.key.choices;
     const auto word = std::find(words.begin(), words.end(), node.value_or(std::string()));
-    if (word == words.end())
-        value.integer = integer(node, c);
-    else
+    if (word != words.end())
         value.choice = static_cast<int>(word - words.begin());
+    else if (c.key.type == KeyType::real_or_choice)
+        value.real = real(node, c);
+    else
+        value.integer = integer(node, c);
 }
 
 std::string name(const toml::node& node, const KeyContext& c) {
@@ -244,9 +247,10 @@ KeyValue read_value(const toml::node& node, const KeyContext& c) {
         case KeyType::real_or_profile:
             real_or_text(node, c, value);
             break;
+        case KeyType::real_or_choice:
         case KeyType::integer:
         case KeyType::integer_or_choice:
-            integer_or_choice(node, c, value);
+            number_or_choice(node, c, value);
             break;
         case KeyType::vector:
             value.numbers = numbers(node, c, c.dimensions);

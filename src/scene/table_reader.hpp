@@ -79,6 +79,7 @@ class TableReader {
         if (!used) return std::nullopt;
         if (node) {
             places.add(path, place_of(*node, file_));
+            if (node->is_table() && key.type == KeyType::real_or_profile) return std::nullopt;  // whoever knows its law
             return read_value(*node, {key, path, place_of(*node, file_), dimensions_});
         }
         if (key.required())

@@ -70,8 +70,11 @@ void add_state(const Scene& scene, const BodySpec& spec, const Lattice& lattice,
     body.stress = static_cast<std::uint32_t>(tables.stress.size());
     body.flow = static_cast<std::uint32_t>(tables.flow.size());
     const auto up = static_cast<std::size_t>(body.up), wave = static_cast<std::size_t>(body.wave);
-    for (std::int64_t i = 0; i < lattice.count[up]; ++i)
-        tables.stress.push_back(geostatic_stress<Real>(scene, spec, lattice.place(up, i)));
+    for (std::int64_t i = 0; i < lattice.count[up]; ++i) {
+        Triple x{};
+        x[up] = lattice.place(up, i);
+        tables.stress.push_back(geostatic_stress<Real>(scene, spec, x));
+    }
     for (std::int64_t i = 0; i < lattice.count[wave]; ++i) {
         Triple x{};
         x[wave] = lattice.place(wave, i);
@@ -139,7 +142,8 @@ bool is_lattice(const Scene& scene) {
     for (const StructureSpec& structure : scene.structures)
         if (structure.clear) return false;
     for (const MaterialSpec& material : scene.materials)
-        if (find_law(material.law)->has_initial_state || material.has_profile()) return false;
+        if (find_law(material.law)->has_initial_state || !material.profiles.empty() || material.keeps_strength)
+            return false;
     return std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& body) {
         if (body.shape != BodyShape::box || body.seeding != Seeding::lattice || body.stage > 0) return false;
         const Lattice lattice = lattice_of(scene, body);

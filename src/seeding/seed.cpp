@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/data/hash.hpp"
+#include "seeding/property_profile.hpp"
 
 namespace moraine {
 namespace {
@@ -78,44 +79,44 @@ void BodySeeds::fill(std::int64_t first, std::int64_t last, std::int64_t total, 
         for (std::int64_t row = first; row < last; ++row) fill_at(row, inflow_->time(row), 0, out);
         return;
     }
-    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
     const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
     if (layer_) {
         layer_->each(first, last, [&](std::int64_t point, const Triple& x, double volume) {
             const std::uint64_t id = base | static_cast<std::uint64_t>(point);
-            out.push_back({id, index_, x, density * volume, volume, start_velocity(body_, x)});
+            out.push_back({id, index_, x, mass_of(volume, x), volume, start_velocity(body_, x)});
         });
         return;
     }
     const double volume = measure_of(body_, scene_.dimensions) / static_cast<double>(total);
-    const double mass = density * volume;
     each_point(first, last, [&](std::int64_t point, const Triple& lattice_x) {
         const std::uint64_t id = base | static_cast<std::uint64_t>(point);
         const Triple x = body_.seeding == Seeding::jittered ? jittered(id, lattice_x) : lattice_x;
-        out.push_back({id, index_, x, mass, volume, start_velocity(body_, x)});
+        out.push_back({id, index_, x, mass_of(volume, x), volume, start_velocity(body_, x)});
     });
 }
 
 void BodySeeds::fill_at(std::int64_t row, double time, std::int64_t total, std::vector<Seed>& out) const {
     if (!inflow_) return fill(row, row + 1, total, out);
-    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
     const std::uint64_t base = static_cast<std::uint64_t>(index_) << 48;
     inflow_->each(row, time, [&](std::int64_t number, const Triple& x, double volume, const Triple& velocity) {
-        out.push_back({base | static_cast<std::uint64_t>(number), index_, x, density * volume, volume, velocity});
+        out.push_back({base | static_cast<std::uint64_t>(number), index_, x, mass_of(volume, x), volume, velocity});
     });
+}
+
+double BodySeeds::mass_of(double volume, const Triple& x) const {
+    return density_at(scene_, body_, x) * volume;
 }
 
 Seed BodySeeds::table_seed(std::int64_t row) const {
     const auto r = static_cast<std::size_t>(row);
-    const double density = scene_.materials[static_cast<std::size_t>(body_.material)].density;
     double volume = 1;
     for (std::size_t a = 0; a < static_cast<std::size_t>(scene_.dimensions); ++a)
         volume *= scene_.cell / body_.particles_per_cell[a];
-    if (!table_.mass.empty()) volume = table_.mass[r] / density;
+    if (!table_.mass.empty()) volume = table_.mass[r] / density_at(scene_, body_, table_.x[r]);
     Triple velocity = start_velocity(body_, table_.x[r]);
     for (std::size_t a = 0; a < 3; ++a) velocity[a] += table_.velocity[r][a];
     const std::uint64_t id = static_cast<std::uint64_t>(index_) << 48 | static_cast<std::uint64_t>(row);
-    return {id, index_, table_.x[r], density * volume, volume, velocity};
+    return {id, index_, table_.x[r], mass_of(volume, table_.x[r]), volume, velocity};
 }
 
 Triple BodySeeds::jittered(std::uint64_t id, const Triple& x) const {

@@ -57,6 +57,7 @@ class BodySeeds {
   private:
     template <class F>
     void each_point(std::int64_t first, std::int64_t last, const F& f) const;
+    double mass_of(double volume, const Triple& x) const;
     Seed table_seed(std::int64_t row) const;
     Triple jittered(std::uint64_t id, const Triple& x) const;
 

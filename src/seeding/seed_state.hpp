@@ -6,6 +6,7 @@
 
 #include "core/gravity.hpp"
 #include "core/transfer/method.hpp"
+#include "seeding/property_profile.hpp"
 #include "seeding/seed.hpp"
 
 namespace moraine {
@@ -27,26 +28,25 @@ inline int up_axis(const Scene& scene) {
     return static_cast<int>(up);
 }
 
-/// sigma_v = -rho g (surface - height), sigma_h = k0 sigma_v by the gravity of the start, along gravity's main axis:
-/// the normal components at a height [m]. Zero where the body has none.
+/// sigma_v = -g times the mass above, up to the surface, sigma_h = k0 sigma_v by the gravity of the start, along
+/// gravity's main axis: the normal components at a place [m]. Zero where the body has none.
 template <class Real>
-Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, double height) {
+Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, const Triple& x) {
     Vec<Real, 3> stress = zero_vec<Real, 3>();
     if (!body.geostatic) return stress;
     const auto up = static_cast<std::size_t>(up_axis(scene));
-    const double weight =
-        scene.materials[static_cast<std::size_t>(body.material)].density * std::fabs(gravity_at(scene, 0)[up]);
-    const double depth = std::max(0.0, body.geostatic_surface - height);
+    const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
+    const double depth = std::max(0.0, body.geostatic_surface - x[up]), g = std::fabs(gravity_at(scene, 0)[up]);
+    const double weight = m.density_profile() ? mass_above(scene, body, x, depth) * g : m.density * g * depth;
     for (std::size_t a = 0; a < 3; ++a)
-        stress[static_cast<int>(a)] = static_cast<Real>(-weight * depth * (a == up ? 1 : body.geostatic_k0));
+        stress[static_cast<int>(a)] = static_cast<Real>(-weight * (a == up ? 1 : body.geostatic_k0));
     return stress;
 }
 
 /// The normal components of the stress at a body's lowest point [Pa]; of a table's, at the domain's.
 inline Vec<double, 3> deepest_stress(const Scene& scene, const BodySpec& body) {
-    const auto up = static_cast<std::size_t>(up_axis(scene));
     const Triple lower = body.shape == BodyShape::table ? scene.min : extent_of(body, scene.dimensions).lower;
-    return geostatic_stress<double>(scene, body, lower[up]);
+    return geostatic_stress<double>(scene, body, lower);
 }
 
 }  // namespace moraine

@@ -2,8 +2,8 @@
 // The state of a seed (seeding/seed.hpp) as a particle: in a slot of a share, and the block it is binned in.
 
 #include "blocks/topology.hpp"
+#include "seeding/property_profile.hpp"
 #include "seeding/seed_state.hpp"
-#include "seeding/strength_profile.hpp"
 #include "seeding/traction_place.hpp"
 
 namespace moraine {
@@ -19,6 +19,21 @@ Key key_of_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const
     }
     domain.wrap(block);
     return Morton<Dim>::encode(block);
+}
+
+/// What the law keeps of its own (core/material/over_depth.hpp).
+template <class Real, int Dim>
+void place_own(const Scene& scene, const BodySpec& body, const ParticleView<Real, Dim>& p, const Seed& seed,
+               std::uint32_t slot) {
+    const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
+    for (const ProfileSpec& profile : m.profiles)
+        p.history[profile.scalar][slot] = static_cast<Real>(profile_at(scene, body, profile, seed.x));
+    if (!m.keeps_strength) return;
+    const LawInfo& law = *find_law(m.law);
+    const auto su = static_cast<std::size_t>(parameter_named(law, "su"));
+    const ProfileSpec* profile = m.profile_of(su);
+    p.history[scalar_named(law, "strength")][slot] =
+        static_cast<Real>(profile ? profile_at(scene, body, *profile, seed.x) : m.parameters[su]);
 }
 
 /// The state of one seed, in its slot.
@@ -38,15 +53,13 @@ Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const 
     p.id[slot] = seed.id;
     p.body[slot] = static_cast<std::uint16_t>(seed.body);
     p.mass[slot] = static_cast<Real>(seed.mass);
-    p.volume[slot] = static_cast<Real>(seed.mass / scene.materials[static_cast<std::size_t>(body.material)].density);
+    p.volume[slot] = static_cast<Real>(seed.mass / density_at(scene, body, seed.x));
     p.stress[slot] = zero_sym<Real, Dim>();
-    const double height = seed.x[static_cast<std::size_t>(up_axis(scene))];
-    const Vec<Real, 3> stress = geostatic_stress<Real>(scene, body, height);
+    const Vec<Real, 3> stress = geostatic_stress<Real>(scene, body, seed.x);
     for (int k = 0; k < 3; ++k) p.stress[slot][k] = stress[k];
     clear_rest(p, slot);
     method.law_of(seed.body).begin(body.start, p, slot);
-    if (const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)]; m.has_profile())
-        p.history[m.strength.scalar][slot] = static_cast<Real>(strength_at(scene, body, seed.x));
+    place_own(scene, body, p, seed, slot);
     for (std::size_t k = 0; k < scene.course.tractions.size(); ++k)
         p.load_place[slot][static_cast<int>(k)] =
             static_cast<Real>(load_place(scene, scene.course.tractions[k], seed.body, seed.x));

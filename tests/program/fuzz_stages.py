@@ -67,15 +67,39 @@ class StageCases:
         return self.ask(["run", "s.toml", "--quiet", "--output", "o", *sets(time__end=0.02)], place, (0, 2, 3, 5))[1]
 
     def try_strength(self, pick, place):
+        """Another spelling of a raster or a table over depth is the same profile; a damaged one is refused or another."""
+        return self.try_raster(pick, place) if pick.random() < 0.5 else self.try_profile(pick, place)
+
+    def try_profile(self, pick, place):
+        """A table over depth, of a property of the clay."""
+        self.write_stages(place)
+        key, value = pick.choice((("su", "1.0e4"), ("young", "1.0e6"), ("density", "1000.0")))
+        whole = f"{key} = {{ depth = [0.25, 0.5], value = [{value}, 3.0e4] }}"
+        text = SCENE.replace(f"{key} = {value}", whole)
+        for stage in re.findall(r'set = \{.*', text):
+            text = text.replace(stage, "")  # which would change su
+        write = (place / "s.toml").write_text
+        write(text)
+        expected = self.line_of("profile", place)
+        if pick.random() < 0.5:
+            low, high = pick.choice(("0.25", "+0.25", "2.5e-1", "0.2500")), pick.choice(("3.0e4", "30_000.0", "30000", "+3e4"))
+            spelled = pick.choice((whole, whole.replace(" ", ""), f"{key}.depth = [0.25, 0.5]\n{key}.value = [{value}, 3.0e4]"))
+            write(text.replace(whole, spelled.replace("0.25", low).replace("3.0e4", high)))
+            found = self.line_of("profile", place)
+            return None if found == expected != "" else f"another spelling gives {found!r}, not {expected!r}"
+        write(text.replace(whole, self.mutated_text(whole, pick)), errors="surrogateescape")
+        return self.ask(["check", "s.toml"], place)[1]
+
+    def try_raster(self, pick, place):
         self.write_valley(place)
         scene = valley.SCENE.replace('law = "drucker-prager"', 'law = "tresca"').replace("friction_angle = 25.0", 'su = { surface = "su.asc", gradient = 500.0 }')
         grid = valley.grid(at=lambda x, y: 1000 + 100 * y + 10 * x)
         (place / "s.toml").write_text(scene)
         (place / "su.asc").write_text(grid)
-        whole = self.line_of("strength", place)
+        whole = self.line_of("profile", place)
         if pick.random() < 0.5:
             (place / "su.asc").write_text(self.respelled(grid, pick))
-            found = self.line_of("strength", place)
+            found = self.line_of("profile", place)
             return None if found == whole != "" else f"another spelling gives {found!r}, not {whole!r}"
         (place / "su.asc").write_text(self.broken_grid(grid, pick))
         return self.ask(["check", "s.toml"], place)[1]

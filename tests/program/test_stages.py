@@ -160,7 +160,7 @@ class Stages(moraine.ProgramTest):
         self.assertIn("material", said("material.clay.su", "material.cla.su"))
         self.assertRegex(said("5.0e2 }", "-5.0e2 }"), r"stage\.weak\.set material\.clay\.su=.*su")
         self.assertIn("is not used", said("material.clay.su", "material.clay.cohesion"))
-        self.assertIn("each particle keeps the strength over depth", said("su = 1.0e4", "su = { surface = 1.0e4, gradient = 1.0e3 }"))
+        self.assertIn("each particle keeps the su over depth", said("su = 1.0e4", "su = { surface = 1.0e4, gradient = 1.0e3 }"))
         self.assertIn("is damped until a time", said("until = 0.2", "until = 0.2\ndamping = 0.5"))
         self.assertIn("with stages", said("end = 2.0", 'end = 2.0\nstop = "rest"'))
         self.assertIn("stages with numerics.sleep", said("", "", *sets(numerics__sleep="on")))

@@ -1,4 +1,4 @@
-"""Strength over depth: a slope in which all depths yield at once, a footing on soil that gets stronger, and what is refused."""
+"""Properties over depth: a slope in which all depths yield at once, a footing on soil that gets stronger, interfaces that follow the soil, and what is refused."""
 import math
 
 import bearing
@@ -83,7 +83,7 @@ class Strength(moraine.ProgramTest):
     def test_check_says_what_the_strength_is(self):
         ended = call("check", self.write(slope(1).replace("surface = 0.0", "surface = 500.0").replace(", gradient", ", from = 2.0, gradient")))
         deepest = 500 + (2 - 0.0625) / math.cos(BETA) * GAMMA * math.sin(2 * BETA) / 2
-        self.assertIn(f"strength   body.slope: su from 500 to {deepest:.4g} Pa\n", ended.out)
+        self.assertIn(f"profile    body.slope: su from 500 to {deepest:.4g} Pa\n", ended.out)
 
     def hash_of(self, output, *words, ranks=1, scene=None):
         directory = self.run_scene(scene or self.scene, output, *words, ranks=ranks)
@@ -135,7 +135,7 @@ class Strength(moraine.ProgramTest):
         self.assertIn("material.clay.su.depth does not rise", su("{depth=[0,1,1],value=[1,2,3]}"))
         self.assertIn("material.clay.su.value = 0 (must be > 0)", su("{depth=[0,1],value=[0,3]}"))
         self.assertIn("is a raster (rasters are over terrain in 3-D)", su('{surface="su.asc"}'))
-        self.assertIn("material.clay.young is a table", self.refused(text, "--set", "material.clay.young={surface=1e6}"))
+        self.assertIn("material.clay.poisson is a table", self.refused(text, "--set", "material.clay.poisson={surface=0.3}"))
         self.assertIn("material.clay.cohesion is not used", self.refused(text, "--set", "material.clay.cohesion={surface=1}"))
         sand = text[:text.index('law = "tresca"')] + SAND + "{ surface = 0.0, gradient = 10.0, from = 2.0 }\n" + text[text.index("[[body]]"):]
         sand = sand.replace('"su"', '"cohesion"')
@@ -144,6 +144,80 @@ class Strength(moraine.ProgramTest):
         self.write("x,y\n0.5,0.5\n0.6,0.7\n", "points.csv")
         loose = text[:text.index('shape = "box"')] + 'shape = "table"\nfile = "points.csv"\n' + text[text.index("[[wall]]"):]
         self.assertIn("counts depth from the surface of body.slope (a table of particles", self.refused(loose))
+
+    def test_profiles_of_other_properties_that_are_wrong_are_refused(self):
+        text = slope()
+        self.assertEqual(call("check", self.write(text), *sets(material__clay__young="{surface=1e6,gradient=2e5}", material__clay__density="{surface=1500,gradient=20}")).code, 0)
+        self.assertIn("material.clay.density is -", self.refused(text, *sets(material__clay__density="{surface=1500,gradient=-600}")))
+        self.assertIn("material.clay.density.surface = 0 (must be > 0", self.refused(text, *sets(material__clay__density="{surface=0}")))
+        self.assertIn('volumetric = "grid" with material.clay.young over depth', self.refused(text, *sets(material__clay__young="{surface=1e6,gradient=1}", material__clay__volumetric='"grid"')))
+        self.assertIn("material.clay.young over depth with pressure_smoothing", self.refused(text, *sets(material__clay__young="{surface=1e6,gradient=1}", material__clay__pressure_smoothing=0.2)))
+        mud = text[:text.index('law = "tresca"')] + 'law = "newtonian"\ndensity = { surface = 1000.0, gradient = 1.0 }\nyoung = 1e6\npoisson = 0.4\nviscosity = 1.0\n' + text[text.index("[[body]]"):]
+        self.assertIn("material.clay.density is a table (law newtonian has one density)", self.refused(mud.replace(', "su"', "")))
+        sand = text[:text.index('law = "tresca"')] + SAND + "0.0\n" + text[text.index("[[body]]"):].replace('"su"', '"friction_angle"')
+        friction = sand.replace(', "su"', ', "friction_angle"').replace("PHI", "{ surface = 30.0, gradient = GRADIENT }")
+        self.assertEqual(call("check", self.write(friction.replace("GRADIENT", "-2.0"))).code, 0)
+        self.assertIn("material.clay.friction_angle is up to 1", self.refused(friction.replace("GRADIENT", "20.0")))
+        self.assertIn("no strength at all", self.refused(friction.replace("surface = 30.0, gradient = GRADIENT", "depth = [0.0, 3.0], value = [30.0, 0.0]")))
+        self.assertIn("dilation_angle is above friction_angle", self.refused(friction.replace("GRADIENT", "-5.0"), *sets(material__clay__dilation_angle=20)))
+
+    def interface(self, output, *words, su='"soil"', alpha=0.5, cap=1, ranks=1):
+        """Time and shear force per m2 of a wall of law undrained under the slope, which is dragged along it by its weight."""
+        scene = self.write(slope(1).replace('kind = "no-slip"', f'kind = "undrained"\nalpha = {alpha}\nsu = {su}'))
+        run = self.run_scene(scene, output, *words, ranks=ranks)
+        return run, [(row["time_s"], row["force_x_N"] / cap) for row in table(run, "structures.csv")]
+
+    def test_an_interface_follows_the_su_of_the_soil_that_lies_on_it(self):
+        profile = sets(material__clay__su="{surface=500,gradient=400}", time__end=0.5, output__interval=0.05, numerics__transfer='"flip"')
+        lowest = 500 + 400 * (4 - 0.0625) / math.cos(BETA)
+        for bed in ("nodes", "surface"):
+            rows = self.interface(f"on-{bed}", *profile, *sets(numerics__bed=f'"{bed}"'))[1]
+            for _, force in rows[2:]:
+                self.assertAlmostEqual(force / (0.5 * lowest), 1, delta=0.01)
+        ended = call("check", self.folder / "scene.toml", *profile)
+        self.assertIn("contact    structure.wall-y-min: 0.5 of the soil's own su, as it is at the time\n", ended.out)
+
+    def test_soil_of_one_su_is_that_number_to_the_bit(self):
+        short = sets(material__clay__su=2000, time__end=0.3, output__fields='["velocity"]')
+        expected = summary(self.interface("number", *short, su=2000.0)[0])["state_hash"]
+        self.assertEqual(summary(self.interface("soil", *short)[0])["state_hash"], expected)
+        self.assertNotEqual(summary(self.interface("weaker", *short, su=1990.0)[0])["state_hash"], expected)
+
+    def test_an_interface_follows_softening_and_rate_on_any_ranks_and_after_a_restart(self):
+        keys = sets(material__clay__su="{surface=100,gradient=150}", material__clay__sensitivity=4, material__clay__xi95=0.01, time__end=1.5, output__fields='["velocity", "strength", "su"]')
+        whole, rows = self.interface("whole", *keys, alpha=1.0)
+        lowest = 100 + 150 * (4 - 0.0625) / math.cos(BETA)
+        self.assertGreater(max(force for _, force in rows), 0.4 * lowest)
+        self.assertAlmostEqual(rows[-1][1] / (0.25 * lowest), 1, delta=0.01, msg="remoulded")
+        expected = summary(whole)["state_hash"]
+        for ranks in (2, 3):
+            self.assertEqual(summary(self.interface(f"on-{ranks}", *keys, *sets(balance__partitioner="shuffle"), alpha=1.0, ranks=ranks)[0])["state_hash"], expected)
+        again = self.run_scene(self.folder / "scene.toml", "again", *keys, "--restart", checkpoints(whole)[0], ranks=2)
+        self.assertEqual(summary(again)["state_hash"], expected)
+        hard = sets(material__clay__sensitivity=1, output__fields='["su"]', output__structure_interval=0.02, time__end=0.5)
+        rate = sets(material__clay__rate_log=0.2, material__clay__rate_reference=0.001)
+        slow, fast = (max(force for _, force in self.interface(name, *keys, *hard, *more, alpha=1.0)[1]) for name, more in (("slow", ()), ("fast", rate)))
+        self.assertAlmostEqual(slow / lowest, 1, delta=0.01)
+        self.assertGreater(fast, 1.1 * slow)  # while the soil beside it still shears
+
+    def test_interfaces_that_cannot_follow_are_refused(self):
+        text = slope().replace('kind = "no-slip"', 'kind = "undrained"\nalpha = 0.5\nsu = "clay"')
+        self.assertIn('must be a number [Pa] or "soil"', self.refused(text))
+        sand = text[:text.index('law = "tresca"')] + SAND.replace("PHI", "30.0") + "0.0\n" + text[text.index("[[body]]"):]
+        line = self.refused(sand.replace(', "su"', "").replace('"clay"\nfriction', '"soil"').replace('su = "clay"', 'su = "soil"'))
+        self.assertIn('wall.y-min.su = "soil" beside body.slope of law "drucker-prager" (such soil has no undrained strength)', line)
+
+    def test_several_properties_over_depth_give_one_answer_on_any_ranks_and_after_a_restart(self):
+        self.scene = self.write(slope(0.9))
+        keys = sets(time__end=1.5, material__clay__young="{surface=5e5,gradient=2e5}", material__clay__density="{depth=[1,2],value=[1500,1700]}",
+                    output__fields='["su", "young", "initial_density"]')
+        expected = self.hash_of("whole", *keys)
+        for ranks in (2, 4):
+            self.assertEqual(self.hash_of(f"on-{ranks}", *keys, *sets(balance__partitioner="shuffle"), ranks=ranks), expected)
+        self.assertEqual(self.hash_of("again", *keys, "--restart", checkpoints(self.folder / "whole")[0], ranks=3), expected)
+        line = self.assert_one_problem(call("run", self.scene, "--output", self.folder / "other", "--restart", checkpoints(self.folder / "whole")[0], *keys,
+                                            *sets(material__clay__young__gradient=3e5)))
+        self.assertRegex(line, r"material\.clay\.young\.gradient is 300000(\.0)? and was 200000")
 
     def test_rasters_of_strength_cover_what_they_are_for(self):
         scene = valley.SCENE.replace('law = "drucker-prager"', 'law = "tresca"').replace("friction_angle = 25.0", 'su = { surface = "su.asc", gradient = 500.0 }')

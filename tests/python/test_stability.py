@@ -252,6 +252,8 @@ class Slope(PackageTest):
         self.assertIn("voellmy", self.problem(self.stability, "no", {**LAYER, "wall": [{"face": "y-min", "kind": "voellmy"}]}))
         self.assertEqual([s.key for s in strengths_of({"material": [SAND, cam]}, ["soft"])], ["material.sand.friction_angle", "material.sand.dilation_angle"])
         self.assertEqual([s.key for s in strengths_of({"material": [{**CLAY, "sensitivity": 4.0}]}, softening=True)], ["material.clay.su"])
+        bed = {"face": "y-min", "kind": "undrained", "alpha": 0.5, "su": "soil"}  # it follows the clay's
+        self.assertEqual([s.key for s in strengths_of({"material": [CLAY], "wall": [bed]})], ["material.clay.su"])
 
     def test_words_that_cannot_be_are_refused_and_leave_nothing(self):
         for more, says in (({"tolerance": 0.0}, "--tolerance"), ({"levels": 3}, "--levels"), ({"settle": -1.0}, "--settle"), ({"cell": 0.0}, "--cell"),

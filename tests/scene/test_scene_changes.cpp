@@ -66,7 +66,7 @@ TEST_CASE("what restarts and stages may change is one list, of the keys that the
     Scene scene = slope();
     for (const char* key : {"su", "sensitivity", "viscosity"}) CHECK(is_strength(key));
     for (const char* key : {"young", "critical_state_ratio", "matching"}) CHECK_FALSE(is_strength(key));
-    scene.materials[0].law = find_law_over_depth(*find_law("drucker-prager"), 4)->name;  // a cohesion over depth
+    scene.materials[0].law = find_law_over_depth(*find_law("drucker-prager"), {{4}})->name;  // a cohesion over depth
     CHECK(may_change(scene, "material.sand.friction_angle"));
     scene.materials[0].law = "tresca";
     CHECK(may_change(scene, "material.sand.sensitivity"));

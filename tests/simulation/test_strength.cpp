@@ -5,8 +5,8 @@
 #include "lattice_scenes.hpp"
 #include "material_scenes.hpp"
 #include "seeding/lattice_seeds.hpp"
+#include "seeding/property_profile.hpp"
 #include "seeding/seed.hpp"
-#include "seeding/strength_profile.hpp"
 #include "simulation/diagnostics.hpp"
 
 using namespace moraine;
@@ -17,9 +17,13 @@ using namespace moraine;
 namespace {
 
 void vary(Scene& scene, std::size_t material, std::size_t parameter, double surface, double gradient) {
-    StrengthSpec profile;
+    ProfileSpec profile;
     profile.surface = surface, profile.gradient = gradient;
     set_profile(scene.materials[material], parameter, profile);
+}
+
+const ProfileSpec& first_profile(const Scene& scene, int body) {
+    return scene.materials[static_cast<std::size_t>(scene.bodies[static_cast<std::size_t>(body)].material)].profiles[0];
 }
 
 /// The strength of each particle at the start, by its id.
@@ -29,7 +33,8 @@ std::map<std::uint64_t, double> strengths_of(const Scene& scene) {
         const BodySeeds body(scene, b);
         std::vector<Seed> seeds;
         body.fill(0, body.rows(), body.count(0, body.rows()), seeds);
-        for (const Seed& s : seeds) all[s.id] = strength_at(scene, scene.bodies[static_cast<std::size_t>(b)], s.x);
+        for (const Seed& s : seeds)
+            all[s.id] = profile_at(scene, scene.bodies[static_cast<std::size_t>(b)], first_profile(scene, b), s.x);
     }
     return all;
 }
@@ -115,7 +120,7 @@ TEST_CASE("a particle keeps the strength of the place where it began") {
 
 TEST_CASE("a profile that is one number where the particles are gives the bits of that number") {
     const Comm all(MPI_COMM_WORLD);
-    StrengthSpec table;
+    ProfileSpec table;
     table.depth = {0, 50, 60};
     table.value = {700, 700, 1e5};  // no body is that deep
     Scene clay = test::column();
@@ -132,7 +137,7 @@ TEST_CASE("a profile that is one number where the particles are gives the bits o
         CHECK(column.rest == number.rest);
         CHECK(column.time == number.time);
         CHECK(run<float, 3>(varied, all, 30, "history_1").rest == run<float, 3>(clay, all, 30).rest);
-        varied.materials[0].strength.value[1] = 701;
+        varied.materials[0].profiles[0].value[1] = 701;
         CHECK(run<double, 3>(varied, all, 30, "history_1").rest != number.rest);
     }
     clay.materials[0] = test::material("drucker-prager", 1500,

@@ -35,15 +35,19 @@ struct DruckerPrager {
         {"cohesion", "Pa", 0, 0, unbounded, false, "Mohr-Coulomb cohesion"},
         {"matching", "-", 0, 0, 1, false, "0: as Mohr-Coulomb in plane strain; 1: in triaxial compression"}};
 
+    static constexpr int over_depth[] = {0, 2, 4};
+    static constexpr Real no_apex = std::numeric_limits<Real>::max();
+
     Hypoelastic<Real> elastic;
     Real friction;               ///< eta [-]
     Real dilation;               ///< etab [-]
     Real strength;               ///< k cohesion [Pa]
     Real apex;                   ///< mean stress at s = 0 [Pa]
     Real sine, cosine, divisor;  ///< sin phi, cos phi, cos phi / k [-]
+    Real cohesion;               ///< [Pa]
+    bool compression;            ///< matching 1
 
     explicit DruckerPrager(const double* values) : elastic(values[0], values[1]) {
-        const double degree = 0.017453292519943295;
         const double sin_phi = std::sin(values[2] * degree), cos_phi = std::cos(values[2] * degree);
         const double sin_psi = std::sin(values[3] * degree);
         double d, etab;
@@ -57,15 +61,19 @@ struct DruckerPrager {
         friction = Real(sin_phi / d);
         dilation = Real(etab);
         strength = Real(values[4] * cos_phi / d);
-        apex = sin_phi > 0 ? Real(values[4] * cos_phi / sin_phi) : std::numeric_limits<Real>::max();
+        apex = sin_phi > 0 ? Real(values[4] * cos_phi / sin_phi) : no_apex;
+        cohesion = Real(values[4]), compression = values[5] > 0.5;
         sine = Real(sin_phi), cosine = Real(cos_phi), divisor = Real(d);
     }
 
-    /// The same of another cohesion [Pa] (over_depth.hpp).
-    MORAINE_HD DruckerPrager of(Real cohesion) const {
+    /// The same of its own moduli, friction angle and cohesion (over_depth.hpp).
+    MORAINE_HD DruckerPrager of(const OwnProperties<Real>& own) const {
         DruckerPrager law = *this;
-        law.strength = cohesion * cosine / divisor;
-        if (sine > Real(0)) law.apex = cohesion * cosine / sine;
+        if (own.has(0)) law.elastic = elastic.times(own[0]);
+        if (own.has(1)) law.set_friction(own[1]);
+        if (own.has(2)) law.cohesion = own[2];
+        law.strength = law.cohesion * law.cosine / law.divisor;
+        law.apex = law.sine > Real(0) ? law.cohesion * law.cosine / law.sine : no_apex;
         return law;
     }
 
@@ -113,6 +121,19 @@ struct DruckerPrager {
     }
 
   private:
+    static constexpr double degree = 0.017453292519943295;
+
+    /// phi [deg].
+    MORAINE_HD void set_friction(Real angle) {
+        using std::cos;
+        using std::sin;
+        using std::sqrt;
+        sine = sin(angle * Real(degree)), cosine = cos(angle * Real(degree));
+        divisor = compression ? sqrt(Real(3)) * (Real(3) - sine) / Real(6)
+                              : sqrt(Real(1) - dilation * dilation / Real(3)) + dilation * sine / Real(3);
+        friction = sine / divisor;
+    }
+
     /// Back to the cone, or to its apex, from the trial deviator and the mean stress `mean`.
     template <int Dim>
     MORAINE_HD void flow(PointState<Real, Dim>& state, const Invariants<Real>& trial, Real mean, Real strength_left,

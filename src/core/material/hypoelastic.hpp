@@ -8,6 +8,7 @@
 // Not derived from a potential: a closed cycle of large elastic strain leaves a residual stress, which
 // is why laws that stay elastic at large strain use neo_hookean.hpp.
 
+#include "core/material/own_properties.hpp"
 #include "core/material/point.hpp"
 
 namespace moraine {
@@ -49,6 +50,13 @@ struct Hypoelastic {
         : lambda(Real(young * poisson / ((1 + poisson) * (1 - 2 * poisson)))),
           shear(Real(young / (2 * (1 + poisson)))),
           bulk(Real(young / (3 * (1 - 2 * poisson)))) {}
+
+    /// All moduli so many times as large.
+    MORAINE_HD Hypoelastic times(Real factor) const {
+        Hypoelastic other = *this;
+        other.lambda *= factor, other.shear *= factor, other.bulk *= factor;
+        return other;
+    }
 
     /// The stress at the end of the step if nothing yields [Pa]. Number: Real, or one of several particles (lanes.hpp).
     template <class Number, int Dim>

@@ -46,8 +46,10 @@ struct LawInfo {
     bool flows;                    ///< point.hpp
     LawCalls calls;
     LawFile file = {};
-    const char* uniform = nullptr;  ///< the law with one number where this one has its last scalar (over_depth.hpp)
-    int varying = -1;               ///< that parameter
+    // Of over_depth.hpp.
+    std::span<const int> over_depth = {};  ///< parameters that may be each particle's own
+    const char* uniform = nullptr;         ///< the law with single numbers in place of this one's last scalars
+    int masks = 0;                         ///< how many laws it is, by what varies
 
     bool of_file() const { return position < 0; }
 
@@ -86,9 +88,23 @@ const char* problem_at_start_of(const double* values, const BodyStart& start, co
 
 }  // namespace detail
 
+/// The law with single numbers: what is asked before there are particles.
+template <class Law>
+struct UniformOf {
+    using Type = Law;
+};
+template <class Law>
+requires requires {
+    typename Law::Uniform;
+}
+struct UniformOf<Law> {
+    using Type = typename Law::Uniform;
+};
+
 template <template <class> class Law>
 LawInfo describe(int position) {
     using L = Law<double>;
+    using U = typename UniformOf<L>::Type;
     static_assert(L::history <= max_history && std::size(L::parameters) <= max_parameters);
     LawInfo info{L::name,
                  L::parameters,
@@ -100,12 +116,14 @@ LawInfo describe(int position) {
                  HasInitialState<L, double>,
                  is_fluid<L>(),
                  flows<L>(),
-                 {detail::wave_modulus_of<L>, detail::problem_at_start_of<L>, L::problem}};
-    if constexpr (L::history > 0) {
+                 {detail::wave_modulus_of<U>, detail::problem_at_start_of<U>, L::problem}};
+    if constexpr (requires { L::over_depth; }) info.over_depth = L::over_depth;
+    if constexpr (requires { typename L::Uniform; }) {
+        info.uniform = L::Uniform::name, info.masks = L::masks;
+    } else if constexpr (L::history > 0) {
         static_assert(std::size(L::history_names) == L::history);
         info.history_names = L::history_names;
     }
-    if constexpr (requires { typename L::Uniform; }) info.uniform = L::Uniform::name, info.varying = L::varying;
     return info;
 }
 

@@ -17,8 +17,9 @@ namespace moraine {
 template <template <class> class... Law>
 struct LawList {};
 
-using Laws = LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay,
-                     VonMisesOverDepth, TrescaOverDepth, DruckerPragerOverDepth>;
+using Laws =
+    LawList<LinearElastic, NeoHookean, VonMises, Tresca, HerschelBulkley, DruckerPrager, MuI, ModifiedCamClay,
+            LinearElasticOverDepth, NeoHookeanOverDepth, VonMisesOverDepth, TrescaOverDepth, DruckerPragerOverDepth>;
 
 namespace detail {
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,9 +21,23 @@ namespace moraine {
 /// nullptr when there is no such law.
 const LawInfo* find_law(const std::string& name);
 
-/// The law that keeps a parameter of another one, by its position, per particle (over_depth.hpp); nullptr: there is
-/// none.
-const LawInfo* find_law_over_depth(const LawInfo& law, std::size_t parameter);
+/// What a law may keep per particle besides its state (over_depth.hpp).
+struct OwnScalars {
+    std::vector<int> properties = {};  ///< positions of parameters; as many as there are: the density
+    bool strength = false;             ///< an undrained strength as it is now
+};
+
+/// The law that keeps these of another one; nullptr: there is none. Their names are its last history_names.
+const LawInfo* find_law_over_depth(const LawInfo& law, const OwnScalars& scalars);
+
+/// Whether a property may be each particle's own.
+bool may_vary(const LawInfo& law, std::size_t property);
+
+/// "su", or "density"; its scalar: that of this name, "density" being "initial_density".
+const char* property_name(const LawInfo& law, std::size_t property);
+int scalar_named(const LawInfo& law, std::string_view property);
+/// Its position; -1: there is none.
+int parameter_named(const LawInfo& law, std::string_view key);
 
 /// Those of the program that a scene may name, in the order of the list.
 std::vector<std::string> law_names();

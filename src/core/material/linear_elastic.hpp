@@ -14,11 +14,19 @@ struct LinearElastic {
     static constexpr bool uses_left_stretch = false;
     static constexpr DeviceBlocks device_blocks{.affine = 4};
     static constexpr Parameter parameters[] = {young_parameter, poisson_parameter};
+    static constexpr int over_depth[] = {0};
     static const char* problem(const double*) { return nullptr; }
 
     Hypoelastic<Real> elastic;
 
     explicit LinearElastic(const double* values) : elastic(values[0], values[1]) {}
+
+    /// The same of its own moduli (over_depth.hpp).
+    MORAINE_HD LinearElastic of(const OwnProperties<Real>& own) const {
+        LinearElastic law = *this;
+        if (own.has(0)) law.elastic = elastic.times(own[0]);
+        return law;
+    }
 
     template <int Dim>
     MORAINE_HD void update(const StrainIncrement<Real, Dim>& step, PointState<Real, Dim>& state) const {

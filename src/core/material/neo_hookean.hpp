@@ -22,6 +22,7 @@ struct NeoHookean {
     static constexpr bool uses_left_stretch = true;
     static constexpr DeviceBlocks device_blocks{.affine = 4};
     static constexpr Parameter parameters[] = {young_parameter, poisson_parameter};
+    static constexpr int over_depth[] = {0};
     static const char* problem(const double*) { return nullptr; }
 
     Real lambda;  ///< first Lamé parameter [Pa]
@@ -31,6 +32,13 @@ struct NeoHookean {
         const Hypoelastic<double> elastic(values[0], values[1]);
         lambda = Real(elastic.lambda);
         mu = Real(elastic.shear);
+    }
+
+    /// The same of its own moduli (over_depth.hpp).
+    MORAINE_HD NeoHookean of(const OwnProperties<Real>& own) const {
+        NeoHookean law = *this;
+        if (own.has(0)) law.lambda *= own[0], law.mu *= own[0];
+        return law;
     }
 
     template <int Dim>

@@ -24,6 +24,8 @@
 //                                                       stress is K times the change of volume
 //   static constexpr bool is_fluid = true;              flows, and devices have kernels for that; may have substeps
 //   static constexpr DeviceBlocks device_blocks;        registers of its kernels (below)
+//   static constexpr int over_depth[];                  parameters that may be each particle's own, young first
+//   Law of(const OwnProperties<Real>&) const;           the law of such a particle (over_depth.hpp)
 // update() gets a state whose stress is that of the start of the step and leaves Cauchy stress at
 // its end (tension positive); ln_J and b (left_stretch.hpp) have been advanced by the caller. A law may take
 // volume out of ln_J that its material does not fill (gap.hpp); what it leaves there is the particle's volume.
@@ -37,7 +39,7 @@
 namespace moraine {
 
 /// Scalars that a law may keep; more is a compile error. Those that no law of a scene has cost it nothing.
-inline constexpr int max_history = 4;
+inline constexpr int max_history = 6;
 
 template <class Real, int Dim>
 struct PointState {
@@ -79,10 +81,33 @@ struct DeviceBlocks {
 
 template <class Law>
 constexpr DeviceBlocks device_blocks_of() {
-    if constexpr (requires { Law::device_blocks; })
+    if constexpr (requires {
+                      typename Law::Uniform;
+                      Law::device_blocks_over_depth;
+                  })
+        return Law::device_blocks_over_depth;
+    else if constexpr (requires { Law::device_blocks; })
         return Law::device_blocks;
     else
         return {};
+}
+
+/// Scalars that the law keeps of a particle: of some which are not known before the scene is.
+template <class Law>
+MORAINE_HD constexpr int scalars_of(const Law& law) {
+    if constexpr (requires { law.scalars(); })
+        return law.scalars();
+    else
+        return Law::history;
+}
+
+/// 1/rho0 of a particle [m3/kg].
+template <class Law, class State, class Real>
+MORAINE_HD Real inverse_density_of(const Law& law, const State& state, Real of_material) {
+    if constexpr (requires { law.inverse_density(state, of_material); })
+        return law.inverse_density(state, of_material);
+    else
+        return of_material;
 }
 
 template <class Law>

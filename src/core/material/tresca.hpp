@@ -22,7 +22,9 @@ struct Tresca {
     static constexpr bool uses_left_stretch = false;
     static constexpr bool flows = true;
     static constexpr DeviceBlocks device_blocks{.averaged = 4};
+    static constexpr DeviceBlocks device_blocks_over_depth{.averaged = 4, .double_fused = 2};
     static constexpr const auto& parameters = undrained_parameters;
+    static constexpr int over_depth[] = {0, 2};
     static const char* problem(const double* values) { return UndrainedStrength<double>::problem(values); }
 
     Hypoelastic<Real> elastic;
@@ -30,10 +32,11 @@ struct Tresca {
 
     explicit Tresca(const double* values) : elastic(values[0], values[1]), strength(values) {}
 
-    /// The same of another su [Pa] (over_depth.hpp).
-    MORAINE_HD Tresca of(Real su) const {
+    /// The same of its own moduli and su (over_depth.hpp).
+    MORAINE_HD Tresca of(const OwnProperties<Real>& own) const {
         Tresca law = *this;
-        law.strength = strength.of(su);
+        if (own.has(0)) law.elastic = elastic.times(own[0]);
+        if (own.has(1)) law.strength = strength.of(own[1]);
         return law;
     }
 
@@ -52,16 +55,20 @@ struct Tresca {
         const Ordered<Real> sigma(principal.value);
         const Real tau = Real(0.5) * (sigma.first - sigma.third);
         if (tau <= strength.lowest) return;
-        Real rate = Real(1);
-        if (strength.depends_on_rate) {
-            const Spectrum<Real, Dim> strain(step.strain);
-            const Ordered<Real> eps(strain.value);
-            rate = strength.rate_factor((eps.first - eps.third) / step.dt);
-        }
+        const Real rate = rate_in(step);
         Real& xi = state.history[0];
         if (tau <= strength.at(rate, xi)) return;
         const Real yield = strength.returned(tau, elastic.shear, rate, xi);
         return_to(yield, trial.mean, sigma, principal, state.stress);
+    }
+
+    /// r of the step's total strain [-].
+    template <int Dim>
+    MORAINE_HD Real rate_in(const StrainIncrement<Real, Dim>& step) const {
+        if (!strength.depends_on_rate) return Real(1);
+        const Spectrum<Real, Dim> strain(step.strain);
+        const Ordered<Real> eps(strain.value);
+        return strength.rate_factor((eps.first - eps.third) / step.dt);
     }
 
     template <int Dim>

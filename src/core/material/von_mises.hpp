@@ -22,6 +22,7 @@ struct VonMises {
     static constexpr bool uses_left_stretch = false;
     static constexpr bool flows = true;
     static constexpr const auto& parameters = undrained_parameters;
+    static constexpr int over_depth[] = {0, 2};
     static const char* problem(const double* values) { return UndrainedStrength<double>::problem(values); }
 
     Hypoelastic<Real> elastic;
@@ -29,10 +30,11 @@ struct VonMises {
 
     explicit VonMises(const double* values) : elastic(values[0], values[1]), strength(values) {}
 
-    /// The same of another su [Pa] (over_depth.hpp).
-    MORAINE_HD VonMises of(Real su) const {
+    /// The same of its own moduli and su (over_depth.hpp).
+    MORAINE_HD VonMises of(const OwnProperties<Real>& own) const {
         VonMises law = *this;
-        law.strength = strength.of(su);
+        if (own.has(0)) law.elastic = elastic.times(own[0]);
+        if (own.has(1)) law.strength = strength.of(own[1]);
         return law;
     }
 
@@ -48,13 +50,20 @@ struct VonMises {
         const Invariants<Real> trial = invariants(state.stress);
         if (trial.j2 <= strength.lowest * strength.lowest) return;
 
-        Real rate = Real(1);
-        if (strength.depends_on_rate) rate = strength.rate_factor(Real(2) * sqrt(invariants(step.strain).j2) / step.dt);
+        const Real rate = rate_in(step);
         const Real tau = sqrt(trial.j2);
         Real& xi = state.history[0];
         if (tau <= strength.at(rate, xi)) return;
         const Real yield = strength.returned(tau, elastic.shear, rate, xi);
         scale_deviator(state.stress, trial.mean, trial.mean, yield / tau);
+    }
+
+    /// r of the step's total strain [-].
+    template <int Dim>
+    MORAINE_HD Real rate_in(const StrainIncrement<Real, Dim>& step) const {
+        using std::sqrt;
+        if (!strength.depends_on_rate) return Real(1);
+        return strength.rate_factor(Real(2) * sqrt(invariants(step.strain).j2) / step.dt);
     }
 
     template <int Dim>

@@ -27,18 +27,19 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
     }
 
     void begin(const BodyStart& start, const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
-        PointState<Real, Dim> state = load_point<Law>(p, slot);
+        PointState<Real, Dim> state = load_point(law_, p, slot);
         begin_point(law_, start, state);
-        for (int k = 0; k < Law::history; ++k) p.history[k][slot] = state.history[k];
+        for (int k = 0; k < scalars_of(law_); ++k) p.history[k][slot] = state.history[k];
     }
 
     double strain_energy(const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
-        return static_cast<double>(law_.strain_energy(load_point<Law>(p, slot))) * static_cast<double>(p.volume[slot]);
+        return static_cast<double>(law_.strain_energy(load_point(law_, p, slot))) * static_cast<double>(p.volume[slot]);
     }
 
     double signal(const ParticleView<Real, Dim>& p, std::uint32_t slot) const override {
         const Real J = std::exp(p.ln_J[slot]);
-        return static_cast<double>(signal_speed(law_, load_point<Law>(p, slot), p.velocity[slot], J, inverse_density_));
+        return static_cast<double>(
+            signal_speed(law_, load_point(law_, p, slot), p.velocity[slot], J, inverse_density_));
     }
 
   private:
@@ -49,6 +50,14 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
         law.after_trial(i, s);
     };
 
+    /// And whether the particles have one stiffness, by which that is.
+    bool has_one_trial() const {
+        if constexpr (requires { law_.has_one_stiffness(); })
+            return law_.has_one_stiffness();
+        else
+            return has_trial;
+    }
+
     /// Updates n particles of a batch: those at lane_of. What has no branches is done for all lanes.
     void update_lanes(const ParticleView<Real, Dim>& p, const std::uint32_t* slots, const Mat<Real, Dim>* gradients,
                       const int* lane_of, int n, Real dt, BlockOutcome& out) const {
@@ -57,28 +66,30 @@ class LawBatchOf final : public LawBatch<Real, Dim> {
             for (int j = 0; j < Dim; ++j) dL(i, j) = L::each([&](int k) { return gradients[lane_of[k]](i, j); });
         const StrainIncrement<L, Dim> all = strain_increment(dL, L(double(dt)));
         Sym<L, Dim> trial;
+        const bool tries = has_one_trial();
         if constexpr (has_trial) {
-            for (int c = 0; c < Sym<L, Dim>::size; ++c)
+            for (int c = 0; tries && c < Sym<L, Dim>::size; ++c)
                 trial[c] = L::each([&](int k) { return p.stress[slots[lane_of[k]]][c]; });
-            trial = law_.elastic.trial(all, trial);
+            if (tries) trial = law_.elastic.trial(all, trial);
         }
         for (int k = 0; k < n; ++k) {
             const std::uint32_t s = slots[lane_of[k]];
             StrainIncrement<Real, Dim> one = increment_of(all, k);
             one.dt = dt;
-            PointState<Real, Dim> state = load_point<Law>(p, s);
+            PointState<Real, Dim> state = load_point(law_, p, s);
             if constexpr (has_trial) {
-                const Sym<Real, Dim> before = state.stress;
-                for (int c = 0; c < Sym<Real, Dim>::size; ++c) state.stress[c] = trial[c][k];
-                state.ln_J += one.volumetric;
-                law_.after_trial(one, state);
-                store_point<Law>(p, s, state,
-                                 point_step(law_, one, before, state, p.mass[s], p.velocity[s], inverse_density_), out);
-            } else {
-                const PointStep<Real> step =
-                    advance_point(law_, one, state, p.mass[s], p.velocity[s], inverse_density_);
-                store_point<Law>(p, s, state, step, out);
+                if (tries) {
+                    const Sym<Real, Dim> before = state.stress;
+                    for (int c = 0; c < Sym<Real, Dim>::size; ++c) state.stress[c] = trial[c][k];
+                    state.ln_J += one.volumetric;
+                    law_.after_trial(one, state);
+                    store_point(law_, p, s, state,
+                                point_step(law_, one, before, state, p.mass[s], p.velocity[s], inverse_density_), out);
+                    continue;
+                }
             }
+            const PointStep<Real> step = advance_point(law_, one, state, p.mass[s], p.velocity[s], inverse_density_);
+            store_point(law_, p, s, state, step, out);
         }
     }
 

@@ -50,11 +50,11 @@ MORAINE_HD Real contract(const Sym<Real, Dim>& a, const Sym<Real, Dim>& b) {
 }
 
 template <class Law, class Real, int Dim>
-MORAINE_HD PointState<Real, Dim> load_point(const ParticleView<Real, Dim>& p, std::uint32_t s) {
+MORAINE_HD PointState<Real, Dim> load_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s) {
     PointState<Real, Dim> state;
     state.stress = p.stress[s];
     state.ln_J = p.ln_J[s];
-    for (int k = 0; k < Law::history; ++k) state.history[k] = p.history[k][s];
+    for (int k = 0; k < scalars_of(law); ++k) state.history[k] = p.history[k][s];
     if constexpr (Law::uses_left_stretch) state.left_stretch = p.left_stretch[s];
     return state;
 }
@@ -66,7 +66,7 @@ MORAINE_HD Real signal_speed(const Law& law, const PointState<Real, Dim>& state,
     using std::sqrt;
     Real square = Real(0);
     for (int a = 0; a < Dim; ++a) square += v[a] * v[a];
-    return sqrt(law.wave_modulus(state) * J * inverse_density) + sqrt(square);
+    return sqrt(law.wave_modulus(state) * J * inverse_density_of(law, state, inverse_density)) + sqrt(square);
 }
 
 /// What a step of one point tells besides its new state.
@@ -79,7 +79,7 @@ struct PointStep {
 };
 
 /// What a point of mass m and velocity v tells, whose state is that after the step. before: its stress before it;
-/// inverse_density: 1/rho0 [m3/kg].
+/// inverse_density: 1/rho0 of the material [m3/kg].
 template <class Law, class Real, int Dim>
 MORAINE_HD PointStep<Real> point_step(const Law& law, const StrainIncrement<Real, Dim>& increment,
                                       const Sym<Real, Dim>& before, const PointState<Real, Dim>& state, Real mass,
@@ -87,7 +87,7 @@ MORAINE_HD PointStep<Real> point_step(const Law& law, const StrainIncrement<Real
     using std::exp;
     const Real J = exp(state.ln_J);
     PointStep<Real> step;
-    step.volume = mass * inverse_density * J;
+    step.volume = mass * inverse_density_of(law, state, inverse_density) * J;
     step.work = double(step.volume) * 0.5 *
                 double(contract(before, increment.middle) + contract(state.stress, increment.middle));
     step.signal = double(signal_speed(law, state, v, J, inverse_density));
@@ -111,12 +111,12 @@ MORAINE_HD PointStep<Real> advance_point(const Law& law, const StrainIncrement<R
 
 /// Writes the state of the particle in slot s, and what its step tells.
 template <class Law, class Real, int Dim>
-MORAINE_HD void store_point(const ParticleView<Real, Dim>& p, std::uint32_t s, const PointState<Real, Dim>& state,
-                            const PointStep<Real>& step, BlockOutcome& out) {
+MORAINE_HD void store_point(const Law& law, const ParticleView<Real, Dim>& p, std::uint32_t s,
+                            const PointState<Real, Dim>& state, const PointStep<Real>& step, BlockOutcome& out) {
     p.stress[s] = state.stress;
     p.ln_J[s] = state.ln_J;
     p.volume[s] = step.volume;
-    for (int k = 0; k < Law::history; ++k) p.history[k][s] = state.history[k];
+    for (int k = 0; k < scalars_of(law); ++k) p.history[k][s] = state.history[k];
     if constexpr (Law::uses_left_stretch) p.left_stretch[s] = state.left_stretch;
     out.work += step.work;
     if (step.signal > out.signal) out.signal = step.signal;

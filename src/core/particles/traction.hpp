@@ -23,25 +23,27 @@ namespace moraine {
 
 template <class Real, int Dim>
 struct Traction {
-    Vec<Real, Dim> normal;  ///< M
-    Vec<Real, Dim> shear;   ///< S [Pa]
-    Real pressure;          ///< p [Pa]
-    Real depth;             ///< D [m]
-    Real spacing;           ///< of particles along M [m]
-    Real inverse_density;   ///< of the body at the start [m3/kg]
+    Vec<Real, Dim> normal;    ///< M
+    Vec<Real, Dim> shear;     ///< S [Pa]
+    Real pressure;            ///< p [Pa]
+    Real depth;               ///< D [m]
+    Real spacing;             ///< of particles along M [m]
+    Real inverse_density;     ///< of the body at the start [m3/kg]
+    int density_scalar = -1;  ///< of the law, where each particle has its own; -1: it has none
     bool follows;
 };
 
 template <class Real, int Dim>
 Traction<Real, Dim> make_traction(const Scene& scene, const TractionSpec& spec) {
     const BodySpec& body = scene.bodies[static_cast<std::size_t>(spec.body)];
-    const double density = scene.materials[static_cast<std::size_t>(body.material)].density;
+    const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
     Traction<Real, Dim> t{{},
                           {},
                           static_cast<Real>(spec.pressure),
                           static_cast<Real>(spec.depth),
                           static_cast<Real>(spec.spacing),
-                          static_cast<Real>(1 / density),
+                          static_cast<Real>(1 / m.density),
+                          m.density_profile() ? m.density_profile()->scalar : -1,
                           spec.follows};
     for (int a = 0; a < Dim; ++a) {
         t.normal[a] = static_cast<Real>(spec.normal[static_cast<std::size_t>(a)]);
@@ -135,7 +137,8 @@ MORAINE_HD void add_load(const Traction<Real, Dim>& t, Real factor, Real place, 
         for (int j = 0; j < Dim; ++j) change += F(i, j) * F(i, j);
     for (int i = 0; i < Dim; ++i) F(i, i) += Real(1);
     const LineShare<Real> share = line_share(t.depth, t.spacing, place);
-    const Real volume = factor * p.mass[s] * t.inverse_density;
+    const Real inverse_density = t.density_scalar < 0 ? t.inverse_density : Real(1) / p.history[t.density_scalar][s];
+    const Real volume = factor * p.mass[s] * inverse_density;
     const Vec<Real, Dim> traction = traction_of(t, F), line = times(F, t.normal);
     const Real chi = volume * (change > Real(1) ? share.chi / change : share.chi);
     for (int a = 0; a < Dim; ++a) {

@@ -65,6 +65,13 @@ void add_following(const Following<Dim>& by, const Quantum& quantum, TurningSums
     add_shared(to.sum, quantum, all);
 }
 
+/// What the soil of a body bears at an interface that follows it, of the greatest su of the scene: a scalar of its law
+/// times `share`, or `share` alone.
+struct SoilShare {
+    int scalar = -1;   ///< -1: none
+    double share = 0;  ///< [1/Pa] or [-]
+};
+
 /// All structures as a kernel sees them, and where it adds up what they feel.
 template <int Dim>
 struct ContactField {
@@ -73,6 +80,7 @@ struct ContactField {
     const Vec<double, 2>* corners;  ///< of all polygons
     Vec<double, Dim> origin;        ///< place of node 0 [m]
     Vec<double, Dim> period;        ///< of periodic axes, else 0 [m]
+    const SoilShare* soil;          ///< by body; null: no interface follows the soil
     double cell;                    ///< h [m]
     double offset;                  ///< binning coordinate of node 0 (Stencil::offset) [cells]
     StructureSums<Dim>* sums;       ///< by structure; shared

@@ -18,7 +18,7 @@ struct NodeGap {
     static constexpr double area_quanta = 33554432;  ///< per face of a cell; 128 of them fit
 
     std::int32_t gap = none;  ///< least signed distance of the soil [1 / gap_quanta cells]
-    std::uint32_t area = 0;   ///< [1 / area_quanta faces]
+    std::uint32_t area = 0;   ///< that bears, of the soil beside it [1 / area_quanta faces]
 
     static MORAINE_HD std::int32_t fixed(double cells) {
         using std::rint;

@@ -3,6 +3,7 @@
 //
 //   g_i = min over the particles that reach node i of (d(x_p) - s_p / 2),    s_p = V_p^(1/D)        [cells]
 //   A_i = sum_p w_ip a_p,    a_p = (s_p / J_p^(1/D))^(D-1) where d(x_p) < s_p, else 0               [cells^(D-1)]
+//   and, of an undrained interface that follows the soil, a_p times s_u,p over the greatest s_u of the scene
 //
 // s_p is the side of a square or cube of the particle's present volume: soil of rows s_p apart touches when the centres
 // of its lowest row stand s_p / 2 over the surface, whatever its thickness. A particle whose centre is less than its
@@ -91,6 +92,15 @@ MORAINE_HD ParticleGap gap_at(const ContactField<Dim>& f, double d, Real volume,
     return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width)};
 }
 
+/// a_p of a particle as the structure counts it. scalar(k): the particle's, of its law.
+template <int Dim, class Scalar>
+MORAINE_HD double bearing_area(const ContactField<Dim>& f, const Structure<Dim>& s, double area, int body,
+                               const Scalar& scalar) {
+    if (!s.follows_soil || !(area > 0)) return area;
+    const SoilShare soil = f.soil[body];
+    return area * soil.share * (soil.scalar < 0 ? 1.0 : double(scalar(soil.scalar)));
+}
+
 template <class Real, int Dim>
 MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
                               const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
@@ -169,8 +179,9 @@ struct ParticlesToGaps {
         for (int k = 0; k < near; ++k) distance[k] = surface(structure, field.corners, place[k]).distance / field.cell;
         for (int k = 0; k < near; ++k) {
             const std::uint32_t s = slot[k];
-            const ParticleGap own = gap_at<Real, Dim>(field, distance[k], p.volume[s], p.ln_J[s]);
+            ParticleGap own = gap_at<Real, Dim>(field, distance[k], p.volume[s], p.ln_J[s]);
             if (own.gap == NodeGap::none) continue;
+            own.area = bearing_area(field, structure, own.area, p.body[s], [&](int n) { return p.history[n][s]; });
             Vec<Real, Dim> half = zero_vec<Real, Dim>();
             if constexpr (Shape::sized)
                 for (int a = 0; a < Dim; ++a) half[a] = gimp_half(context, p, s, a);

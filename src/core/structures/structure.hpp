@@ -38,6 +38,7 @@ struct Structure {
     int first_corner, corners;  ///< polygon: relative to `at`, counter-clockwise; ground: its table, BedTables
     Vec<double, Dim> velocity;  ///< in this step [m/s]
     InterfaceLaw law;
+    bool follows_soil;               ///< undrained: the soil bears a share of `cap` (SoilShare)
     double friction;                 ///< Coulomb coefficient [-]
     double cap;                      ///< largest shear stress [Pa]; voellmy: that at 1 m/s
     bool turns;                      ///< `along` and corners are in its own axes, which turn about `at`; not on devices

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/grid/shape.hpp"
+#include "core/material/laws.hpp"
 #include "core/structures/ground.hpp"
 
 namespace moraine {
@@ -73,6 +74,7 @@ Structure<Dim> structure_of(const Scene& scene, const StructureSpec& spec, std::
     s.shape = spec.shape;
     s.radius = spec.radius;
     s.law = spec.law;
+    s.follows_soil = spec.soil_su;
     s.friction = spec.friction;
     s.cap = cap_of(scene, spec, spec.xi, spec.su);
     s.velocity = zero_vec<double, Dim>();
@@ -126,6 +128,20 @@ Vec<double, moments<Dim>> angular_velocity_of(const MotionSpec& m) {
     return w;
 }
 
+/// Of the bodies of a scene in which an interface follows the soil.
+std::vector<SoilShare> soil_shares(const Scene& scene, double greatest) {
+    std::vector<SoilShare> shares;
+    for (const BodySpec& body : scene.bodies) {
+        const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
+        const LawInfo& law = *find_law(m.law);
+        SoilShare& own = shares.emplace_back();
+        own.scalar = scalar_named(law, m.keeps_strength ? "strength" : "su");
+        own.share =
+            (own.scalar < 0 ? m.parameters[static_cast<std::size_t>(parameter_named(law, "su"))] : 1) / greatest;
+    }
+    return shares;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -134,6 +150,7 @@ StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(sce
     for (const StructureSpec& spec : scene.structures) {
         values_.push_back(structure_of<Dim>(scene, spec, corners_));
         start_.push_back(values_.back().at);
+        if (spec.soil_su) soil_ = soil_shares(scene, spec.su);
         any_free_ = any_free_ || spec.motion.kind == StructureMotion::free;
         any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;
         any_turns_ = any_turns_ || turns(spec.motion);
@@ -263,6 +280,7 @@ ContactField<Dim> StructureSet<Dim>::field() const {
     f.structure = values_.data();
     f.count = static_cast<int>(values_.size());
     f.corners = corners_.data();
+    f.soil = soil_.empty() ? nullptr : soil_.data();
     f.cell = scene_.cell;
     f.offset = stencil_of(scene_.shape).offset();
     for (int a = 0; a < Dim; ++a) {

@@ -58,6 +58,7 @@ class StructureSet {
     bool any_turns() const { return any_turns_; }
     std::size_t size() const { return values_.size(); }
     std::size_t corners() const { return corners_.size(); }
+    std::span<const SoilShare> soil() const { return soil_; }
     const StructureSpec& spec(std::size_t k) const { return scene_.structures[k]; }
     const StructureState<Dim>& state(std::size_t k) const { return states_[k]; }
     std::vector<StructureState<Dim>>& states() { return states_; }
@@ -90,6 +91,7 @@ class StructureSet {
     std::vector<Structure<Dim>> values_;
     std::vector<Vec<double, Dim>> start_;  ///< Structure::at at the start
     std::vector<Vec<double, 2>> corners_;
+    std::vector<SoilShare> soil_;  ///< by body; empty: no interface follows the soil
     std::vector<StructureState<Dim>> states_;
     std::vector<RigidBody<Dim>> bodies_;  ///< of those that are free and turn
     bool any_free_ = false, any_moves_ = false, any_turns_ = false;

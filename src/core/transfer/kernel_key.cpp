@@ -16,12 +16,6 @@ bool fuses_alone(const Scene& scene, const MaterialSpec& m) {
     return scene.shape == Shape::linear && plain && !has_fluid_terms(m);
 }
 
-template <class Law>
-concept Undrained = requires(const Law& law) {
-    law.strength.depends_on_rate;
-    law.strength.softens;
-};
-
 LawKey law_key(const MaterialSpec& material) {
     const LawInfo& info = *find_law(material.law);
     const bool plain =

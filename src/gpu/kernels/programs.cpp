@@ -41,7 +41,9 @@ std::string word(bool value) {
 std::string law_at(const KernelKey& key, std::size_t material) {
     const LawInfo& law = *key.laws[material].info;
     if (law.of_file()) return law.file.type + ("<" + real_of(key) + ">");
-    return "LawAt<" + real_of(key) + ", " + std::to_string(law.position) + ">";
+    const std::string known = "LawAt<" + real_of(key) + ", " + std::to_string(law.position) + ">";
+    if (!law.uniform) return known;
+    return "OfMask<" + known + ", " + std::to_string(static_cast<int>(law.tail[0])) + ">";
 }
 
 /// The text of a law in a file, which its program begins with. Two of a scene have structs of one name: each gets its
@@ -177,7 +179,7 @@ Program surfaces_program(const KernelKey& key) {
 
 Program waves_program(const KernelKey& key, std::size_t material) {
     return {"waves of " + key.laws[material].name,
-            {"core/material/law_list.hpp", "gpu/kernels/sleep/waves.cuh"},
+            {"core/material/law_list.hpp", "gpu/kernels/g2p/plain_law.cuh", "gpu/kernels/sleep/waves.cuh"},
             {{"waves_kernel<" + real_dim(key) + ", " + law_at(key, material) + ">", "sleep_threads", "0"}},
             law_texts(key, material)};
 }

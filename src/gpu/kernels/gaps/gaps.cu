@@ -60,8 +60,10 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
         core.row[CoreRows<Real, Dim>::volume_row] = w.view.p.core[CoreRows<Real, Dim>::volume_row][s];
         core.row[CoreRows<Real, Dim>::ln_J_row] = w.view.p.core[CoreRows<Real, Dim>::ln_J_row][s];
         const double distance = surface(structure, w.contact.corners, x).distance / w.contact.cell;
-        const ParticleGap own = gap_at<Real, Dim>(w.contact, distance, core.volume(), core.ln_J());
+        ParticleGap own = gap_at<Real, Dim>(w.contact, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) continue;
+        own.area = bearing_area(w.contact, structure, own.area, w.view.p.body[s],
+                                [&](int n) { return w.view.p.history(n)[s]; });
         each_gap_node<Shape>(w.view.context.walls, border, block, u, half_box<Shape>(w.view, s), own,
                              [&](int n, const NodeGap& told) {
                                  atomicMin(gap + n, told.gap);

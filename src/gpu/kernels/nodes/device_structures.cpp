@@ -13,6 +13,7 @@ ContactField<Dim> DeviceStructures<Dim>::place(const StructureSet<Dim>& structur
         values_.resize(count_);
         sums_.resize(count_);
         corners_.assign(field.corners, structures.corners());
+        if (field.soil) soil_.assign(field.soil, structures.soil().size());
         check(cudaHostAlloc(&felt_, count_ * sizeof(StructureSums<Dim>), 0), "Allocating pinned memory");
         empty_ = true;
     }
@@ -22,6 +23,7 @@ ContactField<Dim> DeviceStructures<Dim>::place(const StructureSet<Dim>& structur
     if (empty_) empty(stream);
     field.structure = values_.data();
     field.corners = corners_.data();
+    field.soil = field.soil ? soil_.data() : nullptr;
     field.sums = sums_.data();
     return field;
 }

@@ -30,6 +30,7 @@ class DeviceStructures {
   private:
     Array<Structure<Dim>> values_;
     Array<Vec<double, 2>> corners_;
+    Array<SoilShare> soil_;
     Array<StructureSums<Dim>> sums_;
     StructureSums<Dim>* felt_ = nullptr;  ///< pinned
     std::size_t count_ = 0;

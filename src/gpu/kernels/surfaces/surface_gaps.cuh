@@ -36,8 +36,10 @@ struct SurfaceGaps {
         core.row[Core::volume_row] = w.view.p.core[Core::volume_row][s];
         core.row[Core::ln_J_row] = w.view.p.core[Core::ln_J_row][s];
         const double distance = surface(structure, w.field.corners, place).distance / w.field.cell;
-        const ParticleGap own = gap_at<Real, Dim>(w.field, distance, core.volume(), core.ln_J());
+        ParticleGap own = gap_at<Real, Dim>(w.field, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) return;
+        own.area =
+            bearing_area(w.field, structure, own.area, w.view.p.body[s], [&](int n) { return w.view.p.history(n)[s]; });
         const RingElement<Dim>* ring = bed.ring;
         tell_ring(ring, bed.around + around[0], static_cast<std::uint32_t>(around[1] - around[0]), pair.structure, x,
                   own, [&](int n, const NodeGap& told) {
