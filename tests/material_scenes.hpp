@@ -44,15 +44,55 @@ inline Scene soils(int dimensions, int materials) {
     return s;
 }
 
+/// Gives a property of a material, "density" or a key of its law, a line over depth.
+inline void vary(MaterialSpec& material, const std::string& property, double surface, double gradient) {
+    const int at = parameter_named(*find_law(material.law), property);
+    ProfileSpec profile;
+    profile.surface = surface, profile.gradient = gradient;
+    set_profile(material, at < 0 ? material.parameters.size() : static_cast<std::size_t>(at), profile);
+}
+
 /// soils() of two materials, of a cohesion and an undrained strength that grow with depth.
 inline Scene soils_over_depth(int dimensions, double sensitivity) {
     Scene s = soils(dimensions, 2);
     s.materials[1].parameters[7] = sensitivity;
-    ProfileSpec cohesion, su;
-    cohesion.gradient = 80;
-    su.surface = 300, su.gradient = 150;
-    set_profile(s.materials[0], 4, cohesion);
-    set_profile(s.materials[1], 2, su);
+    vary(s.materials[0], "cohesion", 0, 80);
+    vary(s.materials[1], "su", 300, 150);
+    return s;
+}
+
+/// soils() of three materials, of which all that may vary grows with depth; the clay softens.
+inline Scene soils_of_own(int dimensions) {
+    Scene s = soils(dimensions, 3);
+    s.materials[1].parameters[7] = 3;
+    for (MaterialSpec& m : s.materials) {
+        vary(m, "density", m.density, 30);
+        vary(m, "young", 0.7 * m.parameters[0], 0.05 * m.parameters[0]);
+    }
+    vary(s.materials[0], "cohesion", 0, 80);
+    vary(s.materials[0], "friction_angle", 25, 1.5);
+    vary(s.materials[1], "su", 300, 150);
+    return s;
+}
+
+/// layers_on_slope() of clays, on an interface that follows the soil: a strength over depth, one that softens, and one
+/// that is a number.
+inline Scene clays_on_slope(int dimensions) {
+    Scene s = layers_on_slope(dimensions);
+    const auto clay = [](const char* law, double su) {
+        return material(law, 1500, {{"young", 1e6}, {"poisson", 0.4}, {"su", su}, {"xi95", 0.5}});
+    };
+    s.materials = {clay("von-mises", 900), clay("tresca", 700), clay("von-mises", 500)};
+    vary(s.materials[0], "su", 300, 12000);
+    vary(s.materials[0], "density", 1500, 6000);
+    s.materials[1].parameters[7] = 3;
+    s.materials[1].keeps_strength = true;
+    choose_law_over_depth(s.materials[1]);
+    BodySpec wide = s.bodies[0], second = wide, third = wide;
+    wide.max[0] = 1.7, second.min[0] = 1.75, second.max[0] = 2.4, third.min[0] = 2.45;
+    second.material = 1, third.material = 2;
+    s.bodies = {wide, second, third, s.bodies[1]};
+    s.structures[0].soil_su = true, s.structures[0].su = 900;
     return s;
 }
 

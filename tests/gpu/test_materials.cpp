@@ -8,6 +8,7 @@
 #include "io/test_folder.hpp"
 #include "material_scenes.hpp"
 #include "records/checkpoint_state.hpp"
+#include "surface_scenes.hpp"
 
 using namespace moraine;
 using namespace moraine::test;
@@ -217,6 +218,33 @@ TEST_CASE("strengths over depth give the host's answer, also on lattices, which 
             CAPTURE(dimensions);
             CAPTURE(int(seeding));
             compare(scene, dimensions == 2 ? 60 : 30, 1e-9);
+        }
+}
+
+TEST_CASE("stiffness, density, friction and strengths over depth give the host's answer") {
+    for (int dimensions : {2, 3})
+        for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+            Scene scene = test::soils_of_own(dimensions);
+            scene.transfer = transfer;
+            CAPTURE(dimensions);
+            CAPTURE(int(transfer));
+            compare(scene, dimensions == 2 ? 60 : 30, 1e-9);
+        }
+    Scene alone = test::soils_of_own(2);
+    alone.materials.resize(1);
+    for (BodySpec& body : alone.bodies) body.material = 0;
+    compare(alone, 60, 1e-9);
+    Scene single = test::soils_of_own(2);
+    single.precision = Precision::single_;
+    compare(single, 30, 1e-4);
+}
+
+TEST_CASE("interfaces that follow the soil give the host's answer, on nodes and where they are") {
+    for (int dimensions : {2, 3})
+        for (const Scene& scene : {test::clays_on_slope(dimensions), on_surface(test::clays_on_slope(dimensions))}) {
+            CAPTURE(dimensions);
+            CAPTURE(int(scene.bed));
+            compare(scene, dimensions == 2 ? 80 : 40, 1e-8);
         }
 }
 

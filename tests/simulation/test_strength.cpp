@@ -16,12 +16,6 @@ using namespace moraine;
 
 namespace {
 
-void vary(Scene& scene, std::size_t material, std::size_t parameter, double surface, double gradient) {
-    ProfileSpec profile;
-    profile.surface = surface, profile.gradient = gradient;
-    set_profile(scene.materials[material], parameter, profile);
-}
-
 const ProfileSpec& first_profile(const Scene& scene, int body) {
     return scene.materials[static_cast<std::size_t>(scene.bodies[static_cast<std::size_t>(body)].material)].profiles[0];
 }
@@ -72,9 +66,8 @@ Ended run(const Scene& scene, const Comm& comm, int steps, const std::string& le
 }
 
 template <class Real, int Dim>
-void same_on_all_ranks() {
+void same_on_all_ranks(Scene scene) {
     const Comm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
-    Scene scene = test::soils_over_depth(Dim, 4);
     scene.balance.trigger = Trigger::never;
     const Ended alone = run<Real, Dim>(scene, self, 25);
     CHECK(alone.plastic > 0.01);
@@ -88,10 +81,26 @@ void same_on_all_ranks() {
 
 }  // namespace
 
-TEST_CASE("strengths over depth give one answer on any ranks") {
-    same_on_all_ranks<double, 2>();
-    same_on_all_ranks<float, 2>();
-    same_on_all_ranks<double, 3>();
+TEST_CASE("properties over depth give one answer on any ranks") {
+    same_on_all_ranks<double, 2>(test::soils_over_depth(2, 4));
+    same_on_all_ranks<float, 2>(test::soils_over_depth(2, 4));
+    same_on_all_ranks<double, 3>(test::soils_over_depth(3, 4));
+    same_on_all_ranks<double, 2>(test::soils_of_own(2));
+    same_on_all_ranks<double, 3>(test::soils_of_own(3));
+}
+
+TEST_CASE("interfaces that follow the soil give one answer on any ranks, and another one than a number") {
+    const Comm all(MPI_COMM_WORLD);
+    for (const Bed bed : {Bed::nodes, Bed::surface}) {
+        CAPTURE(int(bed));
+        Scene flat = test::clays_on_slope(2), deep = test::clays_on_slope(3);
+        flat.bed = deep.bed = bed;
+        same_on_all_ranks<double, 2>(flat);
+        same_on_all_ranks<double, 3>(deep);
+        Scene number = flat;
+        number.structures[0].soil_su = false;
+        CHECK(run<double, 2>(number, all, 25).rest != run<double, 2>(flat, all, 25).rest);
+    }
 }
 
 TEST_CASE("a particle keeps the strength of the place where it began") {
@@ -154,7 +163,7 @@ TEST_CASE("lattices with a strength over depth are made by rows") {
     for (MaterialSpec& m : scene.materials)
         m = test::material("tresca", 1500, {{"young", 1e6}, {"poisson", 0.4}, {"su", 700}});
     CHECK(is_lattice(scene));
-    for (std::size_t m = 0; m < scene.materials.size(); ++m) vary(scene, m, 2, 300, 150);
+    for (MaterialSpec& m : scene.materials) test::vary(m, "su", 300, 150);
     CHECK(!is_lattice(scene));
     std::uint64_t hash[2];
     for (const bool in_place : {false, true}) {
