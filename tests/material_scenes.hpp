@@ -80,7 +80,7 @@ inline Scene soils_of_own(int dimensions) {
 inline Scene clays_on_slope(int dimensions) {
     Scene s = layers_on_slope(dimensions);
     const auto clay = [](const char* law, double su) {
-        return material(law, 1500, {{"young", 1e6}, {"poisson", 0.4}, {"su", su}, {"xi95", 0.5}});
+        return material(law, 1500, {{"young", 2.5e5}, {"poisson", 0.4}, {"su", su}, {"xi95", 0.5}});
     };
     s.materials = {clay("von-mises", 900), clay("tresca", 700), clay("von-mises", 500)};
     vary(s.materials[0], "su", 300, 12000);
@@ -92,6 +92,7 @@ inline Scene clays_on_slope(int dimensions) {
     wide.max[0] = 1.7, second.min[0] = 1.75, second.max[0] = 2.4, third.min[0] = 2.45;
     second.material = 1, third.material = 2;
     s.bodies = {wide, second, third, s.bodies[1]};
+    for (BodySpec& body : s.bodies) body.min[1] -= 0.14, body.max[1] -= 0.14;
     s.structures[0].soil_su = true, s.structures[0].su = 900;
     return s;
 }
