@@ -59,9 +59,7 @@ std::string domain_line(const Scene& scene) {
 /// "structure  pipe: sphere, velocity, rough"
 std::string structure_lines(const Scene& scene) {
     const auto word = [](const std::string& table, const std::string& key, int choice) {
-        for (const auto& row : structure_rows())
-            if (row.key.table == table && row.key.name == key) return row.key.choices[static_cast<std::size_t>(choice)];
-        return std::string();
+        return key_of(structure_rows(), table, key).choices[static_cast<std::size_t>(choice)];
     };
     std::string text;
     for (const StructureSpec& s : scene.structures) {

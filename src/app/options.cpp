@@ -54,10 +54,8 @@ std::vector<std::string> transports() {
     return names;
 }
 
-std::vector<std::string> partitioners() {
-    for (const auto& row : scene_rows())
-        if (row.key.table == "balance" && row.key.name == "partitioner") return row.key.choices;
-    return {};
+const std::vector<std::string>& partitioners() {
+    return key_of(scene_rows(), "balance", "partitioner").choices;
 }
 
 [[noreturn]] void refuse_argument(const std::string& problem, const std::string& why, const std::string& suggestion) {

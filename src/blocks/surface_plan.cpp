@@ -65,8 +65,9 @@ void SurfacePlan<Dim>::find_blocks(const EpochTables<Dim>& tables) {
     }
 #pragma omp parallel for schedule(static) if (added.size() > 64)
     for (NewBlock& block : added) block.is_near = is_near(block.place);
+    const int threads = static_cast<int>(geometry_.size());
     std::erase_if(added, [](const NewBlock& block) { return !block.is_near; });
-#pragma omp parallel for schedule(static) num_threads(static_cast <int>(geometry_.size())) if (added.size() > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (added.size() > 1)
     for (const NewBlock& block : added) {
         SurfaceGeometry<Dim>& geometry = geometry_[static_cast<std::size_t>(omp_get_thread_num())];
         *block.found =
@@ -77,7 +78,8 @@ void SurfacePlan<Dim>::find_blocks(const EpochTables<Dim>& tables) {
 
 template <int Dim>
 void SurfacePlan<Dim>::find_nodes(const std::vector<NewNodes>& added) {
-#pragma omp parallel for schedule(static) num_threads(static_cast <int>(geometry_.size())) if (added.size() > 1)
+    const int threads = static_cast<int>(geometry_.size());
+#pragma omp parallel for schedule(static) num_threads(threads) if (added.size() > 1)
     for (const NewNodes& block : added)
         for (int n = 0; n < cells; ++n) {
             Place node = block.place;

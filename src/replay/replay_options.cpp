@@ -81,9 +81,7 @@ std::vector<int> ranks_of(const std::string& list) {
 }
 
 const SceneKey& key_of_balance(const std::string& name) {
-    for (const auto& row : scene_rows())
-        if (row.key.table == "balance" && row.key.name == name) return row.key;
-    throw std::logic_error("no key balance." + name);
+    return key_of(scene_rows(), "balance", name);
 }
 
 std::vector<std::string> choices_of(const char* option, const std::string& list,

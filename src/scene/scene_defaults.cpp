@@ -9,13 +9,13 @@
 #include "core/material/laws.hpp"
 #include "core/transfer/method.hpp"
 #include "scene/scene_check.hpp"
+#include "scene/scene_keys.hpp"
 
 namespace moraine {
 
 namespace {
 
 constexpr double smoothing = 0.22, shifting = 0.2;  ///< docs/adr/0008-filling.md
-constexpr double least_poisson = 0.45;              ///< below it shear is nearly as fast as pressure
 
 bool says(const MaterialSpec& m, const Places& places) {
     const std::string path = "material." + m.name;
@@ -37,7 +37,8 @@ bool has_absorbing_walls(const Scene& scene) {
 /// fluids sink (docs/adr/0011-pressure-at-structures.md).
 bool bears_grid_pressure(const Scene& scene, const Places& places) {
     const auto takes = [&](const MaterialSpec& m) {
-        return find_law(m.law)->is_fluid && poisson_ratio(m) >= least_poisson && !says(m, places);
+        const LawInfo& law = *find_law(m.law);  // below Poisson's ratio 0.45 shear is nearly as fast as pressure
+        return law.is_fluid && law.is_nearly_incompressible(m.parameters.data()) && !says(m, places);
     };
     return std::all_of(scene.materials.begin(), scene.materials.end(), takes) && scene.shape == Shape::quadratic &&
            scene.stress_update == StressUpdate::usl && scene.transfer != Transfer::fmpm &&
@@ -85,12 +86,12 @@ void take_defaults(Scene& scene, const Places& places) {
 }
 
 std::string method_text(const Scene& scene) {
-    constexpr const char* shapes[] = {"linear shapes", "GIMP", "contiguous GIMP", "quadratic splines", "cubic splines"};
-    constexpr const char* transfers[] = {"flip", "pic", "apic", "tpic", "fmpm", "aflip"};
-    constexpr const char* updates[] = {"stress last", "stress first", "velocities mapped twice"};
-    std::string text = fmt::format("{}, {}, {}", shapes[static_cast<std::size_t>(scene.shape)],
-                                   transfers[static_cast<std::size_t>(scene.transfer)],
-                                   updates[static_cast<std::size_t>(scene.stress_update)]);
+    const auto word = [](const char* key, int choice) {
+        return key_of(scene_rows(), "numerics", key).choices[static_cast<std::size_t>(choice)];
+    };
+    std::string text = fmt::format("{} shapes, {}, {}", word("shape", static_cast<int>(scene.shape)),
+                                   word("transfer", static_cast<int>(scene.transfer)),
+                                   word("stress_update", static_cast<int>(scene.stress_update)));
     if (!scene.structures.empty())
         text += scene.bed == Bed::surface ? "; structures act on their surfaces" : "; structures act at nodes";
     for (const MaterialSpec& m : scene.materials) text += material_text(m);

@@ -17,7 +17,7 @@ inline constexpr int substeps_by_scene = 0;
 ///   time.cfl             of that transfer
 void take_defaults(Scene& scene, const Places& places);
 
-/// "quadratic splines, aflip, stress last; on surfaces; slurry: pressures on cells, smoothed, shifted"
+/// "quadratic shapes, aflip, usl; structures act at nodes; slurry: pressures on cells, smoothed, shifted"
 std::string method_text(const Scene& scene);
 
 }  // namespace moraine

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,14 @@ std::vector<KeyRow<Target>> in_tables(std::vector<KeyRow<Target>> rows) {
     for (std::size_t k = 1; k < rows.size(); ++k)
         if (rows[k].key.table.empty()) rows[k].key.table = rows[k - 1].key.table;
     return rows;
+}
+
+/// The key of that name among rows that have it.
+template <class Target>
+const SceneKey& key_of(const std::vector<KeyRow<Target>>& rows, const std::string& table, const std::string& name) {
+    for (const KeyRow<Target>& row : rows)
+        if (row.key.table == table && row.key.name == name) return row.key;
+    throw std::logic_error("no key " + table + "." + name);
 }
 
 const std::vector<KeyRow<Scene>>& scene_rows();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/structures/structure_set.hpp"
+#include "structure_scene.hpp"
 
 using namespace moraine;
 
@@ -23,20 +24,6 @@ StructureSpec free_spec(StructureShape shape, double mass = 3) {
     s.motion.turns = true;
     s.motion.mass = mass;
     return s;
-}
-
-Scene scene_with(int dimensions, const StructureSpec& structure) {
-    Scene scene;
-    scene.transfer = Transfer::flip;
-    scene.dimensions = dimensions;
-    scene.min = {-5, -5, -5};
-    scene.max = {5, 5, 5};
-    scene.cell = 0.1;
-    scene.materials.resize(1);
-    scene.materials[0].density = 1000;
-    scene.bodies.resize(1);
-    scene.structures = {structure};
-    return scene;
 }
 
 /// The corners of a box, turned by an angle about a point that is not its middle.

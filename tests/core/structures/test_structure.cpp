@@ -6,27 +6,13 @@
 #include <string>
 
 #include "core/structures/structure_set.hpp"
+#include "structure_scene.hpp"
 
 using namespace moraine;
 
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-
-/// A scene that holds one structure and what a set needs besides.
-Scene scene_with(int dimensions, const StructureSpec& structure) {
-    Scene scene;
-    scene.transfer = Transfer::flip;
-    scene.dimensions = dimensions;
-    scene.min = {-5, -5, -5};
-    scene.max = {5, 5, 5};
-    scene.cell = 0.1;
-    scene.materials.resize(1);
-    scene.materials[0].density = 1000;
-    scene.bodies.resize(1);
-    scene.structures = {structure};
-    return scene;
-}
 
 StructureSpec spec_of(StructureShape shape) {
     StructureSpec s;
