@@ -32,7 +32,7 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
         materials_ = std::make_unique<MaterialGathers<Real, Dim>>(scene, kernels_.key, bodies_.material_of.data());
     if (kernels_.key.surfaces) surfaces_ = std::make_unique<SurfaceState<Real, Dim>>(kernels_.key, method, scene.cell);
     contact_.at_surfaces = kernels_.key.surfaces;
-    fluid_.start(method, scene.bodies.size());
+    fluid_.start(method, scene.bodies.size(), surfaces_ != nullptr);
     light_.start(method, scene.bodies.size());
     if (scene.sleep.on)
         sleepers_ =

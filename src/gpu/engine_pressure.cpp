@@ -11,8 +11,12 @@ namespace {
 /// Cells take the velocities of the substep before with the sums of this one.
 template <class Real>
 PressureTask<Real> pressure_task(const Substep& substep) {
-    return {!substep.is_first(), static_cast<Real>(substep.dt),
-            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt), true, static_cast<Real>(substep.damping())};
+    return {!substep.is_first(),
+            static_cast<Real>(substep.dt),
+            static_cast<Real>(0.5 * (substep.number - 0.5) * substep.dt),
+            true,
+            false,
+            static_cast<Real>(substep.damping())};
 }
 
 }  // namespace
@@ -52,28 +56,30 @@ void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::find_pressures(const Substep& first, const StepScales<Dim>& step) {
-    const auto find = [&](const Chosen& chosen, int blocks) {
-        kernels_.pressure.find_pressures(view(), fluid_.pressure.view(), method_.capacity, chosen, blocks, first,
-                                         stream_);
+    const PressureView<Real, Dim> pressure = fluid_.pressure.view();
+    const auto find = [&](const Chosen& chosen, int part, int blocks) {
+        kernels_.pressure.find_pressures(view(), pressure, method_.capacity, chosen, part, blocks, first, stream_);
     };
-    if (exchange_) find(epoch_.lists.boundary(), boundary_blocks_);
-    find(epoch_.lists.interior(), interior_blocks());
+    kernels_.pressure.begin_lists(pressure, stream_);
+    if (exchange_) find(epoch_.lists.boundary(), 0, boundary_blocks_);
+    find(epoch_.lists.interior(), 1, interior_blocks());
     if (surfaces_) surfaces_->find_cells({view(), contact_, step, fluid_.pressure.view()}, first, stream_);
 }
 
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::sum_pressures(SharePart part, const Substep& substep) {
-    const auto advance = [&](const Chosen& chosen, int blocks, cudaStream_t stream) {
-        kernels_.pressure.advance_pressures(view(), fluid_.pressure.view(), chosen, blocks,
-                                            pressure_task<Real>(substep), stream);
+    PressureTask<Real> task = pressure_task<Real>(substep);
+    task.tells = part == SharePart::boundary;
+    const auto advance = [&](int of, int blocks, cudaStream_t stream) {
+        kernels_.pressure.advance_pressures(view(), fluid_.pressure.view(), of, blocks, task, stream);
     };
     if (part == SharePart::interior) {
-        advance(epoch_.lists.interior(), interior_blocks(), stream_);
+        advance(1, interior_blocks(), stream_);
         if (exchange_) exchange_->halo.post();
     } else if (exchange_) {
         exchange_->solved.record(stream_);
         exchange_->stream.wait_for(exchange_->solved);
-        advance(epoch_.lists.boundary(), boundary_blocks_, exchange_->stream);
+        advance(0, boundary_blocks_, exchange_->stream);
     }
 }
 
@@ -84,7 +90,8 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     round.step = static_cast<Real>(step.dt);
     const PressureView<Real, Dim> pressure = fluid_.pressure.view();
     const auto solve = [&](const NodeContact<Dim>* contact) {
-        kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, step.quantum, stream_, contact);
+        kernels_.pressure.solve_nodes(view(), pressure, method_.stencil, round, substep, step.quantum, stream_,
+                                      contact);
     };
     const SurfaceShare<Real, Dim> share{view(), contact_, step, pressure};
     if (step.structures) {
@@ -103,9 +110,8 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
     if (!substep.is_last()) return;
     PressureTask<Real> task = pressure_task<Real>({substep.number + 1, substep.count, substep.dt});
     task.sums = false;
-    if (exchange_)
-        kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.boundary(), boundary_blocks_, task, stream_);
-    kernels_.pressure.advance_pressures(view(), pressure, epoch_.lists.interior(), interior_blocks(), task, stream_);
+    if (exchange_) kernels_.pressure.advance_pressures(view(), pressure, 0, boundary_blocks_, task, stream_);
+    kernels_.pressure.advance_pressures(view(), pressure, 1, interior_blocks(), task, stream_);
     if (surfaces_) surfaces_->finish(share, substep, stream_);
     reports_.watch.end(1, stream_);
 }

@@ -21,8 +21,9 @@ struct FluidState {
     Array<ExactSum> volumes;  ///< of over-filling: above, all
 
     /// Where the pressure is the grid's and nothing is smoothed or shifted, terms are zero.
-    void start(const Method<Host, Real, Dim>& method, std::size_t bodies) {
-        if (method.grid_bulk()) pressure.start(method.grid_bulk(), bodies);
+    /// at_surfaces: structures act there.
+    void start(const Method<Host, Real, Dim>& method, std::size_t bodies, bool at_surfaces) {
+        if (method.grid_bulk()) pressure.start(method.grid_bulk(), bodies, at_surfaces);
         if (!takes_means(method)) return;
         std::vector<FluidTerms<Real>> of_body(bodies);
         if (method.fluid()) of_body.assign(method.fluid(), method.fluid() + bodies);

@@ -68,13 +68,15 @@ double node_block_bytes(const Scene& scene) {
 }
 
 /// What the grid's pressure keeps of a block's cells and nodes (core/fluid/grid_pressure.hpp): geometry as factors of
-/// its nodes on the host, where only that of cells that are not whole is ever touched, as moments on a device.
+/// its nodes, on the host only that of cells that are not whole is ever touched; on a device also what cells push with
+/// and velocities of nodes (gpu/kernels/pressure/pressure_work.hpp).
 double pressure_bytes(const Scene& scene, bool on_device) {
     if (!uses_grid_pressure(scene)) return 0;
     const int d = scene.dimensions;
-    const double cells = std::pow(4, d), nodes = std::pow(3, d), state = 8;
-    const double geometry = on_device ? nodes : nodes * (d + 1), held = d + 1 + (on_device ? 1 : 0);
-    return cells * (state + geometry + 1.3 * held) * real_bytes(scene);
+    const double cells = std::pow(4, d), nodes = std::pow(3, d), state = 8, held = d + 1;
+    if (!on_device) return cells * (state + nodes * (d + 1) + 1.3 * held) * real_bytes(scene);
+    const double of_tile = d * std::pow(tile_side(3), d), lists = 4 * 4 * (2 + std::pow(2, d) + cells / 32);
+    return (cells * (state + 1 + nodes * d + 1.3 * (held + 5)) + of_tile) * real_bytes(scene) + lists;
 }
 
 /// Of an output that a rank holds until it is written: one that is asynchronous, or compressed (then less).

@@ -95,10 +95,12 @@ struct PressureFinder {
         const Real* node = context.grid.nodes + at * node_reals;
         for (int a = 0; a < Dim; ++a) loaded.velocity[n][a] = node[a];
         loaded.mass[n] = node[quad - 1];
+        loaded.filling[n] = context.held[at].filling;
+        if (!context.table.border[block]) return;
         int place[Dim];
         for (int a = 0, rest = n; a < Dim; ++a, rest /= Context::side)
             place[a] = first_node<Quadratic>(context.table.position[block][a]) + rest % Context::side;
-        loaded.filling[n] = context.held[at].filling / capacity.of(place);
+        loaded.filling[n] /= capacity.of(place);
     }
 
     MORAINE_HD Found begin(int block, int c, const Nodes& loaded) const {
@@ -179,8 +181,10 @@ struct PressureFinder {
     /// The least filling of the nodes in the domain.
     static MORAINE_HD Real least_filling(const unsigned (&ghosts)[Dim], const Real* filling) {
         Real least = Real(1);
+        unsigned any = 0;
+        for (int a = 0; a < Dim; ++a) any |= ghosts[a];
         each_node<Dim, 3>([&](int at, int i, int j, int k) {
-            if (is_inside<Dim>(ghosts, i, j, k) && filling[at] < least) least = filling[at];
+            if ((!any || is_inside<Dim>(ghosts, i, j, k)) && filling[at] < least) least = filling[at];
         });
         return least;
     }

@@ -157,7 +157,8 @@ Program pressure_program(const KernelKey& key) {
                     {"gpu/kernels/pressure/advance_pressures.cuh", "gpu/kernels/pressure/found_pressures.cuh",
                      "gpu/kernels/pressure/pressure_nodes.cuh"},
                     {{"find_pressures_kernel" + of, team_threads(key), team_bytes(key, "FindShared" + of)},
-                     {"advance_pressures_kernel" + of, team_threads(key), team_bytes(key, "PressuresShared" + of)}}};
+                     {"advance_whole_kernel" + of, "WholeTeam<" + dim_of(key) + ">::block_threads", "0"},
+                     {"advance_cut_kernel" + of, team_threads(key), team_bytes(key, "CutShared" + of)}}};
     add_pair(program, key.structures, "hold_nodes_kernel<" + real_dim(key) + ", ", ">");
     add_pair(program, key.structures, "substep_kernel<" + real_dim(key) + ", ", ">");
     return program;

@@ -119,9 +119,9 @@ __device__ __forceinline__ void set_ghosts(const View<Real, Dim>& v, int block, 
         }
 }
 
-/// The two rows of node n of a block's tile of `Side` nodes per axis.
+/// Node n of a block's tile of `Side` nodes per axis, as nodes are stored.
 template <int Side, class Real, int Dim>
-__device__ __forceinline__ const Row<Real>* node_in_tile(const View<Real, Dim>& v, int block, int n) {
+__device__ __forceinline__ std::size_t stored_in_tile(const View<Real, Dim>& v, int block, int n) {
     int corner = 0, at = 0, rest = n;
 #pragma unroll
     for (int a = 0; a < Dim; ++a) {
@@ -131,7 +131,13 @@ __device__ __forceinline__ const Row<Real>* node_in_tile(const View<Real, Dim>& 
         at |= (x & 3) << (2 * a);
     }
     const std::int32_t node_block = v.grid.node_of[v.table.node_block[block * Block<Dim>::corners + corner]];
-    return reinterpret_cast<const Row<Real>*>(v.grid.nodes) + (std::size_t(node_block) * Block<Dim>::cells + at) * 2;
+    return std::size_t(node_block) * Block<Dim>::cells + std::size_t(at);
+}
+
+/// Its two rows.
+template <int Side, class Real, int Dim>
+__device__ __forceinline__ const Row<Real>* node_in_tile(const View<Real, Dim>& v, int block, int n) {
+    return reinterpret_cast<const Row<Real>*>(v.grid.nodes) + stored_in_tile<Side>(v, block, n) * 2;
 }
 
 /// Fills the tile of a block; all threads of the team, which see it afterwards. Shape says where block 0 starts.

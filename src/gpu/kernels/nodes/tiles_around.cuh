@@ -33,15 +33,23 @@ struct TilesAround {
     __device__ bool wanted(const BlockTable<Dim>& table, int c) const {
         return own != 0 || (table.kept_nodes && there != 0 && table.kept_nodes[c] >= 0);
     }
+    /// Whether the first of the tiles that cover node n is an own one.
+    __device__ bool first_is_own(int n, int width) const {
+        unsigned covering = 0;
+#pragma unroll
+        for (int delta = 0; delta < corners; ++delta)
+            covering |= unsigned(tile_node<Dim>(n, delta, width) >= 0) << delta;
+        const unsigned candidates = there & covering;
+        return ((candidates & -candidates) & own) != 0;
+    }
     /// Whole warps call it.
-    __device__ std::int32_t tile(int delta) const { return __shfl_sync(all_lanes, mine, delta, lanes); }
+    __device__ std::int32_t tile(int delta) const {
+        return __shfl_sync(all_lanes, mine, delta, lanes);
+    }
 };
 
-/// Which quads of a tile's nodes are summed: (mass, momentum) and force, or force alone.
-enum class TileQuads { both, force };
-
 /// Sums of node n over the tiles around it. Returns whether the first of them is an own one. Whole warps call it.
-template <int Dim, int Width, TileQuads Quads = TileQuads::both, class Real>
+template <int Dim, int Width, class Real>
 __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<Dim>& around, int n, Quad<Real>& sums,
                                           Quad<Real>& force) {
     constexpr int side = tile_side(Width);
@@ -69,13 +77,13 @@ __device__ __forceinline__ bool sum_tiles(const Real* tiles, const TilesAround<D
             for (int a = Dim - 1; a >= 0; --a) shift = shift * side + 4 * Block<Dim>::corner(delta, a);
             const Real* from = tiles + (std::size_t(tile) * power<Dim>(side) + std::size_t(at + shift)) * node_reals;
             if (!covers[i]) continue;
-            if constexpr (Quads == TileQuads::both) m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
+            m[i] = load_row(reinterpret_cast<const Quad<Real>*>(from));
             f[i] = load_row(reinterpret_cast<const Quad<Real>*>(from) + 1);
         }
 #pragma unroll
         for (int i = 0; i < tiles_at_once; ++i) {
             if (!covers[i]) continue;
-            if constexpr (Quads == TileQuads::both) sums = sums + m[i];
+            sums = sums + m[i];
             force = force + f[i];
             if (counted_by < 0) counted_by = group + i;
         }

@@ -10,32 +10,44 @@
 
 namespace moraine::gpu {
 
-/// Particles of a block, as many as are read at a time.
+/// Particles of a block, as many as are read at a time: all loads of a thread are under way at once. Numbers stand so
+/// that threads of neighbouring cells, eight particles apart, read other banks.
 template <class Real, int Dim>
 struct StagedParticles {
-    static constexpr int count = 2 * Team<Dim>::threads;
-    Real volume[count], pressure[count], modulus[count];  ///< the latter two times the volume
-    Real fraction[Dim][count];
+    static constexpr int each = 4, count = each * Team<Dim>::threads, size = count + count / 32;
+    Real volume[size], pressure[size], modulus[size];  ///< the latter two times the volume
+    Real fraction[Dim][size];
+
+    static __device__ __forceinline__ int place(int k) { return k + k / 32; }
 
     __device__ __forceinline__ void load(const Columns<Real, Dim>& p, const Real* of_body, const std::uint32_t* slot,
                                          int number) {
         using Core = CoreRows<Real, Dim>;
+        std::uint32_t s[each];
+        Core core[each];
+        Real bulk[each];
 #pragma unroll
-        for (int r = 0; r < 2; ++r) {
+        for (int r = 0; r < each; ++r) {
             const int k = Team<Dim>::rank() + r * Team<Dim>::threads;
-            if (k >= number) continue;
-            const std::uint32_t s = slot[k];
-            const Real bulk = of_body[p.body[s]];
-            Core core;
-            core.row[Core::place] = load_row(p.core[Core::place] + s);
-            if constexpr (Core::volume_row != Core::place)
-                core.row[Core::volume_row] = load_row(p.core[Core::volume_row] + s);
-            if constexpr (Core::normal != Core::volume_row) core.row[Core::normal] = load_row(p.core[Core::normal] + s);
-            const Real V = bulk > Real(0) ? core.volume() : Real(0);
-            const Real trace = core.stress(0) + core.stress(1) + core.stress(2);
-            volume[k] = V, pressure[k] = V * trace * Real(1.0 / 3.0), modulus[k] = V * bulk;
+            s[r] = slot[k < number ? k : number - 1];
+        }
 #pragma unroll
-            for (int a = 0; a < Dim; ++a) fraction[a][k] = fraction_of<Real>(core.coordinate(a));
+        for (int r = 0; r < each; ++r) {
+            bulk[r] = of_body[p.body[s[r]]];
+            core[r].row[Core::place] = load_row(p.core[Core::place] + s[r]);
+            if constexpr (Core::volume_row != Core::place)
+                core[r].row[Core::volume_row] = load_row(p.core[Core::volume_row] + s[r]);
+            if constexpr (Core::normal != Core::volume_row)
+                core[r].row[Core::normal] = load_row(p.core[Core::normal] + s[r]);
+        }
+#pragma unroll
+        for (int r = 0; r < each; ++r) {
+            const int k = place(Team<Dim>::rank() + r * Team<Dim>::threads);
+            const Real V = bulk[r] > Real(0) ? core[r].volume() : Real(0);
+            const Real trace = core[r].stress(0) + core[r].stress(1) + core[r].stress(2);
+            volume[k] = V, pressure[k] = V * trace * Real(1.0 / 3.0), modulus[k] = V * bulk[r];
+#pragma unroll
+            for (int a = 0; a < Dim; ++a) fraction[a][k] = fraction_of<Real>(core[r].coordinate(a));
         }
     }
 };
@@ -48,10 +60,12 @@ struct FindShared {
     union {
         StagedParticles<Real, Dim> staged;
         struct {
+            CellMoments<Real, Dim> moments[Block<Dim>::cells];  ///< of those that are not whole
             LayerFactors<Real, Dim> factors;
             Real part[sums][parts<Dim>][layer_cells];  ///< L, then sum |G|^2 / m
         };
     };
+    std::uint32_t place;  ///< in the list of such blocks
     KindMasks<Dim> kinds;
 };
 
@@ -67,7 +81,8 @@ struct FindBlock {
     int block;
     Shared& shared;
 
-    __device__ __forceinline__ std::size_t first_cell() const { return work.finder.context.first_cell(block); }
+    __device__ __forceinline__ std::size_t tile() const { return std::size_t(work.view.grid.tile_of[block]); }
+    __device__ __forceinline__ std::size_t first_cell() const { return tile() * cells; }
 
     __device__ __forceinline__ void sum_particles(Found& found, CellMoments<Real, Dim>& moments) const {
         const ListView<Dim>& list = work.finder.list;
@@ -78,11 +93,12 @@ struct FindBlock {
 #pragma unroll 1
         for (int start = 0; start < count; start += staged.count) {
             const int number = count - start < staged.count ? count - start : staged.count;
-            staged.load(work.view.p, work.bulk, list.slot + list.first[block] + start, number);
+            staged.load(work.view.p, work.pressure.bulk, list.slot + list.first[block] + start, number);
             T::sync();
             const int last = to - start < number ? to - start : number;
 #pragma unroll 1
-            for (int k = from > start ? from - start : 0; k < last; ++k) {
+            for (int i = from > start ? from - start : 0; i < last; ++i) {
+                const int k = staged.place(i);
                 Real f[Dim];
 #pragma unroll
                 for (int a = 0; a < Dim; ++a) f[a] = staged.fraction[a][k];
@@ -125,15 +141,40 @@ struct FindBlock {
         return sum;
     }
 
+    __device__ __forceinline__ void keep_factors(int layer) const {
+        constexpr int each = CutFactors<Real, Dim>::each;
+        Real* to = work.pressure.factors[tile()].of;
+        for (int k = T::rank(); k < layer_cells * each; k += T::threads) {
+            const int cell = k / each, e = k % each, c = layer * layer_cells + cell;
+            if (shared.kinds.kind[c] != by_moments || e >= Dim * CutFactors<Real, Dim>::nodes) continue;
+            to[shared.kinds.cut.before(c) * each + e] = (&shared.factors.of[0][0][cell])[e * layer_cells];
+        }
+    }
+
+    /// The block goes to the substeps' lists.
+    __device__ __forceinline__ void list_block() const {
+        const bool cut = shared.kinds.cut.count() != 0;
+        const CellBlocks<Dim>& blocks = work.blocks[cut];
+        if (T::rank() == 0) {
+            shared.place = atomicAdd(blocks.count, 1u);
+            work.pressure.has_cut[tile()] = cut;
+        }
+        T::sync();
+        CellBlock<Dim>& of = blocks.list[shared.place];
+        if (T::rank() == 0) of.tile = static_cast<std::int32_t>(tile()), of.cut = shared.kinds.cut;
+        if (T::rank() < Block<Dim>::corners)
+            of.node_block[T::rank()] = work.view.table.node_block[block * Block<Dim>::corners + T::rank()];
+    }
+
     __device__ __forceinline__ void close_layers(CellPressure<Real>& cell) const {
         find_basis(work.view, block, shared.basis);
         T::sync();
 #pragma unroll 1
         for (int layer = 0; layer < layers<Dim>; ++layer) {
             if (!shared.kinds.any_in(layer)) continue;
-            shared.factors.find(work.moments + first_cell(), shared.kinds, shared.basis, layer,
-                                work.view.context.inverse_cell);
+            shared.factors.find(shared.moments, shared.kinds, shared.basis, layer, work.view.context.inverse_cell);
             T::sync();
+            keep_factors(layer);
             find_part(layer);
             T::sync();
             const int c = T::rank();
@@ -168,7 +209,7 @@ struct FindBlock {
         CellKind kind = no_part;
         if (c < cells && work.finder.close_sums(found, moments)) {
             kind = found.cell.whole ? whole_kind : by_moments;
-            if (kind == by_moments) work.moments[first_cell() + std::size_t(c)] = moments;
+            if (kind == by_moments) shared.moments[c] = moments;
         } else {
             found.cell = {};
         }
@@ -184,10 +225,11 @@ struct FindBlock {
         CellPressure<Real> cell = open_cell();
         const int c = T::rank();
         if (c < cells && shared.kinds.kind[c] == whole_kind) close_whole(cell);
-        if (shared.kinds.any_by_moments()) close_layers(cell);
+        if (shared.kinds.cut.count() != 0) close_layers(cell);
         if (c < cells) work.finder.context.cell[first_cell() + std::size_t(c)] = cell;
+        list_block();
         T::sync();
-        if (c < cells) work.finder.fill_hole(block, c);
+        if (c < cells && cell.volume > Real(0) && !(cell.bulk > Real(0))) work.finder.fill_hole(block, c);
         T::sync();
     }
 };

@@ -3,6 +3,7 @@
 // block in 3-D, all of it in 2-D. In shared memory, where the sums over nodes and over cells read it.
 
 #include "core/fluid/grid_pressure.hpp"
+#include "gpu/kernels/pressure/pressure_work.hpp"
 #include "gpu/kernels/team.cuh"
 #include "gpu/kernels/warp.cuh"
 
@@ -36,29 +37,18 @@ __device__ __forceinline__ void find_basis(const View<Real, Dim>& v, int block, 
 /// The kinds of a block's cells, a bit each.
 template <int Dim>
 struct KindMasks {
-    static constexpr int words = (Block<Dim>::cells + 31) / 32;
     std::uint8_t kind[Block<Dim>::cells];
-    unsigned moments[words], whole[words];
+    CellBits<Dim> cut;  ///< by moments
 
     /// Each thread says the kind of the cell of its rank. A sync() must follow.
     __device__ __forceinline__ void tell(CellKind mine) {
         const int c = Team<Dim>::rank();
-        const unsigned m = __ballot_sync(all_lanes, mine == by_moments),
-                       w = __ballot_sync(all_lanes, mine == whole_kind);
+        const unsigned m = __ballot_sync(all_lanes, mine == by_moments);
         if (c < Block<Dim>::cells) kind[c] = mine;
-        if (c % 32 == 0 && c / 32 < words) moments[c / 32] = m, whole[c / 32] = w;
+        if (c % 32 == 0 && c / 32 < cut.words) cut.word[c / 32] = m;
     }
-    __device__ __forceinline__ bool any_by_moments() const { return any(moments); }
-    __device__ __forceinline__ bool any_whole() const { return any(whole); }
     __device__ __forceinline__ bool any_in(int layer) const {
-        return (moments[layer / 2] >> (layer % 2 * layer_cells) & 0xffffu) != 0;
-    }
-
-  private:
-    static __device__ __forceinline__ bool any(const unsigned (&mask)[words]) {
-        unsigned all = 0;
-        for (unsigned word : mask) all |= word;
-        return all != 0;
+        return (cut.word[layer / 2] >> (layer % 2 * layer_cells) & 0xffffu) != 0;
     }
 };
 
@@ -90,20 +80,6 @@ struct LayerFactors {
 #pragma unroll
         for (int n = Team<Dim>::rank() / layer_cells; n < nodes; n += parts<Dim>)
             f(n, n % 3 + 6 * (n / 3 % 3 + 6 * (n / 9)));
-    }
-
-    /// The cells of a layer that reach one of its nodes: f(cell of the layer, node of its stencil), in ascending order.
-    /// node: in the layer's 6 x 6 (x 3).
-    template <class F>
-    static __device__ __forceinline__ void each_cell(int node, const F& f) {
-        const int X = node % 6, Y = node / 6 % 6, k = node / 36;
-#pragma unroll
-        for (int j = 2; j >= 0; --j)
-#pragma unroll
-            for (int i = 2; i >= 0; --i) {
-                const int x = X - i, y = Y - j;
-                if (x >= 0 && x < 4 && y >= 0 && y < 4) f(x + 4 * y, i + 3 * (j + 3 * k));
-            }
     }
 
   private:
