@@ -64,11 +64,12 @@ std::string structure_lines(const Scene& scene) {
     std::string text;
     for (const StructureSpec& s : scene.structures) {
         const std::string law = word("structure.contact", "law", static_cast<int>(s.law));
-        text += s.ground ? domain_line(scene) + terrain_lines(scene, *s.ground, law)
-                         : fmt::format("structure  {}: {}, {}{}, {}\n", s.name,
-                                       word("structure", "shape", static_cast<int>(s.shape)),
-                                       word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
-                                       turns(s.motion) ? " and turns" : "", law);
+        text += s.ground
+                    ? domain_line(scene) + terrain_lines(scene, *s.ground, law)
+                    : fmt::format("structure  {}: {}, {}{}, {}{}\n", s.name,
+                                  word("structure", "shape", static_cast<int>(s.shape)),
+                                  word("structure.motion", "kind", static_cast<int>(s.motion.kind)),
+                                  turns(s.motion) ? " and turns" : "", law, s.motion.collision ? ", meets others" : "");
     }
     return text;
 }

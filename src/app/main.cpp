@@ -101,9 +101,9 @@ void check_device_scene(const Scene& scene) {
         throw InputError(
             fmt::format("{}: [[traction]] (devices do not have it). Use --device cpu?", scene.source.path));
     for (const StructureSpec& s : scene.structures)
-        if (turns(s.motion))
-            throw InputError(fmt::format("{}: structure.{}, which turns (devices do not have it). Use --device cpu?",
-                                         scene.source.path, s.name));
+        if (turns(s.motion) || s.motion.collision)
+            throw InputError(fmt::format("{}: structure.{}, which {} (devices do not have it). Use --device cpu?",
+                                         scene.source.path, s.name, turns(s.motion) ? "turns" : "meets others"));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));

@@ -117,20 +117,27 @@ struct BodySpec {
     BodyStart start;  ///< of the law's scalars
 };
 
+/// What a structure has where it meets others (core/structures/collisions.hpp): of two the smaller.
+struct CollisionSpec {
+    double friction = 0;     ///< Coulomb coefficient [-]
+    double restitution = 0;  ///< Newton's: speed after over speed before [-]
+};
+
 /// How a structure moves (core/structures/structure_motion.hpp).
 struct MotionSpec {
     StructureMotion kind = StructureMotion::fixed;
-    Triple velocity{};                     ///< velocity, table: its direction and unit; free: at the start [m/s]
-    double ramp = 0;                       ///< velocity: time of the rise [s]
-    Triple amplitude{};                    ///< sinusoid [m]
-    double period = 0;                     ///< sinusoid [s]
-    TimeTable factor;                      ///< table: of the velocity
-    double mass = 0;                       ///< free [kg]
-    Triple force{};                        ///< free: besides gravity and contact [N]
-    double density = 0;                    ///< free: in place of the mass [kg/m3]
-    bool turns = false;                    ///< free
-    std::vector<double> inertia;           ///< principal, about the axes of the scene; empty: of the shape [kg m2]
-    std::vector<double> angular_velocity;  ///< velocity, table: as velocity; free: at the start; one in 2-D [rad/s]
+    Triple velocity{};                       ///< velocity, table: its direction and unit; free: at the start [m/s]
+    double ramp = 0;                         ///< velocity: time of the rise [s]
+    Triple amplitude{};                      ///< sinusoid [m]
+    double period = 0;                       ///< sinusoid [s]
+    TimeTable factor;                        ///< table: of the velocity
+    double mass = 0;                         ///< free [kg]
+    Triple force{};                          ///< free: besides gravity and contact [N]
+    double density = 0;                      ///< free: in place of the mass [kg/m3]
+    bool turns = false;                      ///< free
+    std::vector<double> inertia;             ///< principal, about the axes of the scene; empty: of the shape [kg m2]
+    std::vector<double> angular_velocity;    ///< velocity, table: as velocity; free: at the start; one in 2-D [rad/s]
+    std::optional<CollisionSpec> collision;  ///< none: it goes through others
 };
 
 inline bool turns(const MotionSpec& m) {

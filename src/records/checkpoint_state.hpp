@@ -82,6 +82,7 @@ void save_structures(Simulation<Real, Dim>& sim, const Comm& comm, CheckpointHea
     std::vector<double> motion{set.reported_time};
     each_structure_value(set, [&](double& value) { motion.push_back(value); });
     header["structure_motion"] = motion;
+    if (set.collisions()) header["structure_collisions"] = set.collisions()->stored();
 }
 
 /// What all ranks felt is with rank 0 from now on.
@@ -101,6 +102,8 @@ void load_structures(Simulation<Real, Dim>& sim, const Comm& comm, const Checkpo
     set.reported_time = motion[0];
     auto from = motion.begin() + 1;
     each_structure_value(set, [&](double& value) { value = *from++; });
+    if (set.collisions() && !set.collisions()->restore(file.get<std::vector<double>>("structure_collisions")))
+        file.refuse("it does not hold what these structures give each other");
 }
 
 /// What of the records a restart goes on with: the last row of history.csv, by which it knows that of its own run, and

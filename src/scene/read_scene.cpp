@@ -90,6 +90,7 @@ class Reader {
         if (admit) admit(scene_);
         check_particles(scene_, places_);
         check_structures(scene_, places_);
+        check_collisions(scene_, places_);
         check_tractions(scene_, places_);
         close_periodic_axes();
         return scene_;
@@ -308,7 +309,7 @@ class Reader {
     void read_structure(const toml::table& table, const std::string& path) {
         StructureSpec structure;
         tables_.read_table(&table, "structure", path, structure_rows(), structure);
-        for (const char* part : {"contact", "motion"})
+        for (const char* part : {"contact", "collision", "motion"})
             if (const toml::table* nested = TableReader::section_table(table, part))
                 tables_.read_table(nested, std::string("structure.") + part, path + "." + part, structure_rows(),
                                    structure);

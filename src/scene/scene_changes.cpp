@@ -53,7 +53,8 @@ bool may_change(const Scene& scene, const std::string& key) {
     if (key.starts_with("traction.")) return key.ends_with(".pressure") || key.ends_with(".shear");
     if (key.starts_with("wall.")) return key.ends_with(".friction");
     if (!key.starts_with("structure.")) return false;
-    return key.ends_with(".contact.friction") || key.ends_with(".contact.alpha") || key.ends_with(".contact.su");
+    return key.ends_with(".collision.friction") || key.ends_with(".contact.friction") ||
+           key.ends_with(".contact.alpha") || key.ends_with(".contact.su");
 }
 
 void check_allowed(const Scene& scene, const std::vector<std::string>& allowed) {

@@ -49,6 +49,9 @@ void check_bodies(const Scene& scene, const Places& places);
 /// Structures: whole definitions, and no particle inside one. Takes time as those do.
 void check_structures(const Scene& scene, const Places& places);
 
+/// Structures that meet others: of shapes that can, and none in another or in a wall at the start.
+void check_collisions(const Scene& scene, const Places& places);
+
 /// Refuses corners on a line and edges that cross, which would make area and inside disagree. `path`: who has them;
 /// `place`: where they are written.
 void check_polygon(const std::vector<std::array<double, 2>>& points, const std::string& path, const std::string& place);

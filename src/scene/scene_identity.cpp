@@ -10,6 +10,7 @@
 
 #include "core/data/hash.hpp"
 #include "core/material/laws.hpp"
+#include "core/structures/collisions.hpp"
 #include "core/structures/ground.hpp"
 #include "scene/scene_check.hpp"
 #include "scene/scene_keys.hpp"
@@ -218,6 +219,10 @@ void add_structures(Entries& all, const Scene& s) {
         add(all, key + ".motion.factors", r.motion.factor.values);
         add(all, key + ".motion.mass", r.motion.mass);
         add(all, key + ".motion.force", r.motion.force);
+        if (collides(r)) {
+            add(all, key + ".collision.friction", r.motion.collision->friction);
+            add(all, key + ".collision.restitution", r.motion.collision->restitution);
+        }
         if (!turns(r.motion)) continue;
         add(all, key + ".motion.turns", r.motion.turns);
         add(all, key + ".motion.inertia", r.motion.inertia);

@@ -1,4 +1,4 @@
-// Keys of [[structure]] and of its tables motion and contact.
+// Keys of [[structure]] and of its tables contact, collision and motion.
 #include "scene/scene_keys.hpp"
 
 namespace moraine {
@@ -7,6 +7,11 @@ namespace {
 using enum KeyType;
 using S = StructureSpec;
 using V = KeyValue;
+
+CollisionSpec& collision_of(S& s) {
+    if (!s.motion.collision) s.motion.collision.emplace();
+    return *s.motion.collision;
+}
 
 const std::vector<KeyRow<StructureSpec>> structures = in_tables<StructureSpec>({
     {{.table = "structure",
@@ -102,6 +107,20 @@ const std::vector<KeyRow<StructureSpec>> structures = in_tables<StructureSpec>({
       .only = {"voellmy"},
       .meaning = "Of the soil that slides; left out: that of the materials, if it is one."},
      [](S& s, const V& v) { s.density = v.real; }},
+
+    {{.table = "structure.collision",
+      .name = "friction",
+      .range = from_zero,
+      .meaning =
+          "Coulomb coefficient against other structures and walls, of two the smaller. A free structure with this "
+          "table (sphere, box, convex polygon) meets the walls, the terrain, structures that are not free, and "
+          "free ones with it; without it, it goes through them. On the host."},
+     [](S& s, const V& v) { collision_of(s).friction = v.real; }},
+    {{.name = "restitution",
+      .standard = "0.0",
+      .range = {0, 1},
+      .meaning = "Newton's: speed after over speed before, across the surfaces; of two the smaller."},
+     [](S& s, const V& v) { collision_of(s).restitution = v.real; }},
 
     {{.table = "structure.motion",
       .name = "kind",

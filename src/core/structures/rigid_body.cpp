@@ -110,6 +110,40 @@ void turn_about(int k, double time, const Vec<double, 3>& about, Vec<double, 3>&
     turned = turned * rotation_by(by);
 }
 
+/// K by its upper half, row by row.
+template <int Dim>
+Mat<double, FreeMotion<Dim>::axes> unpacked(const Vec<double, TurningSums<Dim>::count>& half) {
+    Mat<double, FreeMotion<Dim>::axes> all;
+    int q = 0;
+    for (int i = 0; i < FreeMotion<Dim>::axes; ++i)
+        for (int j = i; j < FreeMotion<Dim>::axes; ++j) all(i, j) = all(j, i) = half[q++];
+    return all;
+}
+
+/// Cholesky's lower factor, in place.
+template <int N>
+void factor(Mat<double, N>& all) {
+    for (int j = 0; j < N; ++j) {
+        for (int k = 0; k < j; ++k)
+            for (int i = j; i < N; ++i) all(i, j) -= all(i, k) * all(j, k);
+        const double root = std::sqrt(all(j, j));
+        for (int i = j; i < N; ++i) all(i, j) /= root;
+    }
+}
+
+/// By that factor.
+template <int N>
+void solve(const Mat<double, N>& all, Vec<double, N>& x) {
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < i; ++k) x[i] -= all(i, k) * x[k];
+        x[i] /= all(i, i);
+    }
+    for (int i = N - 1; i >= 0; --i) {
+        for (int k = i + 1; k < N; ++k) x[i] -= all(k, i) * x[k];
+        x[i] /= all(i, i);
+    }
+}
+
 }  // namespace
 
 double volume_of(const StructureSpec& s, int dimensions) {
@@ -202,35 +236,39 @@ Rotation<3> RigidBody<3>::turn(const Rotation<3>& turned, const Vec<double, 3>& 
     return normalised(now * inverse(turned * axes));
 }
 
-/// By Cholesky's factors: M is positive definite, and K has no negative eigenvalue.
 template <int Dim>
-Vec<double, FreeMotion<Dim>::axes> expected_motion(const RigidBody<Dim>& body, const Rotation<Dim>& turned,
-                                                   const FreeMotion<Dim>& motion) {
-    constexpr int n = FreeMotion<Dim>::axes;
-    Mat<double, n> all;
-    int q = 0;
-    for (int i = 0; i < n; ++i)
-        for (int j = i; j < n; ++j) all(i, j) = all(j, i) = motion.follows[q++];
-    Vec<double, n> x = all * motion.seen;
-    for (int i = 0; i < n; ++i) x[i] += motion.momentum[i] + motion.impulse[i];
+Mat<double, FreeMotion<Dim>::axes> followed_mass(const RigidBody<Dim>& body, const Rotation<Dim>& turned,
+                                                 const Vec<double, TurningSums<Dim>::count>& follows) {
+    Mat<double, FreeMotion<Dim>::axes> all = unpacked<Dim>(follows);
     const Mat<double, moments<Dim>> inertia = body.inertia(turned);
     for (int i = 0; i < Dim; ++i) all(i, i) += body.mass;
     for (int i = 0; i < moments<Dim>; ++i)
         for (int j = 0; j < moments<Dim>; ++j) all(Dim + i, Dim + j) += inertia(i, j);
-    for (int j = 0; j < n; ++j) {
-        for (int k = 0; k < j; ++k)
-            for (int i = j; i < n; ++i) all(i, j) -= all(i, k) * all(j, k);
-        const double root = std::sqrt(all(j, j));
-        for (int i = j; i < n; ++i) all(i, j) /= root;
+    return all;
+}
+
+template <int N>
+Mat<double, N> inverse_mass(Mat<double, N> all) {
+    factor(all);
+    Mat<double, N> of;
+    for (int j = 0; j < N; ++j) {
+        Vec<double, N> x = zero_vec<double, N>();
+        x[j] = 1;
+        solve(all, x);
+        for (int i = 0; i < N; ++i) of(i, j) = x[i];
     }
-    for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < i; ++k) x[i] -= all(i, k) * x[k];
-        x[i] /= all(i, i);
-    }
-    for (int i = n - 1; i >= 0; --i) {
-        for (int k = i + 1; k < n; ++k) x[i] -= all(k, i) * x[k];
-        x[i] /= all(i, i);
-    }
+    return of;
+}
+
+/// M is positive definite, and K has no negative eigenvalue.
+template <int Dim>
+Vec<double, FreeMotion<Dim>::axes> expected_motion(const RigidBody<Dim>& body, const Rotation<Dim>& turned,
+                                                   const FreeMotion<Dim>& motion) {
+    Vec<double, FreeMotion<Dim>::axes> x = unpacked<Dim>(motion.follows) * motion.seen;
+    for (int i = 0; i < FreeMotion<Dim>::axes; ++i) x[i] += motion.momentum[i] + motion.impulse[i];
+    Mat<double, FreeMotion<Dim>::axes> all = followed_mass(body, turned, motion.follows);
+    factor(all);
+    solve(all, x);
     return x;
 }
 
@@ -238,6 +276,10 @@ template Vec<double, 2> centre_of_mass<2>(const StructureSpec&);
 template Vec<double, 3> centre_of_mass<3>(const StructureSpec&);
 template RigidBody<2> rigid_body(const StructureSpec&);
 template RigidBody<3> rigid_body(const StructureSpec&);
+template Mat<double, 3> followed_mass(const RigidBody<2>&, const Rotation<2>&, const Vec<double, 6>&);
+template Mat<double, 6> followed_mass(const RigidBody<3>&, const Rotation<3>&, const Vec<double, 21>&);
+template Mat<double, 3> inverse_mass(Mat<double, 3>);
+template Mat<double, 6> inverse_mass(Mat<double, 6>);
 template Vec<double, 3> expected_motion(const RigidBody<2>&, const Rotation<2>&, const FreeMotion<2>&);
 template Vec<double, 6> expected_motion(const RigidBody<3>&, const Rotation<3>&, const FreeMotion<3>&);
 

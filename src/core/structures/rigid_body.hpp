@@ -43,6 +43,14 @@ struct FreeMotion {
     Vec<double, TurningSums<Dim>::count> follows;  ///< K
 };
 
+/// M + K of a body that is turned, by the upper half of K, row by row.
+template <int Dim>
+Mat<double, FreeMotion<Dim>::axes> followed_mass(const RigidBody<Dim>& body, const Rotation<Dim>& turned,
+                                                 const Vec<double, TurningSums<Dim>::count>& follows);
+/// Of a matrix that is symmetric and positive definite.
+template <int N>
+Mat<double, N> inverse_mass(Mat<double, N> all);
+
 /// x*, of a body that is turned.
 template <int Dim>
 Vec<double, FreeMotion<Dim>::axes> expected_motion(const RigidBody<Dim>& body, const Rotation<Dim>& turned,

@@ -128,6 +128,22 @@ Vec<double, moments<Dim>> angular_velocity_of(const MotionSpec& m) {
     return w;
 }
 
+template <int Dim>
+Vec<double, CollidingBody<Dim>::axes> motion_of(const StructureState<Dim>& state) {
+    Vec<double, CollidingBody<Dim>::axes> motion;
+    for (int a = 0; a < Dim; ++a) motion[a] = state.velocity[a];
+    for (int a = 0; a < moments<Dim>; ++a) motion[Dim + a] = state.spin[a];
+    return motion;
+}
+
+template <int Dim>
+void leave_overlaps(const CollidingBody<Dim>& of, bool turns, StructureState<Dim>& state) {
+    Vec<double, moments<Dim>> turn;
+    for (int a = 0; a < Dim; ++a) state.displacement[a] += of.way[a];
+    for (int a = 0; a < moments<Dim>; ++a) turn[a] = of.way[Dim + a];
+    if (turns) state.turned = normalised(rotation_by(turn) * state.turned);
+}
+
 /// Of the bodies of a scene in which an interface follows the soil.
 std::vector<SoilShare> soil_shares(const Scene& scene, double greatest) {
     std::vector<SoilShare> shares;
@@ -155,6 +171,10 @@ StructureSet<Dim>::StructureSet(const Scene& scene) : scene_(scene), states_(sce
         any_moves_ = any_moves_ || spec.motion.kind != StructureMotion::fixed;
         any_turns_ = any_turns_ || turns(spec.motion);
     }
+    if (std::any_of(scene.structures.begin(), scene.structures.end(), collides)) {
+        collisions_.emplace(scene);
+        colliding_.resize(states_.size());
+    }
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const MotionSpec& motion = spec(k).motion;
         StructureState<Dim>& state = states_[k];
@@ -171,6 +191,7 @@ template <int Dim>
 void StructureSet<Dim>::begin_step(double time, double dt, const std::array<double, Dim>& gravity,
                                    std::span<const StructureSums<Dim>> pending, const Quantum& quantum,
                                    std::span<const TurningSums<Dim>> turning) {
+    for (std::size_t k = 0; k < colliding_.size(); ++k) colliding_[k] = {motion_of(states_[k]), {}, {}, {}, {}};
     for (std::size_t k = 0; k < values_.size(); ++k) {
         const MotionSpec& motion = spec(k).motion;
         if (motion.kind != StructureMotion::free)
@@ -180,7 +201,61 @@ void StructureSet<Dim>::begin_step(double time, double dt, const std::array<doub
         else
             begin_free(k, dt, gravity, pending[k], quantum);
     }
+    if (collisions_) collide(dt, pending, quantum, turning);
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        StructureState<Dim>& state = states_[k];
+        if (!spec(k).motion.turns) continue;
+        const Vec<double, moments<Dim>> L = bodies_[k].inertia(state.turned) * state.spin;
+        state.spin = (1 / dt) * vector_of(bodies_[k].turn(state.turned, L, dt));
+    }
     place();
+}
+
+template <int Dim>
+void StructureSet<Dim>::collide(double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum,
+                                std::span<const TurningSums<Dim>> turning) {
+    place();
+    colliding_.resize(values_.size(), CollidingBody<Dim>{});
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+        colliding_[k].motion = motion_of(states_[k]);
+        if (spec(k).motion.kind != StructureMotion::free)
+            colliding_[k].before = colliding_[k].motion;
+        else if (collides(spec(k)))
+            colliding_[k].answer = answer_of(k, pending[k], quantum, turning);
+    }
+    collisions_->solve(values_, colliding_, corners_.data(), dt);
+    colliding_.resize(values_.size());
+    for (std::size_t k = 0; k < values_.size(); ++k)
+        if (spec(k).motion.kind == StructureMotion::free) take_collision(k);
+}
+
+template <int Dim>
+Mat<double, CollidingBody<Dim>::axes> StructureSet<Dim>::answer_of(std::size_t k, const StructureSums<Dim>& pending,
+                                                                   const Quantum& quantum,
+                                                                   std::span<const TurningSums<Dim>> turning) const {
+    if (spec(k).motion.turns) {
+        Vec<double, TurningSums<Dim>::count> follows;
+        for (int q = 0; q < TurningSums<Dim>::count; ++q) follows[q] = quantum.value(turning[k].sum[q]);
+        return inverse_mass(followed_mass(bodies_[k], states_[k].turned, follows));
+    }
+    auto answer = zero_mat<double, CollidingBody<Dim>::axes>();
+    for (int a = 0; a < Dim; ++a)
+        answer(a, a) = 1 / (spec(k).motion.mass + quantum.value(pending.sum[StructureSums<Dim>::first_mass + a]));
+    return answer;
+}
+
+template <int Dim>
+void StructureSet<Dim>::take_collision(std::size_t k) {
+    StructureState<Dim>& state = states_[k];
+    const CollidingBody<Dim>& of = colliding_[k];
+    for (int a = 0; a < Dim; ++a) {
+        state.velocity[a] = of.motion[a];
+        state.carried[a] += of.impulse[a] / spec(k).motion.mass;
+    }
+    for (int a = 0; spec(k).motion.turns && a < moments<Dim>; ++a) {
+        state.spin[a] = of.motion[Dim + a];
+        state.carried_spin[a] += of.impulse[Dim + a];
+    }
 }
 
 template <int Dim>
@@ -240,8 +315,6 @@ void StructureSet<Dim>::begin_turning(std::size_t k, double dt, const std::array
     const auto expected = expected_motion(body, state.turned, free);
     for (int a = 0; a < Dim; ++a) state.velocity[a] = expected[a];
     for (int a = 0; a < moments<Dim>; ++a) state.spin[a] = expected[Dim + a];
-    const Vec<double, moments<Dim>> L = body.inertia(state.turned) * state.spin;
-    state.spin = (1 / dt) * vector_of(body.turn(state.turned, L, dt));
 }
 
 template <int Dim>
@@ -256,6 +329,7 @@ void StructureSet<Dim>::end_step(double time, double dt) {
             state.turned = normalised(rotation_by(dt * state.spin) * state.turned);
         else if (turns(motion))
             state.turned = rotation_by(motion_factor(motion, time) * angular_velocity_of<Dim>(motion));
+        if (free && !colliding_.empty()) leave_overlaps(colliding_[k], motion.turns, state);
     }
 }
 

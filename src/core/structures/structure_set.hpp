@@ -11,13 +11,16 @@
 // known. They take V* = V + J*/M with the impulse of the step before, corrected for what V* itself changes in it,
 //   J* = J' - K (V* - V*'),  K: mass of the nodes that follow it (contact.hpp),
 // so that a structure at rest on soil does not creep and a light one does not recoil too far. V itself is exact. One
-// that turns has V and w together, and K with what couples them (core/structures/rigid_body.hpp).
+// that turns has V and w together, and K with what couples them (core/structures/rigid_body.hpp). Impulses between
+// structures (core/structures/collisions.hpp) are felt at once, by V* and by V.
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/structures/collisions.hpp"
 #include "core/structures/contact.hpp"
 #include "core/structures/rigid_body.hpp"
 #include "core/structures/structure_motion.hpp"
@@ -76,6 +79,8 @@ class StructureSet {
     /// Adds up what this rank's nodes gave in a step; `turning`: empty where no structure turns.
     void take(std::span<const StructureSums<Dim>> mine, std::span<const TurningSums<Dim>> turning = {});
     void forget_pending();
+    /// Nothing where no structure meets others.
+    std::optional<Collisions<Dim>>& collisions() { return collisions_; }
 
     /// For the kernels: everything but where the sums go. Pointers are to this set.
     ContactField<Dim> field() const;
@@ -87,6 +92,14 @@ class StructureSet {
     void begin_turning(std::size_t k, double dt, const std::array<double, Dim>& gravity,
                        const StructureSums<Dim>& pending, const TurningSums<Dim>& turning, const Quantum& quantum);
 
+    /// What free structures give each other in the step, once they know what soil gave them.
+    void collide(double dt, std::span<const StructureSums<Dim>> pending, const Quantum& quantum,
+                 std::span<const TurningSums<Dim>> turning);
+    Mat<double, CollidingBody<Dim>::axes> answer_of(std::size_t k, const StructureSums<Dim>& pending,
+                                                    const Quantum& quantum,
+                                                    std::span<const TurningSums<Dim>> turning) const;
+    void take_collision(std::size_t k);
+
     const Scene& scene_;
     std::vector<Structure<Dim>> values_;
     std::vector<Vec<double, Dim>> start_;  ///< Structure::at at the start
@@ -94,6 +107,8 @@ class StructureSet {
     std::vector<SoilShare> soil_;  ///< by body; empty: no interface follows the soil
     std::vector<StructureState<Dim>> states_;
     std::vector<RigidBody<Dim>> bodies_;  ///< of those that are free and turn
+    std::optional<Collisions<Dim>> collisions_;
+    std::vector<CollidingBody<Dim>> colliding_;  ///< of this step; empty: none meets others
     bool any_free_ = false, any_moves_ = false, any_turns_ = false;
 };
 
