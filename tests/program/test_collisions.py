@@ -1,6 +1,6 @@
-"""Structures that meet: among soil, one answer on any number of ranks and after a restart, and words for wrong ones."""
+"""Structures that meet: among soil, one answer on any number of ranks and after a restart, a scene, and words for wrong ones."""
 import moraine
-from moraine import SMALL_SCENE, call, checkpoints, sets, summary, table
+from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
 
 # A block of jelly lands on a plank on two posts of different kinds, beside a ball that rolls off a ramp against a wall.
 SCENE = SMALL_SCENE.replace('kind = "none"', 'kind = "no-slip"').replace("end = 0.1", "end = 0.3") + """
@@ -74,6 +74,24 @@ class Collisions(moraine.ProgramTest):
                       for name in ("double", "single"))
         balls = [[row for row in rows if row["structure"] == "ball"] for rows in (one, other)]
         self.assertEqual(*balls)
+
+    def test_a_barrier_falls_over_its_kerb_unless_it_is_heavy(self):
+        falls, stands = (table(self.run_scene(INPUTS / "falling_barrier.toml", name, "--no-particles", *sets(structure__barrier__motion__density=density)), "structures.csv")
+                         for name, density in (("falls", 2400), ("stands", 20000)))
+        barrier = [[row for row in rows if row["structure"] == "barrier"] for rows in (falls, stands)]
+        self.assertAlmostEqual(barrier[0][-1]["angle_rad"], -1.74, delta=0.1)  # over its kerb
+        self.assertGreater(min(row["displacement_y_m"] for row in barrier[0]), -0.61)  # no corner of it is in the ground
+        self.assertLess(max(abs(row["angle_rad"]) for row in barrier[1]), 0.02)
+
+    def test_a_flow_carries_a_boulder_that_rolls_on_the_ground(self):
+        scene = (INPUTS / "falling_barrier.toml").read_text()
+        boulder = ('[[structure]]\nname = "boulder"\nshape = "sphere"\ncenter = [5.0, 0.4]\nradius = 0.4\ncontact = { law = "coulomb", friction = 0.3 }\n'
+                   'collision = { friction = 0.5 }\nmotion = { kind = "free", density = 2400.0, turns = true }\n')
+        scene = scene[:scene.index("[[structure]]")] + boulder + scene[scene.index("[[wall]]"):]
+        rows = table(self.run_scene(self.write(scene), "boulder", "--no-particles", *sets(time__end=2.5)), "structures.csv")
+        self.assertGreater(rows[-1]["displacement_x_m"], 2)
+        self.assertLess(rows[-1]["angle_rad"], -2)
+        self.assertGreater(min(row["displacement_y_m"] for row in rows), -1e-5)
 
     def test_what_cannot_meet_is_refused(self):
         device = call("run", self.write(SMALL_SCENE + BALL + FREE), "--device", "cuda")
