@@ -102,6 +102,23 @@ class Turning(moraine.ProgramTest):
             self.assertLess(abs(stands), 0.02)
             self.assertLess(falls, -0.5)
 
+    def test_a_bed_turned_by_20_degrees_carries_a_disk_alike(self):
+        """Rubber on a plane; all of it is turned in the grid, and gravity with it."""
+        def scene(turn):
+            c, s = math.cos(turn), math.sin(turn)
+            at = [[round(c * x - s * y + 2, 9), round(s * x + c * y + 1, 9)] for x, y in ((-1.6, 0), (1.6, 0), (1.6, 0.3), (-1.6, 0.3), (-1.2, 0.7))]
+            text = leaning(math.radians(10) + turn, 0.5, "surface", (
+                f'shape = "sphere"\ncenter = {at[4]}\nradius = 0.4\ncontact = {{ law = "coulomb", friction = 0.6 }}\n'
+                'motion = { kind = "free", density = 500.0, turns = true }\n[[structure]]\nname = "floor"\nshape = "plane"\n'
+                f'point = {[2.0, 1.0]}\nnormal = {[-s, c]}\ncontact = {{ law = "rough" }}'))
+            text = text.replace('shape = "box"\nmin = [0.0, 0.0]\nmax = [4.0, 0.3]', f'shape = "polygon"\npoints = {at[:4]}')
+            return text.replace('periodic = ["x"]', "").replace("max = [4.0, 2.0]", "max = [4.0, 3.0]")
+        level, turned = (next(row for row in reversed(table(self.run_scene(self.write(scene(turn)), name, "--no-particles"), "structures.csv")) if row["structure"] == "it")
+                         for name, turn in (("level", 0.0), ("turned", math.radians(20))))
+        along = [row["velocity_x_m_s"] * math.cos(turn) + row["velocity_y_m_s"] * math.sin(turn) for row, turn in ((level, 0.0), (turned, math.radians(20)))]
+        self.assertAlmostEqual(along[1] / along[0], 1, delta=0.02)
+        self.assertAlmostEqual(turned["angle_rad"] / level["angle_rad"], 1, delta=0.15)
+
     def test_state_and_records_are_the_same_on_1_to_4_ranks_under_any_owner(self):
         scene = self.write(SCENE)
         for bed in ("nodes", "surface"):
@@ -128,6 +145,22 @@ class Turning(moraine.ProgramTest):
             self.assertEqual(summary(again)["state_hash"], summary(whole)["state_hash"])
             rows = table(again, "structures.csv")
             self.assertEqual(rows, table(whole, "structures.csv")[-len(rows):])
+
+    def test_in_single_precision_and_at_map_coordinates_they_turn_alike(self):
+        """The plank that jelly pushes, 600 km east and 4900 km north, where a place has 1e-9 m."""
+        def far(*points):
+            return str([[x + 6e5, y + 4.9e6] for x, y in points]) if len(points) > 1 else str([points[0][0] + 6e5, points[0][1] + 4.9e6])
+        keys = {"domain__min": far((0.0, 0.0)), "domain__max": far((4.0, 2.0)), "body__block__min": far((1.0, 0.5)),
+                "body__block__max": far((2.0, 1.5)), "structure__lid__point": far((1.0, 1.9)),
+                "structure__plank__points": far((0.8, 0.2), (2.4, 0.3), (2.4, 0.45), (0.8, 0.45)),
+                "structure__wheel__min": far((2.0, 0.7)), "structure__wheel__max": far((2.6, 1.3))}
+        for bed in ("nodes", "surface"):
+            here, single, there = (table(self.run_scene(self.write(SCENE.replace("cfl = 0.5", "dt = 2e-4")), f"{name}-{bed}", *sets(numerics__bed=bed, **more)), "structures.csv")[-3]
+                                   for name, more in (("here", {}), ("single", {"numerics__precision": "single"}), ("there", keys)))
+            self.assertLess(here["angle_rad"], -0.05)
+            for key in ("angle_rad", "angular_velocity_rad_s", "displacement_x_m", "displacement_y_m"):
+                self.assertAlmostEqual(single[key], here[key], delta=1e-4 * abs(here["angular_velocity_rad_s"]))
+                self.assertAlmostEqual(there[key], here[key], delta=1e-6 * abs(here["angular_velocity_rad_s"]))
 
     def test_a_turned_box_is_a_polygon_of_its_corners(self):
         """Contact and cut cells of one that was turned are those of one that was made so."""
