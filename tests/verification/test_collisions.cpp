@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/sample_ground.hpp"
 #include "core/structures/structure_set.hpp"
 
 using namespace moraine;
@@ -350,6 +351,48 @@ TEST_CASE("a ball meets a ridge at its periodic image, and slides off it") {
     const Vec<double, 3> at = drive[1].displacement - (-1.0) * Vec<double, 3>{{0.1, 1.21, 0}};
     CHECK(at[0] > 0.3);
     CHECK((at[0] + at[1] - 1) / std::sqrt(2.0) == doctest::Approx(0.2).epsilon(1e-3));  // it lies on the side
+}
+
+TEST_CASE("on terrain a ball rolls and a box sticks or slides as on a slope") {
+    const double angle = 15 * pi / 180, c = std::cos(angle), s = std::sin(angle);
+    Scene scene = closed_scene(3);
+    for (auto& axis : scene.walls)
+        for (WallSpec& wall : axis) wall.kind = WallKind::open;
+    StructureSpec terrain;
+    terrain.name = "terrain";
+    terrain.shape = StructureShape::ground;
+    terrain.ground = std::make_shared<Ground>(
+        test::ground_of({-20, -20}, 41, 1.0, false, [&](double x, double) { return -std::tan(angle) * x; }));
+    scene.structures = {terrain, ball({0.5 * s, 0, 0.5 * c}, 0.5, 0.5, 0)};  // it touches at the origin
+    Drive<3> rolls(scene, 1e-3);
+    while (rolls.t < 1) rolls.step({0, 0, -g});
+    CHECK(magnitude(rolls[1].velocity) / (rolls.t * g) == doctest::Approx(5.0 / 7 * s).epsilon(1e-4));
+    CHECK(std::fabs(rolls[1].velocity[0] * s + rolls[1].velocity[2] * c) < 1e-6);
+    scene.dimensions = 2;
+    terrain.ground = std::make_shared<Ground>(
+        test::ground_of({-20, -20}, 41, 1.0, true, [&](double x, double) { return -std::tan(angle) * x; }));
+    for (const double friction : {1.01 * std::tan(angle), 0.1}) {
+        StructureSpec flat = free_one(StructureShape::polygon, friction);
+        flat.points = {{0, 0}, {c, -s}, {c + 0.4 * s, -s + 0.4 * c}, {0.4 * s, 0.4 * c}};
+        scene.structures = {terrain, flat};
+        Drive<2> slides(scene, 1e-3);
+        while (slides.t < 1) slides.step({0, -g});
+        const double exact = std::fmax(0.0, s - friction * c);
+        CHECK(std::fabs(magnitude(slides[1].velocity) / (slides.t * g) - exact) < 1e-6);
+    }
+}
+
+TEST_CASE("what a moving structure hits leaves it by its restitution") {
+    Scene scene = closed_scene(2);
+    scene.structures = {ball({0.5, 5, 0}, 0.3, 0, 0.5), box({-1, 4, 0}, {0, 6, 0}, 0)};
+    MotionSpec& paddle = scene.structures[1].motion;
+    paddle = {};
+    paddle.kind = StructureMotion::velocity;
+    paddle.velocity = {2, 0, 0};
+    Drive<2> drive(scene, 1e-3);
+    while (drive.t < 0.5) drive.step({});
+    CHECK(drive[0].velocity[0] == doctest::Approx(2 * 1.5));
+    CHECK(drive[0].velocity[1] == 0);
 }
 
 TEST_CASE("what does not meet goes through") {
