@@ -1,6 +1,7 @@
 """Structures that meet: among soil, one answer on any number of ranks and after a restart, a scene, and words for wrong ones."""
 import moraine
 from moraine import INPUTS, SMALL_SCENE, call, checkpoints, sets, summary, table
+from test_turning import leaning
 
 # A block of jelly lands on a plank on two posts of different kinds, beside a ball that rolls off a ramp against a wall.
 SCENE = SMALL_SCENE.replace('kind = "none"', 'kind = "no-slip"').replace("end = 0.1", "end = 0.3") + """
@@ -92,6 +93,18 @@ class Collisions(moraine.ProgramTest):
         self.assertGreater(rows[-1]["displacement_x_m"], 2)
         self.assertLess(rows[-1]["angle_rad"], -2)
         self.assertGreater(min(row["displacement_y_m"] for row in rows), -1e-5)
+
+    def test_a_pile_stands_on_a_bed_that_bears_all_of_it(self):
+        pile = "[[structure]]\nname = ".join([""] + [
+            f'"box-{k}"\nshape = "box"\nmin = [1.5, {0.3 + 0.3 * k:.1f}]\nmax = [2.1, {0.6 + 0.3 * k:.1f}]\ncontact = {{ law = "coulomb", friction = 0.9 }}\n'
+            'collision = { friction = 0.5 }\nmotion = { kind = "free", density = 2000.0, turns = true }\n' for k in range(4)])
+        for bed in ("nodes", "surface"):
+            scene = leaning(0, 1.0, bed, "").partition("[[structure]]")[0] + pile
+            last = table(self.run_scene(self.write(scene), f"pile-{bed}", "--no-particles"), "structures.csv")[-4:]
+            self.assertAlmostEqual(last[0]["force_y_N"], 4 * 0.18 * 2000 * 9.81, delta=0.01 * 14126)
+            for row in last:
+                self.assertAlmostEqual(row["displacement_y_m"], last[0]["displacement_y_m"], delta=1e-7)
+                self.assertLess(abs(row["angle_rad"]) + abs(row["displacement_x_m"]), 1e-4)
 
     def test_what_cannot_meet_is_refused(self):
         device = call("run", self.write(SMALL_SCENE + BALL + FREE), "--device", "cuda")
