@@ -121,6 +121,7 @@ template <int Dim>
 template <class F>
 void Collisions<Dim>::each_near(std::span<const Structure<Dim>> structures, std::span<const double> margins,
                                 const Vec<double, 2>* corners, const F& f) const {
+    constexpr int images[] = {0, 1, -1};
     for (const Pair& pair : pairs_) {
         const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
         const Structure<Dim>& a = structures[i];
@@ -141,8 +142,7 @@ void Collisions<Dim>::each_near(std::span<const Structure<Dim>> structures, std:
                 is_one = is_one && (rest % 3 == 0 || period_[k] > 0);
                 b.at[k] = place[k];
                 if (period_[k] > 0)
-                    b.at[k] +=
-                        period_[k] * (std::rint((a.at[k] - place[k]) / period_[k]) + rest % 3 - rest % 3 / 2 * 3);
+                    b.at[k] += period_[k] * (std::rint((a.at[k] - place[k]) / period_[k]) + images[rest % 3]);
             }
             if (is_one && magnitude(b.at - a.at) <= reach) f(a, b, pair, image, margin);
         }
