@@ -9,7 +9,7 @@ SOURCES = (".hpp", ".cpp", ".cu", ".cuh", ".ipp", ".in")
 EVIDENCE = ("docs/adr/", "docs/evidence/", "docs/verification", "docs/stability", "docs/accuracy", "benchmarks/")
 PICTURES = (".png", ".svg", ".gif", ".jpg")
 NEITHER = ("CHANGELOG.md",)
-REFERENCES = ("inputs/reference.toml", "inputs/reference_terrain.toml")
+REFERENCES = ("inputs/reference.toml", "inputs/reference_terrain.toml", "inputs/reference_water.toml")
 
 
 class Tree:

@@ -95,6 +95,8 @@ void check_device_scene(const Scene& scene) {
             if (wall.absorbs)
                 throw InputError(fmt::format("{}: a wall of kind absorbing (devices do not have it). Use --device cpu?",
                                              scene.source.path));
+    if (scene.water.on)
+        throw InputError(fmt::format("{}: [water] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.stages.empty())
         throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.tractions.empty())

@@ -12,6 +12,8 @@
 // that changes from g to g', it jumps by -(g' - g) . sum m (x - domain.min): the work of who changes gravity
 // (core/data/gravity_work.hpp), which history.csv has as gravity_work_J.
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "core/scene_spec.hpp"
@@ -42,6 +44,20 @@ inline double base_velocity(const ShakingSpec& shaking, double begin, double t) 
     const double velocity =
         shaking.of_velocity ? shaking.table.at(t - begin) : shaking.table.mean(0, t - begin) * (t - begin);
     return motion_factor(shaking) * velocity;
+}
+
+/// Gravity's main axis.
+inline int up_axis(const Scene& scene) {
+    std::size_t up = 0;
+    for (std::size_t a = 1; a < static_cast<std::size_t>(scene.dimensions); ++a)
+        if (std::fabs(scene.gravity[a]) > std::fabs(scene.gravity[up])) up = a;
+    return static_cast<int>(up);
+}
+
+/// Pressure of still water at a height [Pa].
+inline double still_water(const Scene& scene, double height) {
+    const double g = std::fabs(scene.gravity[static_cast<std::size_t>(up_axis(scene))]);
+    return scene.water.table ? scene.water.density * g * std::max(0.0, *scene.water.table - height) : 0;
 }
 
 /// Whether gravity of a step is not always the scene's.

@@ -26,6 +26,7 @@ struct WallSpec {
     double friction = 0;             ///< Coulomb coefficient [-]
     bool absorbs = false;            ///< of kind law, too, but by core/nodes/absorbing_ends.hpp
     std::string material = {};       ///< absorbs: of what is behind it; empty: the soil beside it goes on
+    bool drains = false;             ///< water passes (core/nodes/water_nodes.hpp)
 };
 
 /// A property of a material over depth or place, instead of one number (seeding/property_profile.hpp).
@@ -52,6 +53,8 @@ struct MaterialSpec {
     double particle_shifting = 0;                  ///< gamma of core/fluid/particle_shifting.hpp [-]
     std::vector<ProfileSpec> profiles;             ///< what is no single number, by property
     bool keeps_strength = false;                   ///< contacts follow its undrained strength as it is now
+    double porosity = 0;                           ///< at ln J = 0, of soil full of water; 0: without [-]
+    double conductivity = 0;                       ///< k of Darcy's law, of such soil [m/s]
 
     /// nullptr: the property is one number.
     const ProfileSpec* profile_of(std::size_t property) const {
@@ -60,6 +63,15 @@ struct MaterialSpec {
         return nullptr;
     }
     const ProfileSpec* density_profile() const { return profile_of(parameters.size()); }
+};
+
+/// Water in the pores of the ground (core/fluid/water_cells.hpp).
+struct WaterSpec {
+    bool on = false;
+    std::optional<double> table;  ///< height of still water at the start; none: pore pressure begins at 0 [m]
+    double density = 1000;        ///< [kg/m3]
+    double bulk = 2.2e9;          ///< [Pa]
+    bool submerged = false;       ///< still water stands above all soil: pressures are in excess of it
 };
 
 /// By axis, and there the lower and the upper face.
@@ -318,6 +330,7 @@ struct Scene {
     bool boundary_spline = true;     ///< fold ghost nodes at closed walls by linear extrapolation
     Triple gravity{};                ///< [m/s2]
     CourseSpec course;
+    WaterSpec water;
     std::vector<MaterialSpec> materials;
     std::vector<BodySpec> bodies;
     std::vector<StructureSpec> structures;

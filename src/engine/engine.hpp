@@ -94,6 +94,10 @@ enum class SharePart { boundary, interior };
 
 /// The kernels of a substep of the grid's pressure (core/fluid/grid_pressure.hpp).
 enum class SubstepStage {
+    sum_flow_boundary,  ///< of scenes with water in the ground, once a step: Darcy's flux and what it feels, to the
+                        ///< nodes
+    sum_flow_interior,
+    hold_flow,
     find_pressures,  ///< once a step: the cells that hold particles, and their geometry
     sum_boundary,    ///< forces of the cells' pressures on the nodes
     sum_interior,

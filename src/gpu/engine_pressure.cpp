@@ -1,6 +1,7 @@
 // The engine's parts of a step where the pressure is the grid's (core/fluid/grid_pressure.hpp).
 
 #include <cmath>
+#include <stdexcept>
 
 #include "gpu/engine.hpp"
 
@@ -43,6 +44,10 @@ void DeviceEngine<Real, Dim>::hold(const Round& round, const StepScales<Dim>& st
 template <class Real, int Dim>
 void DeviceEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
     switch (stage) {
+        case SubstepStage::sum_flow_boundary:
+        case SubstepStage::sum_flow_interior:
+        case SubstepStage::hold_flow:
+            throw std::logic_error("devices have no water in the ground");
         case SubstepStage::find_pressures:
             return find_pressures(substep, step);
         case SubstepStage::sum_boundary:

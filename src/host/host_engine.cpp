@@ -21,6 +21,7 @@ HostEngine<Real, Dim>::HostEngine(const Scene& scene, const Comm& comm, const Me
       energy_(scene, method, patch_) {
     if (!contact_.at_nodes)
         surfaces_ = std::make_unique<HostSurfaces<Real, Dim>>(method, patch_, scene.cell, scene.output.energy_budget);
+    if (scene.water.on) water_ = std::make_unique<HostWater<Real, Dim>>(scene, method, patch_, pressures_);
     if (scene.sleep.on) sleepers_ = std::make_unique<Sleepers<Real, Dim>>(scene, comm, method, patch_);
 }
 
@@ -181,7 +182,8 @@ HostTerms<Real, Dim> HostEngine<Real, Dim>::terms_of(const Round& round, const S
     const bool limits = round.nodes == NodeTask::solve || round.nodes == NodeTask::hold;
     return {LightTerm<Real>{limits ? method_.stiffness() : nullptr, method_.limits},
             SmoothingTerm<Real>{shifting && !bulk ? nullptr : fluid, bulk ? pressures_.cells() : nullptr},
-            PressureTerm<Real>{bulk, pressures_.cells()},
+            PressureTerm<Real>{water_ ? nullptr : bulk, pressures_.cells()},
+            water_ ? water_->term() : WaterTerm<Real, Dim>{},
             BoxTerm{},
             TractionTerm{},
             MeansTerm<Real>{method_.averaged()},

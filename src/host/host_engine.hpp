@@ -14,6 +14,7 @@
 #include "host/host_loads.hpp"
 #include "host/host_pressures.hpp"
 #include "host/host_samples.hpp"
+#include "host/host_water.hpp"
 #include "host/sleepers.hpp"
 
 namespace moraine {
@@ -56,6 +57,7 @@ class HostEngine final : public Engine<Real, Dim> {
         if (structures) find_gaps(*structures);
         sums_ = sums;
         if (method_.needs.loads) set_loads(method_.tractions(), sums.load_factors, patch_);
+        if (water_) water_->set_weight(sums.gravity);
     }
     void sum(SharePart part) override {
         part == SharePart::boundary ? sum(patch_.boundary(), contact_.pairs.boundary())
@@ -86,6 +88,7 @@ class HostEngine final : public Engine<Real, Dim> {
     void find(VolumeQuery& query);
     void find(FaultQuery<Dim>& query) { query.found = fault_records_; }
     void find_gaps(const StructureSet<Dim>& structures);
+    void sum_pressures(std::span<const std::int32_t> blocks, const Substep& substep);
     void solve_substep(const Substep& substep, const StepScales<Dim>& step);
     NodeRound<Real, Dim> node_round(NodeTask task, double dt, const StepScales<Dim>& step) const;
     void solve(const NodeRound<Real, Dim>& round, const StepScales<Dim>& step);
@@ -122,6 +125,7 @@ class HostEngine final : public Engine<Real, Dim> {
 
     HostContact<Dim> contact_;
     HostPressures<Real, Dim> pressures_;
+    std::unique_ptr<HostWater<Real, Dim>> water_;  ///< null: none in the ground
     HostEnergy<Real, Dim> energy_;
     std::unique_ptr<HostSurfaces<Real, Dim>> surfaces_;  ///< null: structures act at nodes (Bed::nodes)
     std::unique_ptr<HostEnds<Real, Dim>> ends_;          ///< null: none absorb

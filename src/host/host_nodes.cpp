@@ -84,7 +84,8 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
         {contact_.pairs.structures(), contact_.pairs.tile_of().data(), contact_.gaps.data()},
         {pressures_.held(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
         Energy ? energy_.of_nodes(nodes.size()) : energy_.of_nodes(),
-        Energy && surfaces_ ? surfaces_->motions() : SurfaceMotions<Real, Dim>{}};
+        Energy && surfaces_ ? surfaces_->motions() : SurfaceMotions<Real, Dim>{},
+        water_ ? water_->nodes(step.gravity) : WaterNodes<Real, Dim>{}};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 
@@ -102,18 +103,30 @@ void HostEngine<Real, Dim>::wake_sleepers(const Round& round, const StepScales<D
 template <class Real, int Dim>
 void HostEngine<Real, Dim>::substep(SubstepStage stage, const Substep& substep, const StepScales<Dim>& step) {
     switch (stage) {
+        case SubstepStage::sum_flow_boundary:
+            return water_->sum_flow(patch_.boundary(), substep);
+        case SubstepStage::sum_flow_interior:
+            return water_->sum_flow(patch_.interior(), substep);
+        case SubstepStage::hold_flow:
+            return water_->hold_flow();
         case SubstepStage::find_pressures:
+            if (water_) return water_->find(substep);
             pressures_.find(substep);
             if (!surfaces_) return;
             surfaces_->blocks.scene.cells = pressures_.cells();  // what is found near surfaces takes no part there
             return surfaces_->cells.find(substep);
         case SubstepStage::sum_boundary:
-            return pressures_.sum(patch_.boundary(), substep);
+            return sum_pressures(patch_.boundary(), substep);
         case SubstepStage::sum_interior:
-            return pressures_.sum(patch_.interior(), substep);
+            return sum_pressures(patch_.interior(), substep);
         case SubstepStage::solve_nodes:
             return solve_substep(substep, step);
     }
+}
+
+template <class Real, int Dim>
+void HostEngine<Real, Dim>::sum_pressures(std::span<const std::int32_t> blocks, const Substep& substep) {
+    water_ ? water_->sum(blocks) : pressures_.sum(blocks, substep);
 }
 
 template <class Real, int Dim>
@@ -124,7 +137,7 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
     if (surfaces_) surfaces_->cells.press(substep);
     solve(round, step);
     if (surfaces_) surfaces_->forces.act({substep.dt, step.dt}, substep.damping());
-    pressures_.update(substep);
+    water_ ? water_->update(substep) : pressures_.update(substep);
     if (surfaces_) surfaces_->cells.update(substep);
     if (!surfaces_ || !energy_.is_counted()) return;
     surfaces_->forces.count_energy(round, energy_.of_nodes());

@@ -1,7 +1,5 @@
 #include "host/host_pressures.hpp"
 
-#include "core/fluid/pressure_kernels.hpp"
-
 namespace moraine {
 
 template <class Real, int Dim>
@@ -16,10 +14,15 @@ PressureContext<Real, Dim> HostPressures<Real, Dim>::context() {
 }
 
 template <class Real, int Dim>
-void HostPressures<Real, Dim>::find(const Substep& first) {
+void HostPressures<Real, Dim>::size_cells() {
     const auto tiles = static_cast<std::size_t>(patch_.tiles_in_use() + patch_.table().ghosts);
     cells_.resize(tiles * Block<Dim>::cells);
     factors_.resize(tiles * Block<Dim>::cells * PressureContext<Real, Dim>::nodes);
+}
+
+template <class Real, int Dim>
+void HostPressures<Real, Dim>::find(const Substep& first) {
+    size_cells();
     const std::span<const std::int32_t> blocks = patch_.blocks();
     Host::launch_teams(static_cast<std::int64_t>(blocks.size()),
                        FindPressures<Real, Dim, HostCellParticles<Real, Dim>, KeptFactors<Real, Dim>>{

@@ -7,8 +7,7 @@
 
 #include "blocks/patch.hpp"
 #include "core/data/host.hpp"
-#include "core/fluid/find_pressures.hpp"
-#include "core/fluid/grid_pressure.hpp"
+#include "core/fluid/pressure_kernels.hpp"
 #include "core/transfer/method.hpp"
 
 namespace moraine {
@@ -30,10 +29,12 @@ class HostPressures {
     const HeldNode<Real, Dim>* held() const { return held_.data(); }
     CellPressure<Real>* cells() { return cells_.data(); }
     const CellPressure<Real>* cells() const { return cells_.data(); }
+    PressureContext<Real, Dim> context();
+    KeptFactors<Real, Dim> factors() { return {factors_.data()}; }
+    /// Memory for the cells of this step.
+    void size_cells();
 
   private:
-    PressureContext<Real, Dim> context();
-
     const Method<Host, Real, Dim>& method_;
     Patch<Host, Real, Dim>& patch_;
     Host::Array<HeldNode<Real, Dim>> held_;

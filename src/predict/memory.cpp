@@ -74,7 +74,8 @@ double pressure_bytes(const Scene& scene, bool on_device) {
     if (!uses_grid_pressure(scene)) return 0;
     const int d = scene.dimensions;
     const double cells = std::pow(4, d), nodes = std::pow(3, d), state = 8, held = d + 1;
-    if (!on_device) return cells * (state + nodes * (d + 1) + 1.3 * held) * real_bytes(scene);
+    const double water = scene.water.on ? 2 + 1.3 * (5 + 3 * d) : 0;  // of cells and nodes
+    if (!on_device) return cells * (state + nodes * (d + 1) + 1.3 * held + water) * real_bytes(scene);
     const double of_tile = d * std::pow(tile_side(3), d), lists = 4 * 4 * (2 + std::pow(2, d) + cells / 32);
     return (cells * (state + 1 + nodes * d + 1.3 * (held + 5)) + of_tile) * real_bytes(scene) + lists;
 }

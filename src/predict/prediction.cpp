@@ -138,6 +138,8 @@ double norm(const Triple& v) {
 double wave_speed(const Scene& scene, const BodySpec& body) {
     const MaterialSpec& material = scene.materials[static_cast<std::size_t>(body.material)];
     const LawInfo& law = *find_law(material.law);
+    if (const auto pore = pore_water<double>(scene, material); pore.is_wet())
+        return pore.wave_speed(pore.porosity, material.density);
     return std::sqrt(law.wave_modulus(material.parameters.data(), body.start, deepest_stress(scene, body)) /
                      material.density);
 }

@@ -21,6 +21,7 @@
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/field_scalar.hpp"
+#include "records/pore_fields.hpp"
 
 namespace moraine {
 
@@ -105,6 +106,17 @@ class CellFrame {
                                  }
                              }},
                             field, "Pa");
+        if (field == "porosity") {
+            const PoreFields<Real> pores(sim_.scene());
+            for (const std::string& name : pores.needs()) needs_.push_back(name);
+            return add_mean({"ln_J", Weight::volume, 1, 0,
+                             [pores](const Binned& b, double* sums) {
+                                 for (std::size_t k = 0; k < b.slots.size(); ++k)
+                                     sums[b.cell[k]] += static_cast<double>(b.piece.p.volume[b.slots[k]]) *
+                                                        pores.porosity(b.piece.p, b.slots[k]);
+                             }},
+                            field, "-");
+        }
         const FieldScalar scalar(sim_.scene(), field);
         if (!scalar.is_one) {
             const auto sum = [scalar](const Binned& b, double* sums) {

@@ -14,6 +14,7 @@
 #include "io/vtkhdf.hpp"
 #include "records/checkpoint_state.hpp"
 #include "records/field_scalar.hpp"
+#include "records/pore_fields.hpp"
 #include "simulation/diagnostics.hpp"
 
 namespace moraine {
@@ -114,6 +115,14 @@ class OutputFrame {
             derived(field, "kg/m3", {"mass", "volume"}, [](const View& p, std::uint32_t s) {
                 return static_cast<double>(p.mass[s]) / static_cast<double>(p.volume[s]);
             });
+        } else if (field == "pore_pressure" || field == "porosity") {
+            const PoreFields<Real> pores(sim_.scene());
+            fields_.push_back(reals(field, field == "porosity" ? "" : "Pa", 1, pores.needs(),
+                                    [this, pores, field](const Piece& piece, int b, std::uint32_t s) {
+                                        const auto x = place_of(sim_, piece, b, s);
+                                        return std::array{field == "porosity" ? pores.porosity(piece.p, s)
+                                                                              : pores.pressure(piece.p, s, x)};
+                                    }));
         } else {
             const FieldScalar scalar(sim_.scene(), field);
             if (scalar.column < 0) return stored(field, field);

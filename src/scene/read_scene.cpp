@@ -112,12 +112,15 @@ class Reader {
 
     /// Tables that are written once.
     void read_sections() {
-        for (const char* section : {"", "domain", "time", "rest", "sleep", "numerics", "balance", "output", "run"}) {
+        for (const char* section :
+             {"", "domain", "time", "rest", "sleep", "water", "numerics", "balance", "output", "run"}) {
             const std::string name = section;
-            const auto& rows = name == "time" || name == "rest" || name == "sleep" ? time_rows() : scene_rows();
+            const bool timed = name == "time" || name == "rest" || name == "sleep";
+            const auto& rows = timed ? time_rows() : name == "water" ? water_rows() : scene_rows();
             tables_.read_table(name.empty() ? &tables_.root : TableReader::section_table(tables_.root, name), name,
                                name, rows, scene_);
         }
+        scene_.water.on = tables_.root.contains("water");
     }
 
     void close_periodic_axes() {
@@ -227,6 +230,7 @@ class Reader {
         }
         for (const ProfileSpec& profile : profiles)
             set_profile(material, static_cast<std::size_t>(profile.property), profile);
+        if (material.porosity > 0 && !places_.has(path + ".volumetric")) material.volumetric = Volumetric::grid;
         scene_.materials.push_back(std::move(material));
     }
 

@@ -130,7 +130,7 @@ void check_grid_pressure(const Scene& scene, const Places& places) {
         if (m.volumetric != Volumetric::grid) continue;
         const std::string key = "material." + m.name + ".volumetric";
         const std::string what = key + " = \"grid\"";
-        if (!find_law(m.law)->flows)
+        if (!find_law(m.law)->flows && !(m.porosity > 0))
             refuse(places.of(key), fmt::format("{} with law \"{}\"", what, m.law), for_what_flows,
                    "Use \"cell\" or \"particle\"?");
         if (scene.shape != Shape::quadratic)
@@ -174,6 +174,10 @@ void check_fields(const Scene& scene, const Places& places) {
     if (scene.output.on_cells && std::find(fields.begin(), fields.end(), "body") != fields.end())
         refuse(places.of("output.fields"), "output.fields has \"body\" with fields_on = \"cells\"",
                "bodies have no mean", "Leave it out?");
+    if (scene.output.on_cells && scene.water.submerged &&
+        std::find(fields.begin(), fields.end(), "pore_pressure") != fields.end())
+        refuse(places.of("output.fields"), "output.fields has \"pore_pressure\" with fields_on = \"cells\"",
+               "of submerged soil particles hold what is in excess of still water", "Use fields_on = \"particles\"?");
     if (scene.output.deflate && !can_deflate())
         refuse(places.of("output.compression"), "output.compression = \"deflate\"",
                "the program was built without zlib", "Leave it out?");
@@ -203,6 +207,7 @@ void check_scene(const Scene& scene, const Places& places) {
     check_axes(scene, places);
     check_transfer(scene, places);
     check_fluid_terms(scene, places);
+    check_water(scene, places);
     check_grid_pressure(scene, places);
     check_fields(scene, places);
     check_starts(scene, places);

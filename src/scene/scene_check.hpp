@@ -40,6 +40,9 @@ void check_ends(const Scene& scene, const Places& places);
 /// What surfaces that act where they are need (Bed::surface).
 void check_bed(const Scene& scene, const Places& places);
 
+/// What water in the ground needs, and what it cannot do with.
+void check_water(const Scene& scene, const Places& places);
+
 /// What sleeping blocks, and a record of who would sleep, cannot do with. Of a scene that is whole.
 void check_sleep(const Scene& scene, const Places& places);
 

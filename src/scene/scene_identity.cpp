@@ -40,6 +40,7 @@ void add_domain(Entries& all, const Scene& s) {
             const std::string key = fmt::format("wall.{}-{}", "xyz"[a], side == 0 ? "min" : "max");
             add(all, key + ".kind", s.walls[a][side].kind);
             add(all, key + ".friction", s.walls[a][side].friction);
+            if (s.walls[a][side].drains) add(all, key + ".drainage", s.walls[a][side].drains);
             if (s.walls[a][side].absorbs) add(all, key + ".absorbs", s.walls[a][side].material);
         }
 }
@@ -81,6 +82,14 @@ void add_numerics(Entries& all, const Scene& s) {
     add(all, "seed", s.seed);
 }
 
+void add_water(Entries& all, const Scene& s) {
+    if (!s.water.on) return;
+    if (s.water.table) add(all, "water.table", *s.water.table);
+    add(all, "water.density", s.water.density);
+    add(all, "water.bulk", s.water.bulk);
+    add(all, "water.outside", s.water.submerged);
+}
+
 template <class List>
 std::uint64_t hash_of(const List& list) {
     const auto bytes = std::as_bytes(std::span(list));
@@ -114,6 +123,7 @@ void add_materials(Entries& all, const Scene& s) {
         property(m.parameters.size(), "density", m.density);
         add(all, key + ".volumetric", m.volumetric);
         if (m.pressure_smoothing > 0) add(all, key + ".pressure_smoothing", m.pressure_smoothing);
+        if (m.porosity > 0) add(all, key + ".porosity", m.porosity), add(all, key + ".conductivity", m.conductivity);
         if (m.particle_shifting > 0) add(all, key + ".particle_shifting", m.particle_shifting);
         const LawInfo& law = *find_law(m.law);
         for (std::size_t p = 0; p < m.parameters.size(); ++p) property(p, law.parameters[p].key, m.parameters[p]);
@@ -236,6 +246,7 @@ Entries scene_identity(const Scene& scene) {
     Entries all;
     add_domain(all, scene);
     add_numerics(all, scene);
+    add_water(all, scene);
     add_materials(all, scene);
     add_bodies(all, scene);
     add_tractions(all, scene);

@@ -54,6 +54,7 @@ std::vector<SceneKey> all_scene_keys() {
     append(keys, time_rows());
     append(keys, table_rows());
     append(keys, shaking_rows());
+    append(keys, water_rows());
     append(keys, material_rows());
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);
@@ -94,6 +95,7 @@ std::string selector_of(const std::string& table) {
 
 std::vector<std::string> output_field_names(const Scene& scene) {
     std::vector<std::string> names{"velocity", "stress", "pressure", "density", "ln_J", "mass", "volume", "body"};
+    if (scene.water.on) names.insert(names.end(), {"pore_pressure", "porosity", "darcy_velocity"});
     for (const MaterialSpec& material : scene.materials)
         if (const LawInfo* law = find_law(material.law))
             for (const char* name : law->history_names)

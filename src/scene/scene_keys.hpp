@@ -126,6 +126,8 @@ const std::vector<KeyRow<StructureSpec>>& structure_rows();
 /// Of [[release]]: a body that is a layer.
 const std::vector<KeyRow<BodySpec>>& release_rows();
 const std::vector<KeyRow<BodySpec>>& inflow_rows();
+/// Of [water].
+const std::vector<KeyRow<Scene>>& water_rows();
 /// Of [[table]].
 struct TableSpec;
 const std::vector<KeyRow<TableSpec>>& table_rows();

@@ -62,6 +62,18 @@ const std::vector<KeyRow<MaterialSpec>> materials = in_tables<MaterialSpec>({
       .meaning = "For the same: how far particles are shifted out of over-filled nodes while a wave crosses a cell, in "
                  "cells per filling and cell; 0: not at all. Left out: 0.2 where a fluid takes grid by itself."},
      [](M& m, const V& v) { m.particle_shifting = v.real; }},
+    {{.name = "porosity",
+      .standard = "",
+      .range = {0, 1, true, true},
+      .meaning = "Share of the volume that is pores, full of the scene's [water]: density is with it, and the law's "
+                 "stress is effective. Left out: no water."},
+     [](M& m, const V& v) { m.porosity = v.real; }},
+    {{.name = "conductivity",
+      .unit = "m/s",
+      .standard = "",
+      .range = above_zero,
+      .meaning = "Hydraulic conductivity k of Darcy's law, of soil with a porosity."},
+     [](M& m, const V& v) { m.conductivity = v.real; }},
 });
 
 const std::vector<KeyRow<BodySpec>> bodies = in_tables<BodySpec>({
@@ -187,6 +199,12 @@ const std::vector<KeyRow<FacedWall>> walls = in_tables<FacedWall>({
       .only = {"absorbing"},
       .meaning = "Of what is behind it, whose density and wave speeds it has; left out: the soil beside it goes on."},
      [](W& w, const V& v) { w.wall.material = v.text; }},
+    {{.name = "drainage",
+      .type = choice,
+      .standard = "\"closed\"",
+      .choices = {"closed", "open"},
+      .meaning = "Whether water of the ground passes: open, the pore pressure behind is 0."},
+     [](W& w, const V& v) { w.wall.drains = v.choice == 1; }},
     {{.name = "friction", .range = from_zero, .only = {"friction", "voellmy"}, .meaning = "Coulomb coefficient."},
      [](W& w, const V& v) { w.wall.friction = w.bed.friction = v.real; }},
     {{.name = "alpha", .range = {0, 1}, .only = {"undrained"}, .meaning = "Share of su that the wall can bear."},

@@ -44,6 +44,7 @@ Named list_of(Json items, int least, int most = 0) {
 std::vector<std::string> choices_of(const SceneKey& key) {
     if (key.table != "output" || key.name != "fields") return key.choices;
     Scene all;
+    all.water.on = true;
     for (const std::string& name : law_names()) {
         const LawInfo& law = *find_law(name);
         all.materials.emplace_back().law = name;

@@ -134,7 +134,7 @@ std::optional<Hindrance> tractions_hindered_by(const Scene& scene) {
     if (scene.sleep.on || scene.output.sleep_forecast)
         return Hindrance{"traction", "with numerics.sleep or its forecast", "sleepers would not feel what changes",
                          "Leave one of them out?"};
-    if (uses_grid_pressure(scene))
+    if (uses_grid_pressure(scene) && !scene.water.on)
         return Hindrance{"traction", "with volumetric = \"grid\"", "pressures of cells do not know it",
                          "Use volumetric = \"cell\"?"};
     for (const MaterialSpec& m : scene.materials)

@@ -20,16 +20,15 @@ Place<Real> place_along(const Scene& scene, const Method<Host, Real, Dim>& metho
     return at;
 }
 
-/// Gravity's main axis.
-inline int up_axis(const Scene& scene) {
-    std::size_t up = 0;
-    for (std::size_t a = 1; a < static_cast<std::size_t>(scene.dimensions); ++a)
-        if (std::fabs(scene.gravity[a]) > std::fabs(scene.gravity[up])) up = a;
-    return static_cast<int>(up);
+/// Of the water in a body's pores at the start, as its particles hold it: in excess of still water where that stands
+/// above the soil [Pa].
+inline double start_pore_pressure(const Scene& scene, const BodySpec& body, const Triple& x) {
+    const bool wet = scene.materials[static_cast<std::size_t>(body.material)].porosity > 0;
+    return wet && !scene.water.submerged ? still_water(scene, x[static_cast<std::size_t>(up_axis(scene))]) : 0;
 }
 
-/// sigma_v = -g times the mass above, up to the surface, sigma_h = k0 sigma_v by the gravity of the start, along
-/// gravity's main axis: the normal components at a place [m]. Zero where the body has none.
+/// sigma_v = -g times the mass above, up to the surface, less the pore pressure, sigma_h = k0 sigma_v by the gravity of
+/// the start, along gravity's main axis: the normal components at a place [m]. Zero where the body has none.
 template <class Real>
 Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, const Triple& x) {
     Vec<Real, 3> stress = zero_vec<Real, 3>();
@@ -37,7 +36,9 @@ Vec<Real, 3> geostatic_stress(const Scene& scene, const BodySpec& body, const Tr
     const auto up = static_cast<std::size_t>(up_axis(scene));
     const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
     const double depth = std::max(0.0, body.geostatic_surface - x[up]), g = std::fabs(gravity_at(scene, 0)[up]);
-    const double weight = m.density_profile() ? mass_above(scene, body, x, depth) * g : m.density * g * depth;
+    double weight = m.density_profile() ? mass_above(scene, body, x, depth) * g : m.density * g * depth;
+    if (m.porosity > 0)  // effective stress
+        weight -= scene.water.submerged ? scene.water.density * g * depth : start_pore_pressure(scene, body, x);
     for (std::size_t a = 0; a < 3; ++a)
         stress[static_cast<int>(a)] = static_cast<Real>(-weight * (a == up ? 1 : body.geostatic_k0));
     return stress;

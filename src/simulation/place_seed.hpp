@@ -60,6 +60,7 @@ Key place_seed(const Scene& scene, const Method<Host, Real, Dim>& method, const 
     clear_rest(p, slot);
     method.law_of(seed.body).begin(body.start, p, slot);
     place_own(scene, body, p, seed, slot);
+    if (p.pore_pressure) p.pore_pressure[slot] = static_cast<Real>(start_pore_pressure(scene, body, seed.x));
     for (std::size_t k = 0; k < scene.course.tractions.size(); ++k)
         p.load_place[slot][static_cast<int>(k)] =
             static_cast<Real>(load_place(scene, scene.course.tractions[k], seed.body, seed.x));

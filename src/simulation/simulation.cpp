@@ -101,6 +101,14 @@ void Simulation<Real, Dim>::make_substeps() {
     const auto run = [&](SubstepStage stage) {
         phases_.time(Phase::nodes, [&] { engine_->substep(stage, substep, scales()); });
     };
+    if (scene_.water.on) {
+        run(SubstepStage::sum_flow_boundary);
+        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        run(SubstepStage::sum_flow_interior);
+        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        run(SubstepStage::hold_flow);
+        ++counts_.exchanges;
+    }
     run(SubstepStage::find_pressures);
     for (; substep.number < substep.count; ++substep.number) {
         run(SubstepStage::sum_boundary);
@@ -255,6 +263,9 @@ namespace {
 
 /// What happened, and what may help: of the worst of several faults.
 std::pair<const char*, const char*> message_of(std::uint32_t faults) {
+    if (faults & fault_porosity)
+        return {"has pores that closed, or that are all of it",
+                "Is material.porosity right, and the soil stiff enough?"};
     if (faults & fault_buried)
         return {"is more than a cell under the ground", "Is the terrain finer or steeper than domain.cell resolves?"};
     if (faults & fault_nan) return {"is not a number", "Try a smaller time.cfl?"};

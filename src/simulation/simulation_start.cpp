@@ -17,6 +17,18 @@ namespace moraine {
 
 namespace {
 
+/// c + |v| of the wave of water in the soil; 0 of a dry particle [m/s].
+template <class Real, int Dim>
+double signal_of_water(const PoreWater<Real>* pores, const ParticleView<Real, Dim>& p, std::uint32_t s) {
+    if (!pores || !pores[p.body[s]].is_wet()) return 0;
+    const PoreWater<Real>& pore = pores[p.body[s]];
+    double square = 0;
+    for (int a = 0; a < Dim; ++a)
+        square += static_cast<double>(p.velocity[s][a]) * static_cast<double>(p.velocity[s][a]);
+    return static_cast<double>(pore.wave_speed(pore.porosity_at(p.ln_J[s]), p.mass[s] / p.volume[s])) +
+           std::sqrt(square);
+}
+
 /// This rank's part of every body: rows are divided evenly, whoever will own them. Some rows at a time,
 /// so that a seed needs memory only until it is a particle.
 template <class Real, int Dim>
@@ -211,7 +223,8 @@ void Simulation<Real, Dim>::refresh_signal() {
         const std::span<const std::uint32_t> slots = piece.slots();
 #pragma omp parallel for schedule(static) reduction(max : signal)
         for (std::size_t k = 0; k < slots.size(); ++k)
-            signal = std::max(signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]));
+            signal = std::max({signal, method_.law_of(piece.p.body[slots[k]]).signal(piece.p, slots[k]),
+                               signal_of_water(method_.pores(), piece.p, slots[k])});
     });
     agreement_.own().signal = clock_.signal = comm_.max(signal);
     refresh_speed();

@@ -23,7 +23,7 @@ class Schema(PackageTest):
     def test_it_has_every_table_and_the_words_of_the_reference(self):
         found = schema()
         self.assertEqual(found["required"], ["dimensions", "domain", "time"])
-        for name in ("reference.toml", "reference_terrain.toml"):
+        for name in ("reference.toml", "reference_terrain.toml", "reference_water.toml"):
             for key, value in moraine.read_scene(INPUTS / name).items():
                 self.assertIn(key, found["properties"])
                 if isinstance(value, dict):

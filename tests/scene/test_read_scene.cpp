@@ -147,12 +147,12 @@ TEST_CASE("a fixed step replaces cfl") {
 }
 
 TEST_CASE("every scene that comes with the program can be run") {
-    for (const char* name : {"first_scene",        "slurry_runout",    "slurry_runout_3d",   "granular_column",
-                             "elastic_bar",        "reference",        "reference_terrain",  "valley",
-                             "sliding_block",      "pipe_penetration", "strip_footing",      "tbar",
-                             "mud_dam_break",      "submarine_slide",  "submarine_slide_3d", "viscous_current",
-                             "soft_clay_footing",  "stability",        "undercut_bed",       "erodible_bed",
-                             "retrogressive_slope"}) {
+    for (const char* name : {"first_scene",         "slurry_runout",    "slurry_runout_3d",   "granular_column",
+                             "elastic_bar",         "reference",        "reference_terrain",  "valley",
+                             "sliding_block",       "pipe_penetration", "strip_footing",      "tbar",
+                             "mud_dam_break",       "submarine_slide",  "submarine_slide_3d", "viscous_current",
+                             "soft_clay_footing",   "stability",        "undercut_bed",       "erodible_bed",
+                             "retrogressive_slope", "reference_water"}) {
         CAPTURE(name);
         CHECK_NOTHROW(read_scene(inputs_folder() + "/" + name + ".toml"));
     }

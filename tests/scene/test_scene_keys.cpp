@@ -13,8 +13,8 @@ using namespace moraine;
 
 namespace {
 
-/// What shows every key: a scene for all, and what stands over terrain.
-constexpr const char* reference_scenes[] = {"/reference.toml", "/reference_terrain.toml"};
+/// What shows every key: a scene for all, what stands over terrain, and water.
+constexpr const char* reference_scenes[] = {"/reference.toml", "/reference_terrain.toml", "/reference_water.toml"};
 
 /// (table, law, key) -> the comment above it in a reference scene; the first one that is not empty.
 class Reference {

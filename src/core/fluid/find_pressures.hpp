@@ -217,7 +217,10 @@ struct FindPressures {
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
         const int block = finder.chosen[item];
         if (finder.list.count(block) == 0) return;
-        team.each(Finder::Context::tile_nodes, [&](int n) { finder.load_node(block, n, scratch); });
+        team.each(Finder::Context::tile_nodes, [&](int n) {
+            finder.load_node(block, n, scratch);
+            scratch.mass[n] = particles.mass_of(finder.context.stored(block, n), scratch.mass[n]);
+        });
         team.sync();
         team.each(Finder::cells, [&](int c) { find_cell(block, c, scratch); });
         team.sync();

@@ -252,14 +252,14 @@ MORAINE_HD Real taken_increment(Real increment, Real in_tension, Real borne) {
 }
 
 /// The strain increment of a step whose volumetric part the cell has: dL with the same H = dL (I + dL/2)^-1 but for its
-/// trace, which is zero. cubic: tr H^3 / 12, what ln J then still gets (strain.hpp).
+/// trace. cubic: tr H^3 / 12, what ln J then still gets (strain.hpp).
 template <class Real, int Dim>
-MORAINE_HD Mat<Real, Dim> isochoric_increment(const Mat<Real, Dim>& dL, Real& cubic) {
+MORAINE_HD Mat<Real, Dim> increment_of_trace(const Mat<Real, Dim>& dL, Real trace, Real& cubic) {
     Mat<Real, Dim> mid = identity<Real, Dim>();
     for (int i = 0; i < Dim; ++i)
         for (int j = 0; j < Dim; ++j) mid(i, j) += Real(0.5) * dL(i, j);
     Mat<Real, Dim> H = dL * inverse(mid);
-    set_trace(H, Real(0));
+    set_trace(H, trace);
     cubic = trace_of_cube(H) * Real(1.0 / 12.0);
     mid = identity<Real, Dim>();
     for (int i = 0; i < Dim; ++i)
@@ -293,7 +293,7 @@ MORAINE_HD double take_cell(const CellStep<Real>& cell, Real bulk, auto& particl
     const double work = double(particle.volume()) * double(before + Real(0.5) * step) * double(increment);
     for (int a = 0; a < 3; ++a) particle.stress(a) += step;
     Real cubic;
-    dL = isochoric_increment(dL, cubic);
+    dL = increment_of_trace(dL, Real(0), cubic);
     particle.ln_J() += increment - cubic;
     return work;
 }

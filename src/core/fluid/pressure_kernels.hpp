@@ -43,6 +43,8 @@ struct HostCellParticles {
         for (int a = 0; a < Dim; ++a) q.fraction[a] = fraction_of<Real>(p.position[s][a]);
         return q;
     }
+    /// Of a node under pressure [kg].
+    MORAINE_HD Real mass_of(std::size_t, Real mass) const { return mass; }
 };
 
 /// A substep's forces, from cells to tiles.

@@ -23,6 +23,7 @@
 #include "core/grid/tile_sums.hpp"
 #include "core/grid/walls.hpp"
 #include "core/nodes/node_energy.hpp"
+#include "core/nodes/water_nodes.hpp"
 #include "core/structures/contact.hpp"
 
 namespace moraine {
@@ -227,6 +228,7 @@ struct SolveNodes {
     HeldNodes<Real, Dim> held = {};
     NodeEnergy* energy = nullptr;             ///< node blocks, with an energy budget: of this step
     SurfaceMotions<Real, Dim> surfaces = {};  ///< of nodes whose energy is counted behind surfaces
+    WaterNodes<Real, Dim> water = {};         ///< in the pores
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -294,10 +296,32 @@ struct SolveNodes {
         const HeldNode<Real, Dim>& kept = held.node[stored(c, n)];
         Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
         const Real mean = out[2 * quad - 1], m = out[quad - 1];
+        if (water.node) water.begin(stored(c, n), sums);
         Vec<Real, Dim> momentum, total;
         for (int a = 0; a < Dim; ++a) momentum[a] = m * out[a], total[a] = force[a] + m * kept.acceleration[a];
         sums = Quad<Real>::scaled_after(m, Real(1), momentum);
         force = Quad<Real>::scaled(Real(1), total) + Quad<Real>::of(Real(0), Real(0), Real(0), mean * m);
+        if (water.node) press_on_soil(c, n, scratch);
+    }
+
+    /// The force of a substep as it moves the soil that its water goes through.
+    MORAINE_HD void press_on_soil(int c, int n, Scratch& scratch) const {
+        const std::size_t at = stored(c, n);
+        int node[Dim];
+        for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+        Quad<Real>& force = scratch.sums[2 * n + 1];
+        const Real m = scratch.sums[2 * n][0];
+        Vec<Real, Dim> all;
+        for (int a = 0; a < Dim; ++a)
+            all[a] = water.force_on_soil(at, node, a, m, held.node[at].filling, force[a], round.gravity[a], round.dt);
+        force = Quad<Real>::scaled(Real(1), all) + Quad<Real>::of(Real(0), Real(0), Real(0), force[quad - 1]);
+    }
+
+    MORAINE_HD void flow(int c, int n, const int* node, Real m, const NodeMotion<Real, Dim>& motion) const {
+        const std::size_t at = stored(c, n);
+        Vec<Real, Dim> dv;
+        for (int a = 0; a < Dim; ++a) dv[a] = motion.end[a] - motion.start[a];
+        water.flow(at, node, m, held.node[at].filling, round.mass_cutoff, dv, round.dt);
     }
 
     MORAINE_HD void count_energy(int c, int item, int n, const int* node, bool counted,
@@ -353,6 +377,7 @@ struct SolveNodes {
             if (solves(round.task))
                 count_energy(c, item, n, border ? node : nullptr, counted, motion, {after, contacted.touched}, scratch);
         }
+        if (water.node && round.task == NodeTask::substep) flow(c, n, node, sums[0], motion);
         const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);

@@ -47,8 +47,10 @@ struct ParticleView {
     Vec<Real, Dim>* body_force;            ///< manufactured acceleration of this step [m/s2]
     LoadPlace<Real>* load_place;           ///< under each traction's surface (core/particles/traction.hpp)
     Mat<Real, Dim>* deformation;           ///< F - I since the start, of scenes with tractions [-]
-    Vec<Real, Dim>* load_force;            ///< of tractions in this step [N]
+    Vec<Real, Dim>* load_force;            ///< of tractions in this step, and of water that came or went [N]
     Mat<Real, Dim>* load_couple;           ///< likewise, by axes of the force and the lever [N m]
+    Real* pore_pressure;                   ///< of water in the soil, compression positive (fluid/water_cells.hpp) [Pa]
+    Vec<Real, Dim>* darcy_velocity;        ///< w = n (v_w - v) [m/s]
     std::uint64_t* rest_place;             ///< place at the last sleep check, and whether asleep (core/sleep/sleep.hpp)
     std::uint64_t* rest_stress;            ///< measures of the stress then
 
@@ -86,6 +88,7 @@ struct ColumnNeeds {
     bool body_force = false;
     bool sleep = false;
     bool loads = false;
+    bool water = false;
 };
 
 /// Rows of a device that come and go together; own: no row but a column of the variable's own.
@@ -161,18 +164,32 @@ constexpr auto load_variables() {
     using enum FirstValue;
     constexpr auto present = [](const ColumnNeeds& n) { return n.loads; };
     constexpr std::size_t real = sizeof(Real);
-    return std::tuple{
-        variable<LoadPlace<Real>>(
-            "load_place", "m", real, present, zero, [](auto& v) -> auto& { return v.load_place; }, {},
-            Lifetime::host_run),
-        variable<Mat<Real, Dim>>(
-            "deformation", "", real, present, zero, [](auto& v) -> auto& { return v.deformation; }, {},
-            Lifetime::host_run),
-        variable<Vec<Real, Dim>>(
-            "load_force", "N", real, present, zero, [](auto& v) -> auto& { return v.load_force; }, {}, Lifetime::step),
-        variable<Mat<Real, Dim>>(
-            "load_couple", "N m", real, present, zero, [](auto& v) -> auto& { return v.load_couple; }, {},
-            Lifetime::step)};
+    return std::tuple{variable<LoadPlace<Real>>(
+                          "load_place", "m", real, present, zero, [](auto& v) -> auto& { return v.load_place; }, {},
+                          Lifetime::host_run),
+                      variable<Mat<Real, Dim>>(
+                          "deformation", "", real, present, zero, [](auto& v) -> auto& { return v.deformation; }, {},
+                          Lifetime::host_run),
+                      variable<Vec<Real, Dim>>(
+                          "load_force", "N", real, [](const ColumnNeeds& n) { return n.loads || n.water; }, zero,
+                          [](auto& v) -> auto& { return v.load_force; }, {}, Lifetime::step),
+                      variable<Mat<Real, Dim>>(
+                          "load_couple", "N m", real, present, zero, [](auto& v) -> auto& { return v.load_couple; }, {},
+                          Lifetime::step)};
+}
+
+/// Of scenes with water in the ground, which devices refuse.
+template <class Real, int Dim>
+constexpr auto water_variables() {
+    using enum FirstValue;
+    constexpr auto present = [](const ColumnNeeds& n) { return n.water; };
+    constexpr std::size_t real = sizeof(Real);
+    return std::tuple{variable<Real>(
+                          "pore_pressure", "Pa", real, present, zero, [](auto& v) -> auto& { return v.pore_pressure; },
+                          {}, Lifetime::host_run),
+                      variable<Vec<Real, Dim>>(
+                          "darcy_velocity", "m/s", real, present, zero,
+                          [](auto& v) -> auto& { return v.darcy_velocity; }, {}, Lifetime::host_run)};
 }
 
 /// A symmetric tensor in one row of four, or in two of three, from a row of its group on.
@@ -234,7 +251,8 @@ constexpr auto particle_state() {
         std::tuple{variable<Vec<Real, Dim>>(
             "body_force", "m/s2", real, [](const ColumnNeeds& n) { return n.body_force; }, zero,
             [](auto& v) -> auto& { return v.body_force; }, RowPlaces{}, Lifetime::step)},
-        detail::sleep_variables<Real, Dim>(), detail::load_variables<Real, Dim>());
+        detail::sleep_variables<Real, Dim>(), detail::load_variables<Real, Dim>(),
+        detail::water_variables<Real, Dim>());
 }
 
 /// Calls f(variable) for each entry of the table.

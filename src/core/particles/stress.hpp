@@ -16,11 +16,12 @@ namespace moraine {
 /// What went wrong on a particle, as bits; the highest is reported first.
 enum Fault : std::uint32_t {
     fault_none = 0,
-    fault_far = 1,       ///< moved a whole cell or more in one step
-    fault_left = 2,      ///< left a closed domain
-    fault_inverted = 4,  ///< det(I + dL) <= 0
-    fault_nan = 8,       ///< velocity or stress is not a number
-    fault_buried = 16,   ///< more than a cell under the ground
+    fault_far = 1,        ///< moved a whole cell or more in one step
+    fault_left = 2,       ///< left a closed domain
+    fault_inverted = 4,   ///< det(I + dL) <= 0
+    fault_nan = 8,        ///< velocity or stress is not a number
+    fault_buried = 16,    ///< more than a cell under the ground
+    fault_porosity = 32,  ///< its pores have closed, or are all of it
 };
 
 /// What one block's particles tell the step control.

@@ -22,14 +22,15 @@
 #include "core/terms/shifting_term.hpp"
 #include "core/terms/smoothing_term.hpp"
 #include "core/terms/traction_term.hpp"
+#include "core/terms/water_term.hpp"
 
 namespace moraine {
 
 /// The terms of the host, in their order. Smoothing comes before a cell's step, whose work is taken from the pressure;
 /// boxes see a cell's dL, but not its mean.
 template <class Real, int Dim>
-using HostTerms = Terms<LightTerm<Real>, SmoothingTerm<Real>, PressureTerm<Real>, BoxTerm, TractionTerm,
-                        MeansTerm<Real>, ShiftingTerm<Real, Dim>>;
+using HostTerms = Terms<LightTerm<Real>, SmoothingTerm<Real>, PressureTerm<Real>, WaterTerm<Real, Dim>, BoxTerm,
+                        TractionTerm, MeansTerm<Real>, ShiftingTerm<Real, Dim>>;
 
 /// What a round of a scheme takes from the nodes.
 template <class Real>

@@ -46,8 +46,12 @@ FluidTerms<Real> fluid_terms_of(const Scene& scene, const MaterialSpec& material
             static_cast<Real>(interval * material.particle_shifting * speed * scene.cell)};
 }
 
-/// rho g h along an axis, of the first material that smooths its pressure [Pa]; along periodic axes 0.
+/// rho g h along an axis, of the water in the ground or the first material that smooths its pressure [Pa]; along
+/// periodic axes, and where pressures are in excess of still water, 0.
 double gravity_slope(const Scene& scene, std::size_t axis) {
+    if (scene.water.on)
+        return scene.periodic[axis] || scene.water.submerged ? 0
+                                                             : scene.water.density * scene.gravity[axis] * scene.cell;
     for (const MaterialSpec& m : scene.materials)
         if (m.pressure_smoothing > 0 && !scene.periodic[axis]) return m.density * scene.gravity[axis] * scene.cell;
     return 0;
@@ -67,6 +71,19 @@ Stiffness<Real> stiffness_of(const MaterialSpec& material, double cell) {
 }
 
 }  // namespace
+
+template <class Real>
+PoreWater<Real> pore_water(const Scene& scene, const MaterialSpec& material) {
+    if (!(material.porosity > 0)) return {};
+    return {static_cast<Real>(material.porosity),
+            static_cast<Real>(scene.water.density * conductivity_gravity / material.conductivity),
+            static_cast<Real>(find_law(material.law)->wave_modulus(material.parameters.data())),
+            static_cast<Real>(bulk_modulus(material)),
+            static_cast<Real>(scene.water.density),
+            static_cast<Real>(scene.water.bulk)};
+}
+template PoreWater<float> pore_water(const Scene&, const MaterialSpec&);
+template PoreWater<double> pore_water(const Scene&, const MaterialSpec&);
 
 std::vector<Round> rounds_of(const Scene& scene) {
     if (uses_grid_pressure(scene)) return {{NodeTask::hold, gather_velocity | gather_motion | gather_gradient}};
@@ -117,6 +134,7 @@ ColumnNeeds needs_of(const Scene& scene) {
     needs.log_stretch = scene.shape == moraine::Shape::gimp_contiguous;
     needs.sleep = scene.sleep.on;
     needs.loads = !scene.course.tractions.empty();
+    needs.water = scene.water.on;
     for (const MaterialSpec& m : scene.materials) {
         const LawInfo& law = *find_law(m.law);
         needs.left_stretch = needs.left_stretch || law.uses_left_stretch;
@@ -181,6 +199,7 @@ void Method<Space, Real, Dim>::list_terms(const Scene& scene) {
         if (has_fluid_terms(scene)) fluid_.push_back(fluid_terms_of<Real>(scene, m));
         const bool of_grid = m.volumetric == Volumetric::grid;
         if (has(Volumetric::grid)) grid_bulk_.push_back(of_grid ? static_cast<Real>(bulk_modulus(m)) : Real(0));
+        if (scene.water.on) pores_.push_back(pore_water<Real>(scene, m));
         if (has(Volumetric::cell)) averaged_.push_back(m.volumetric == Volumetric::cell);
     }
 }

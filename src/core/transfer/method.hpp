@@ -9,6 +9,7 @@
 #include "core/data/host.hpp"
 #include "core/fluid/particle_shifting.hpp"
 #include "core/material/laws.hpp"
+#include "core/material/pore_water.hpp"
 #include "core/nodes/nodes.hpp"
 #include "core/particles/traction.hpp"
 #include "core/scene_spec.hpp"
@@ -38,6 +39,10 @@ double poisson_ratio(const MaterialSpec& material);
 
 /// sqrt((K + 4G/3) / rho) [m/s].
 double wave_speed(const MaterialSpec& material);
+
+/// Of soil and its pores, with the scene's water; of a dry material all zero.
+template <class Real>
+PoreWater<Real> pore_water(const Scene& scene, const MaterialSpec& material);
 
 /// c_s / c, the largest of all materials.
 double shear_wave_share(const Scene& scene);
@@ -77,6 +82,8 @@ struct Method {
     }
     /// By body: K where the pressure is the grid's, else 0 [Pa]; null: nowhere (grid_pressure.hpp).
     const Real* grid_bulk() const { return grid_bulk_.empty() ? nullptr : grid_bulk_.data(); }
+    /// By body: the water in its pores (fluid/water_cells.hpp); null: none has any.
+    const PoreWater<Real>* pores() const { return pores_.empty() ? nullptr : pores_.data(); }
     const std::vector<Traction<Real, Dim>>& tractions() const { return tractions_; }
     bool shifts() const { return shifts_; }  ///< some body's particles
     const LawBatch<Real, Dim>& law_of(int body) const { return *laws_[material_of_[static_cast<std::size_t>(body)]]; }
@@ -95,6 +102,7 @@ struct Method {
     std::vector<Stiffness<Real>> stiffness_;  ///< by body; empty: not wanted
     std::vector<FluidTerms<Real>> fluid_;     ///< by body; empty: none
     std::vector<Real> grid_bulk_;             ///< by body; empty: none
+    std::vector<PoreWater<Real>> pores_;      ///< by body; empty: none
     std::vector<Traction<Real, Dim>> tractions_;
     bool shifts_ = false;  ///< some body's particles are shifted
 };

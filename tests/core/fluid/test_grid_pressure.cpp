@@ -196,7 +196,7 @@ TEST_CASE_TEMPLATE("an isochoric increment keeps deviator and rotation, and take
     for (int i = 0; i < Dim; ++i)
         for (int j = 0; j < Dim; ++j) dL(i, j) = 0.03 * (i + 1) - 0.11 * j + 0.02 * i * j;
     double cubic = 1;
-    const auto whole = strain_increment(dL, 1.0), rest = strain_increment(isochoric_increment(dL, cubic), 1.0);
+    const auto whole = strain_increment(dL, 1.0), rest = strain_increment(increment_of_trace(dL, 0.0, cubic), 1.0);
     CHECK(std::fabs(rest.middle.trace()) < 1e-15);
     CHECK(rest.volumetric == doctest::Approx(cubic).epsilon(1e-9));
     for (int i = 0; i < Dim; ++i)

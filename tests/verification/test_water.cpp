@@ -1,0 +1,195 @@
+// Water in the ground against closed forms: consolidation, waves, the undrained limit, and still water.
+#include <algorithm>
+#include <complex>
+
+#include "seeding/traction_place.hpp"
+#include "verification/drive.hpp"
+
+using namespace moraine;
+using namespace moraine::verification;
+
+namespace {
+
+constexpr double height = 1, young = 1e7, poisson = 0.3, porosity = 0.4, density = 1990, water_bulk = 2.2e8;
+constexpr double M = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson)), Q = water_bulk / porosity;
+
+/// A column of saturated elastic soil on a closed base, as a strip.
+Scene column(int cells, double conductivity) {
+    Scene scene;
+    scene.dimensions = 2;
+    scene.cell = height / cells;
+    scene.max = {4 * scene.cell, height + 2 * scene.cell, 0};
+    scene.cfl = 0.6;
+    choose(scene, quadratic_apic_usl);
+    make_periodic(scene, 0);
+    scene.walls[1][0].kind = WallKind::free_slip;
+    scene.water.on = true;
+    scene.water.bulk = water_bulk;
+    MaterialSpec soil = material("linear-elastic", density, {{"young", young}, {"poisson", poisson}});
+    soil.porosity = porosity, soil.conductivity = conductivity;
+    soil.volumetric = Volumetric::grid;
+    scene.materials.push_back(soil);
+    BodySpec body;
+    body.max = {scene.max[0], height, 0};
+    body.particles_per_cell = {2, 2, 1};  // one across would lie on faces of the cells around nodes
+    scene.bodies.push_back(body);
+    return scene;
+}
+
+/// Mean over the particles.
+template <class F>
+double mean(Run<>& run, const F& f) {
+    return run.sum([&](const auto& p, std::uint32_t s, const auto& X, const auto& x) { return f(p, s, X, x); }) /
+           static_cast<double>(run.particles());
+}
+
+double settlement(Run<>& run) {
+    return height * mean(run, [](const auto& p, std::uint32_t s, const auto&, const auto&) {
+               return -std::expm1(double(p.ln_J[s]));
+           });
+}
+
+/// Terzaghi: a series over odd multiples of pi / 2.
+template <class F>
+double series(double T, const F& term) {
+    double sum = 0;
+    for (int k = 0; k < 200; ++k) {
+        const double a = (2 * k + 1) * pi / 2;
+        sum += term(a) * std::exp(-a * a * T);
+    }
+    return sum;
+}
+
+/// The wave of free vibration of a column on a fixed base, by its rate and frequency [1/s]: a root of
+/// (rho s^2 + c (M + Q)) (rho_w / n s^2 + gamma_w / k s + c Q) = (rho_w s^2 + c Q)^2, c = (pi / 2 H)^2.
+std::complex<double> vibration(double conductivity) {
+    const double c = std::pow(pi / 2 / height, 2), rho_w = 1000, drag = rho_w * conductivity_gravity / conductivity;
+    std::complex<double> s(-1, std::sqrt(c * (M + Q) / density));
+    for (int k = 0; k < 50; ++k) {
+        const auto soil = density * s * s + c * (M + Q), flow = rho_w / porosity * s * s + drag * s + c * Q;
+        const auto both = rho_w * s * s + c * Q;
+        const auto slope = 2 * density * s * flow + soil * (2 * rho_w / porosity * s + drag) - 4 * rho_w * s * both;
+        s -= (soil * flow - both * both) / slope;
+    }
+    return s;
+}
+
+struct Oscillation {
+    double rate, frequency;  ///< [1/s]
+};
+
+/// Of what begins as A e^(rate t) sin(frequency t) about a slow drift, from its zeros and the extremes between them.
+Oscillation oscillation(Run<>& run, double until) {
+    std::vector<double> zeros, extremes;
+    double before = 0, time = 0, most = 0;
+    while (run.time() < until) {
+        run.steps(1);
+        const double now = settlement(run);
+        if (before * now < 0) {
+            zeros.push_back(time + (run.time() - time) * before / (before - now));
+            extremes.push_back(most);
+            most = 0;
+        }
+        before = now, time = run.time(), most = std::max(most, std::fabs(now));
+    }
+    const std::size_t halves = (zeros.size() - 1) / 2 * 2;  // the drift of what consolidates moves every other zero
+    const double frequency = pi * static_cast<double>(halves) / (zeros[halves] - zeros[0]);
+    const double first = extremes[1] + extremes[2], last = extremes[halves - 1] + extremes[halves];
+    return {std::log(last / first) * frequency / pi / static_cast<double>(halves - 2), frequency};
+}
+
+}  // namespace
+
+TEST_CASE("a column consolidates as by Terzaghi") {
+    constexpr double load = 1e4, k = 3e-4, ramp = 0.03;
+    const double c_v = k / (1000 * conductivity_gravity * (1 / M + 1 / Q)), p0 = load * Q / (M + Q);
+    Scene scene = column(10, k);
+    TractionSpec plate;
+    plate.normal = {0, 1, 0}, plate.pressure = load;
+    plate.depth = 3 * scene.cell, plate.spacing = line_spacing(scene, plate);
+    plate.factor = {{0, ramp}, {0, 1}};
+    scene.course.tractions.push_back(plate);
+    Run<> run(scene);
+    for (const double T : {0.1, 0.2, 0.5}) {
+        while (run.time() < T / c_v + ramp / 2) run.steps(20);
+        const double now = c_v * (run.time() - ramp / 2);
+        const double U = 1 - series(now, [](double a) { return 2 / (a * a); });
+        const double base = series(now, [](double a) { return 2 / a * std::sin(a); });
+        const double settled = (settlement(run) - load / (M + Q)) / (load / M - load / (M + Q));
+        const double pressed = mean(run, [&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
+            return X[1] < 0.5 * scene.cell ? p.pore_pressure[s] / p0 * 20 : 0;
+        });
+        say(fmt::format("consolidation, 10 cells, T = {:.3f}: U {:.4f} for {:.4f}, base {:.4f} for {:.4f}", now,
+                        settled, U, pressed, base));
+        CHECK(settled == doctest::Approx(U).epsilon(0.01));
+        CHECK(std::fabs(pressed - base) <= 0.01);
+    }
+}
+
+TEST_CASE("waves of saturated soil have their speed, and drag takes what Darcy's law takes") {
+    for (const double k : {1e-9, 1e-3}) {
+        const std::complex<double> exact = vibration(k);
+        Scene scene = column(20, k);
+        scene.bodies[0].wave = {{0, 1e-3, 0}, 1, 0, 4 * height};
+        Run<> run(scene);
+        const Oscillation found = oscillation(run, 0.03);
+        say(fmt::format("vibration, k = {:.0e}: {:.2f} 1/s for {:.2f}, rate {:.3f} for {:.3f}", k, found.frequency,
+                        exact.imag(), found.rate, exact.real()));
+        CHECK(found.frequency == doctest::Approx(exact.imag()).epsilon(5e-3));
+        if (k > 1e-6) CHECK(found.rate == doctest::Approx(exact.real()).epsilon(0.05));
+        if (k > 1e-6) continue;
+        CHECK(std::fabs(found.rate) < 0.5);  // no more than the transfer takes
+        const double apart = run.largest([&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
+            return X[1] < 0.9 ? std::fabs(p.pore_pressure[s] + Q * p.ln_J[s]) : 0;
+        });
+        CHECK(apart <= 0.1 * Q * 1.3e-6);  // undrained: the water follows the volume
+    }
+}
+
+TEST_CASE("pressures of alternating sign fall, though they push no node") {
+    double left[2];
+    for (const double k : {1e-4, 1e-12}) {
+        Scene scene = column(20, k);
+        scene.walls[1][1].kind = WallKind::free_slip;
+        scene.max[1] = height;
+        Run<> run(scene);
+        run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
+            p.pore_pressure[s] = std::lround(X[1] / scene.cell) % 2 == 0 ? 1e3 : -1e3;
+        });
+        while (run.time() < 0.02) run.steps(50);
+        left[k < 1e-9] = mean(run, [&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
+            return p.pore_pressure[s] * (std::lround(X[1] / scene.cell) % 2 == 0 ? 1e-3 : -1e-3);
+        });
+    }
+    say(fmt::format("checkerboard after 20 ms: {:.4f} of it, undrained {:.4f}", left[0], left[1]));
+    CHECK(left[0] <= 0.05);
+    CHECK(left[1] >= 0.99);
+}
+
+TEST_CASE("water seeps down a slope as fast as Darcy's law says, and its ground stays") {
+    constexpr double slope = 20 * pi / 180, g = 9.81, k = 1e-3;
+    Scene scene = column(10, k);
+    scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
+    scene.walls[1][0].kind = WallKind::no_slip;
+    Run<> run(scene);
+    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
+        const double depth = height - X[1], along = k * std::sin(slope);
+        p.pore_pressure[s] = 1000 * g * std::cos(slope) * depth;
+        for (int a = 0; a < 3; ++a) p.stress[s][a] = -(density - 1000) * g * std::cos(slope) * depth;
+        p.stress[s][Sym<double, 2>::index(0, 1)] = density * g * std::sin(slope) * depth;
+        p.darcy_velocity[s][0] = along;
+    });
+    while (run.time() < 0.2) run.steps(50);
+    const double flux =
+        mean(run, [](const auto& p, std::uint32_t s, const auto&, const auto&) { return p.darcy_velocity[s][0]; });
+    const double base = mean(run, [&](const auto& p, std::uint32_t s, const auto& X, const auto&) {
+        return X[1] < 0.5 * scene.cell ? 20 * p.pore_pressure[s] : 0;
+    });
+    const double moved =
+        run.largest([](const auto&, std::uint32_t, const auto& X, const auto& x) { return std::fabs(x[1] - X[1]); });
+    say(fmt::format("seepage: w {:.5f} k sin(beta), base {:.4f}, moved {:.1e} h", flux / (k * std::sin(slope)),
+                    base / (1000 * g * std::cos(slope) * 0.975), moved / scene.cell));
+    CHECK(flux == doctest::Approx(k * std::sin(slope)).epsilon(0.01));
+    CHECK(base == doctest::Approx(1000 * g * std::cos(slope) * 0.975).epsilon(0.03));
+    CHECK(moved <= 1e-3 * scene.cell);
+}
