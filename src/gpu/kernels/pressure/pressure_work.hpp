@@ -113,7 +113,7 @@ struct PressureTask {
     Real dt;       ///< of it [s]
     Real time;     ///< half of the time from the start of the step to its middle [s]
     bool sums;     ///< writes what nodes take in this substep
-    bool tells;    ///< and what travels to other ranks, into tiles (pressure_nodes.cuh)
+    bool tells;    ///< and what travels to other ranks, into tiles (advance_pressures.cuh)
     Real damping;  ///< d [-]
 };
 
