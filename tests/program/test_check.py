@@ -21,17 +21,19 @@ class Check(moraine.ProgramTest):
         self.assertEqual((ended.code, ended.err), (0, ""), ended)
         return ended.out
 
-    def test_every_scene_is_checked_in_under_a_second(self):
+    def test_every_scene_is_checked_in_under_a_second_and_warned_of_nothing(self):
         scenes = sorted(INPUTS.glob("*.toml"))
         self.assertGreaterEqual(len(scenes), 6)
         for scene in scenes:
             with self.subTest(scene.name):
-                seconds = []
-                for _ in range(3):  # the least: other programs may be busy
+                limit, tries = 60 if moraine.SLOW else 1, 0
+                seconds = float("inf")
+                while seconds >= limit and tries < 3:  # the least: other programs may be busy
                     start = time.monotonic()
                     text = self.report(scene)
-                    seconds.append(time.monotonic() - start)
-                self.assertLess(min(seconds), 60 if moraine.SLOW else 1)
+                    seconds, tries = min(seconds, time.monotonic() - start), tries + 1
+                self.assertLess(seconds, limit)
+                self.assertNotIn("\nwarning", text)
                 for word in ("particles", "blocks", "dt", "steps", "memory"):
                     self.assertRegex(text, rf"(?m)^{word} +[\d.]+")
 
@@ -154,9 +156,6 @@ class Check(moraine.ProgramTest):
                 self.assertRegex(ended.err, rf"(?m)^Warning: {words}$")
                 ended = call("run", scene, *keys, *sets(time__end=0), "--output", self.folder / "run", "--overwrite", "--quiet")
                 self.assertEqual((ended.code, ended.err), (0, ""))
-        for scene in sorted(INPUTS.glob("*.toml")):
-            with self.subTest(scene.name):
-                self.assertNotIn("\nwarning", self.report(scene))
 
     def test_a_transfer_more_viscous_than_a_layer_is_warned_of(self):
         thin = sets(domain__cell=0.5, material__slurry__viscosity=5)
