@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "comm/comm.hpp"
+#include "comm/phases.hpp"
 #include "engine/engine.hpp"
 
 namespace moraine {
@@ -40,6 +41,9 @@ std::string compile_kernels(const Scene& scene, const std::string& folder, const
 
 /// Throws InputError, the same on all ranks, if a device has less free than its ranks need, `bytes` each. Collective.
 void check_device_memory(double bytes, const Comm& comm);
+
+/// Ranges of NVTX for profilers of devices, on hosts too; none where there is no device code.
+Profiler device_profiler();
 
 template <class Real, int Dim>
 using DeviceEngineMaker = std::function<std::unique_ptr<Engine<Real, Dim>>(const Method<Host, Real, Dim>&)>;

@@ -3,6 +3,7 @@
 #include <cuda_runtime.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <nvtx3/nvToolsExt.h>
 
 #include <cmath>
 #include <filesystem>
@@ -114,6 +115,10 @@ void check_device_memory(double bytes, const Comm& comm) {
             all * 1e-9, mine * 1e-9, static_cast<double>(free) * 1e-9, static_cast<double>(total) * 1e-9,
             static_cast<int>(std::ceil(all / (0.95 * static_cast<double>(total)))));
     comm.agree_no_error<InputError>(wrong);
+}
+
+Profiler device_profiler() {
+    return {[](const char* name) { nvtxRangePushA(name); }, [] { nvtxRangePop(); }};
 }
 
 template <class Real, int Dim>

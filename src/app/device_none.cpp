@@ -26,6 +26,10 @@ std::string compile_kernels(const Scene&, const std::string&, const std::vector<
 
 void check_device_memory(double, const Comm&) {}
 
+Profiler device_profiler() {
+    return {};
+}
+
 template <class Real, int Dim>
 DeviceEngineMaker<Real, Dim> device_engine_maker(const Scene&, const Comm&, const DeviceChoice&) {
     return nullptr;

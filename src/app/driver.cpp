@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/disk_space.hpp"
+#include "app/trace_file.hpp"
 #include "predict/capacity.hpp"
 #include "predict/scene_warnings.hpp"
 
@@ -48,6 +49,9 @@ Driver<Real, Dim>::Driver(const Scene& scene, const Options& options, const Comm
     if (!device.cuda && host_count(sim_.hosts()) > 1)
         sim_.hold_at_most(particles_in_memory(scene, {comm.size(), comm.on_this_machine().size, host_memory()}));
     watch_rest();
+    sim_.phases().tell(device_profiler());
+    if (!options.trace.empty()) timeline_ = std::make_unique<Timeline>(spans_of_rank(comm.size()));
+    sim_.phases().record(timeline_.get());
 }
 
 template <class Real, int Dim>
@@ -81,6 +85,7 @@ void Driver<Real, Dim>::begin() {
     const bool restarting = !options_.restart.empty();
     const RunClaim claim = this->claim();
     check_run_directory(comm_, directory_, claim);
+    if (timeline_) check_trace_file(comm_, options_.trace, directory_, options_.overwrite);
     RestartedRecords before;
     if (restarting) {
         const CheckpointReader file(comm_, options_.restart);
@@ -114,7 +119,9 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::run() {
-    begin();
+    comm_.barrier();  // time zero of all timelines
+    if (timeline_) timeline_->start();
+    sim_.phases().group({"start", true}, [&] { begin(); });
     watchdog_.be_patient(false);
     try {
         if (rest_ && !sim_.expects_supply()) rest_->look(sim_);
@@ -167,8 +174,9 @@ void Driver<Real, Dim>::advance() {
     if (due > 0 && comm_.is_root() && wall() - last_checkpoint_wall_ >= due) sim_.ask(ask_checkpoint);
     sim_.say_writing(records_.is_writing());
     sim_.leave_alone_until(next_look(), std::numeric_limits<std::int64_t>::max());
+    if (timeline_) timeline_->begin_step(sim_.clock().step);
     const double before = wall_clock();
-    sim_.step();
+    sim_.phases().group("step", [&] { sim_.step(); });
     sim_.balance();
     stepping_ += wall_clock() - before;
     watchdog_.step_finished(sim_.clock().step);
@@ -230,6 +238,7 @@ void Driver<Real, Dim>::finish(const std::string& ended_by) {
     records_.finish();
     progress_->finish({clock.step, clock.time, sim_.counts().particle_steps, 1}, wall());
     const std::string times = records_.summarize(ended_by, wall(), stepping_);
+    if (timeline_) write_trace(comm_, options_.trace, *timeline_, scene_.name, sim_.engine().device().name);
     if (!comm_.is_root() || options_.quiet) return;
     if (ended_by == "rest") fmt::print(stderr, "{}.\n", rest_->message());
     fmt::print(stderr, "{}Ended by {} at t = {:.6g} s. Results are in {}{}\n", times, ended_by, clock.time, directory_,

@@ -55,8 +55,9 @@ class Driver {
     std::unique_ptr<Progress> progress_;
     Watchdog& watchdog_;
     const WatchedPhases watched_;
-    double start_wall_ = 0;  ///< [s]
-    double stepping_ = 0;    ///< wall time of the steps alone [s]
+    std::unique_ptr<Timeline> timeline_;  ///< none without --trace
+    double start_wall_ = 0;               ///< [s]
+    double stepping_ = 0;                 ///< wall time of the steps alone [s]
     double last_checkpoint_wall_ = 0;
     std::int64_t next_checkpoint_ = 1;  ///< in checkpoint intervals
     std::int64_t last_checkpoint_step_ = -1;

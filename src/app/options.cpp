@@ -84,6 +84,8 @@ po::options_description run_options(Options& o) {
         "allow-change", po::value(&o.allow_changes)->value_name("KEY"),
         "a key that --set may change in a restart: a strength or numerics.damping; again for more")(
         "no-particles", po::bool_switch(&o.no_particles), "write no particles.vtkhdf, only the records")(
+        "trace", po::value(&o.trace)->value_name("FILE"),
+        "write what each rank did when, for Perfetto or chrome://tracing (docs/trace.md)")(
         "quiet", po::bool_switch(&o.quiet), "no progress");
     return options;
 }

@@ -23,6 +23,7 @@ struct Options {
     std::string partitioner;         ///< empty: the scene's
     std::string restart;             ///< checkpoint; empty: from the start
     std::vector<std::string> allow_changes;  ///< keys in which the scene may differ from the checkpoint's
+    std::string trace;                       ///< file for the timeline of all ranks; empty: none
     bool quiet = false;
     bool no_particles = false;  ///< outputs are the records alone, without particles.vtkhdf
     int ranks = 1;              ///< check: to predict memory for

@@ -152,7 +152,7 @@ void RunRecords<Real, Dim>::after_step() {
     const double time = sim_.clock().time;
     const double interval = scene_.output.interval;
     if (series_ && series_->under_way() && sim_.agreement().writing == 0)
-        sim_.phases().time(Phase::output, [&] { series_->advance(); });
+        sim_.phases().time(Phase::output, "write particles", [&] { series_->advance(); });
     if (interval > 0 && time >= static_cast<double>(next_output_) * interval) {
         sim_.conclude();
         output();
@@ -167,7 +167,7 @@ void RunRecords<Real, Dim>::after_step() {
 
 template <class Real, int Dim>
 void RunRecords<Real, Dim>::output() {
-    sim_.phases().time(Phase::output, [&] {
+    sim_.phases().time(Phase::output, {"output", true}, [&] {
         const TimeSeriesRow<Dim> row = observe(sim_, comm_);
         history_->row(row.values());
         warn(row);
@@ -193,7 +193,7 @@ void RunRecords<Real, Dim>::warn(const TimeSeriesRow<Dim>& row) {
 
 template <class Real, int Dim>
 void RunRecords<Real, Dim>::record_structures() {
-    sim_.phases().time(Phase::output, [&] { moraine::record_structures(sim_, *structures_); });
+    sim_.phases().time(Phase::output, "structures", [&] { moraine::record_structures(sim_, *structures_); });
     next_structures_ = next_multiple(scene_.output.structure_interval, sim_.clock().time);
 }
 
@@ -208,7 +208,7 @@ void RunRecords<Real, Dim>::sample_maps() {
             row.insert(row.end(), values.begin(), values.end());
             table.row(row);
         };
-        sim_.phases().time(Phase::output, [&] {
+        sim_.phases().time(Phase::output, "hazard maps", [&] {
             maps_->sample(sim_);
             if (clock.step == last_sample_step_) return;
             if (gauges_) append(*gauges_, maps_->gauge_values());
@@ -222,7 +222,7 @@ void RunRecords<Real, Dim>::sample_maps() {
 
 template <class Real, int Dim>
 void RunRecords<Real, Dim>::record_balance() {
-    if (loads_) sim_.phases().time(Phase::output, [&] { loads_->write(); });
+    if (loads_) sim_.phases().time(Phase::output, "block loads", [&] { loads_->write(); });
     const BalanceRow row = balance_row(sim_, comm_, reported_, reported_seconds_);
     balance_->row(row.values());
     if (row.reason != "memory" || std::exchange(said_memory_, true)) return;
@@ -235,7 +235,7 @@ void RunRecords<Real, Dim>::record_balance() {
 
 template <class Real, int Dim>
 void RunRecords<Real, Dim>::checkpoint(const std::vector<std::int64_t>& rest) {
-    sim_.phases().time(Phase::output, [&] {
+    sim_.phases().time(Phase::output, {"checkpoint", true}, [&] {
         sim_.conclude();
         if (path_) path_->write();
         if (series_) series_->finish();  // a restart does not write the outputs before its checkpoint again
@@ -250,7 +250,7 @@ void RunRecords<Real, Dim>::checkpoint(const std::vector<std::int64_t>& rest) {
 template <class Real, int Dim>
 void RunRecords<Real, Dim>::finish() {
     if (path_) path_->write();
-    if (series_) sim_.phases().time(Phase::output, [&] { series_->finish(); });
+    if (series_) sim_.phases().time(Phase::output, {"write particles", true}, [&] { series_->finish(); });
     if (maps_) maps_->write(directory_, map_tags(sim_, scene_warnings(scene_)));
 }
 

@@ -78,7 +78,7 @@ template <class Real>
 void RestWatch<Dim>::look(Simulation<Real, Dim>& sim) {
     if (!is_due(sim.clock().time)) return;
     sim.bin();
-    sim.phases().time(Phase::output, [&] { begin_next(sim); });
+    sim.phases().time(Phase::output, {"rest check", true}, [&] { begin_next(sim); });
 }
 
 template <int Dim>

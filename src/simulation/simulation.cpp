@@ -40,19 +40,19 @@ void Simulation<Real, Dim>::step() {
     begin_sums();
     for (const Round& round : method_.rounds) {
         const bool first = &round == &method_.rounds.front();
-        phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::boundary); });
+        phases_.time(Phase::p2g, "P2G boundary", [&] { engine_->sum(SharePart::boundary); });
         if (first) start_agreement(true);  // stable dt, displacement, faults: one reduction, overlapped
-        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
-        phases_.time(Phase::p2g, [&] { engine_->sum(SharePart::interior); });
+        phases_.time(Phase::halo, "send halo", [&] { engine_->send_halo(); });
+        phases_.time(Phase::p2g, "P2G interior", [&] { engine_->sum(SharePart::interior); });
         if (first) agree_on_dt();
         if (first) begin_structures();
-        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
-        phases_.time(Phase::nodes, [&] { engine_->solve_nodes(round, scales()); });
+        phases_.time(Phase::halo, "receive halo", [&] { engine_->receive_halo(); });
+        phases_.time(Phase::nodes, "solve nodes", [&] { engine_->solve_nodes(round, scales()); });
         if (round.nodes == NodeTask::hold) make_substeps();
-        phases_.time(Phase::g2p, [&] { engine_->gather(round, scales()); });
+        phases_.time(Phase::g2p, "G2P", [&] { engine_->gather(round, scales()); });
         ++counts_.exchanges;
     }
-    phases_.time(Phase::migrate, [&] { engine_->send_outgoing(scales()); });
+    phases_.time(Phase::migrate, "send outgoing", [&] { engine_->send_outgoing(scales()); });
     report_pending_ = true;
     clock_.time += clock_.dt;
     structures_.end_step(clock_.time, clock_.dt);
@@ -63,7 +63,7 @@ void Simulation<Real, Dim>::step() {
 template <class Real, int Dim>
 bool Simulation<Real, Dim>::engine_leads() {
     bool leads = false;
-    phases_.time(Phase::agree, [&] { leads = engine_->leads(); });
+    phases_.time(Phase::agree, "device leads", [&] { leads = engine_->leads(); });
     if (leads || !report_pending_ || agreement_.asks() || body_force_ || scene_.sleep.on || scene_.substeps != 1 ||
         !gravity_stays(scene_, clock_))
         return leads;
@@ -78,7 +78,7 @@ bool Simulation<Real, Dim>::engine_leads() {
     std::copy_n(clock_.gravity.begin(), Dim, rule.gravity);
     std::copy_n(clock_.gravity_impulse.begin(), Dim, clock.gravity_impulse);
     const LeadRequest<Dim> request{rule, clock, scales()};
-    phases_.time(Phase::agree, [&] { leads = engine_->leads(&request); });
+    phases_.time(Phase::agree, "device leads", [&] { leads = engine_->leads(&request); });
     return leads;
 }
 
@@ -99,22 +99,22 @@ template <class Real, int Dim>
 void Simulation<Real, Dim>::make_substeps() {
     Substep substep{0, substeps_, clock_.dt / substeps_};
     const auto run = [&](SubstepStage stage) {
-        phases_.time(Phase::nodes, [&] { engine_->substep(stage, substep, scales()); });
+        phases_.time(Phase::nodes, "substep", [&] { engine_->substep(stage, substep, scales()); });
     };
     if (scene_.water.on) {
         run(SubstepStage::sum_flow_boundary);
-        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        phases_.time(Phase::halo, "send halo", [&] { engine_->send_halo(); });
         run(SubstepStage::sum_flow_interior);
-        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        phases_.time(Phase::halo, "receive halo", [&] { engine_->receive_halo(); });
         run(SubstepStage::hold_flow);
         ++counts_.exchanges;
     }
     run(SubstepStage::find_pressures);
     for (; substep.number < substep.count; ++substep.number) {
         run(SubstepStage::sum_boundary);
-        phases_.time(Phase::halo, [&] { engine_->send_halo(); });
+        phases_.time(Phase::halo, "send halo", [&] { engine_->send_halo(); });
         run(SubstepStage::sum_interior);
-        phases_.time(Phase::halo, [&] { engine_->receive_halo(); });
+        phases_.time(Phase::halo, "receive halo", [&] { engine_->receive_halo(); });
         run(SubstepStage::solve_nodes);
         ++counts_.exchanges;
     }
@@ -123,7 +123,7 @@ void Simulation<Real, Dim>::make_substeps() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::bin() {
     if (engine_->leads()) throw std::logic_error("particles are read while the device makes steps by itself");
-    phases_.time(Phase::migrate, [&] { engine_->bin(); });
+    phases_.time(Phase::migrate, "bin", [&] { engine_->bin(); });
 }
 
 template <class Real, int Dim>
@@ -145,7 +145,7 @@ void Simulation<Real, Dim>::check_sleep() {
                    clock_.step < clock_.sleep_step + least_sleep_steps))
         return;
     structures_.place();
-    phases_.time(Phase::migrate,
+    phases_.time(Phase::migrate, "sleep check",
                  [&] { engine_->check_sleep(first, quantum(), structures_.empty() ? nullptr : &structures_); });
     clock_.sleep_check = clock_.time;
     clock_.sleep_step = clock_.step;
@@ -179,7 +179,7 @@ void Simulation<Real, Dim>::record_step() {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::start_agreement(bool with_requests) {
-    phases_.time(Phase::agree, [&] { record_step(); });
+    phases_.time(Phase::agree, "take report", [&] { record_step(); });
     const Census census = engine_->census();
     Agreement& own = agreement_.own();
     own.count = census.particles;
@@ -193,7 +193,7 @@ void Simulation<Real, Dim>::start_agreement(bool with_requests) {
 
 template <class Real, int Dim>
 void Simulation<Real, Dim>::agree_on_dt() {
-    phases_.time(Phase::agree, [&] { agreement_.finish(); });
+    phases_.time(Phase::agree, "agree on dt", [&] { agreement_.finish(); });
     const Agreement& agreed = agreement_.reached();
     if (agreed.faults) {
         engine_->receive_halo();  // leave no message behind
@@ -229,7 +229,7 @@ void Simulation<Real, Dim>::begin_structures() {
     std::vector<StructureSums<Dim>> felt;
     std::vector<TurningSums<Dim>> turning;
     if (structures_.any_free())
-        phases_.time(Phase::agree, [&] {
+        phases_.time(Phase::agree, "sum over structures", [&] {
             for (const StructureState<Dim>& state : structures_.states()) {
                 felt.push_back(state.pending);
                 if (structures_.any_turns()) turning.push_back(state.pending_turning);

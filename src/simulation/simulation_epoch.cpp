@@ -20,14 +20,14 @@ void Simulation<Real, Dim>::balance() {
     if (rebalance_.is_under_way()) return;
     if (some_come) return admit();
     if (epochs_.must_synchronize(*engine_) && epochs_.wants_next()) synchronize();
-    phases_.time(Phase::balance, [&] { epochs_.advance(*engine_); });
+    phases_.time(Phase::balance, "next epoch", [&] { epochs_.advance(*engine_); });
 }
 
 /// The binned state, with nothing under way.
 template <class Real, int Dim>
 void Simulation<Real, Dim>::synchronize() {
     bin();
-    phases_.time(Phase::agree, [&] { engine_->synchronize(); });
+    phases_.time(Phase::agree, "synchronize", [&] { engine_->synchronize(); });
 }
 
 template <class Real, int Dim>
@@ -58,7 +58,7 @@ void Simulation<Real, Dim>::begin_check() {
     ImbalanceCheck found;
     if (loads_.is_balanced(trigger_, clock_.step, found)) return rebalance_.skip(std::move(found));
     if (epochs_.must_synchronize(*engine_)) synchronize();
-    phases_.time(Phase::balance, [&] {
+    phases_.time(Phase::balance, "imbalance check", [&] {
         const BlockCounts mine = engine_->block_counts(loads_.weighs_cells());
         loads_.refine(mine, clock_.step, phases_.computing());
         const std::int64_t most = -comm_.max(-std::min(most_, mine.capacity));
@@ -74,14 +74,14 @@ void Simulation<Real, Dim>::begin_check() {
 template <class Real, int Dim>
 void Simulation<Real, Dim>::continue_check(bool now) {
     std::optional<EpochTables<Dim>> tables;
-    phases_.time(Phase::balance, [&] {
+    phases_.time(Phase::balance, "plan", [&] {
         const EpochLifetime& epoch = epochs_.lifetime();
         rebalance_.advance(clock_.step, agreement().making != 0, now || epoch.is_used_up() || epoch.next_is_used_up());
         if (rebalance_.state() == Rebalance<Dim>::State::due) tables = rebalance_.take();
     });
     if (!tables) return;
     synchronize();
-    phases_.time(Phase::balance, [&] { repartition(std::move(*tables)); });
+    phases_.time(Phase::balance, {"repartition", true}, [&] { repartition(std::move(*tables)); });
 }
 
 /// Begins the epoch that was planned, and brings blocks to their owners in it: also those that were empty then.
