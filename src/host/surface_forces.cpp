@@ -129,7 +129,18 @@ SurfaceShares<Dim> SurfaceForces<Real, Dim>::shares_at(std::int32_t near) const 
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
+void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping, bool twice) {
+    sweep(time, damping);
+    if (twice) sweep(time.second(), damping);
+    on_.pass(with_slaves_, 1, [&](int k, Real* tile) {
+        for (const SlaveNode<Dim>& slave : followers_[static_cast<std::size_t>(k)]) close_slave(k, slave, tile);
+    });
+    apply(&SurfaceMotion<Real, Dim>::slaves);
+}
+
+/// Elements act on what nodes have.
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
     on_.pass(givers_, 1, [&](int k, Real* tile) {
         each_touching(k, [&](const SurfaceElement<Dim>& e) {
             if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, time, damping, tile);
@@ -139,10 +150,6 @@ void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
         });
     });
     apply(&SurfaceMotion<Real, Dim>::elements);
-    on_.pass(with_slaves_, 1, [&](int k, Real* tile) {
-        for (const SlaveNode<Dim>& slave : followers_[static_cast<std::size_t>(k)]) close_slave(k, slave, tile);
-    });
-    apply(&SurfaceMotion<Real, Dim>::slaves);
 }
 
 template <class Real, int Dim>

@@ -51,8 +51,11 @@ struct ContactNode {
 
 /// The times of a round: a substep is shorter than the step in which particles go by what comes of it.
 struct ContactTime {
-    double dt;       ///< in which forces act [s]
+    double dt;       ///< in which forces act; 0: they have, and elements (core/surfaces) act once more [s]
     double closing;  ///< in which gaps may close [s]
+
+    MORAINE_HD bool is_second() const { return !(dt > 0); }
+    MORAINE_HD ContactTime second() const { return {0, closing}; }
 };
 
 /// Whether a node of the block whose lowest node is `node` may touch the structure. Ground: whether that may be one.

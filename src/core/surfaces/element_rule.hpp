@@ -79,19 +79,20 @@ MORAINE_HD double row_over(const SurfaceElement<Dim>& e, const Nodes& nodes, con
     return row;
 }
 
-/// l_n: what holds the soil out of the structure, per area. cell: h [m]; closing: in which gaps may close [s]; follows:
-/// as ElementImpulse's.
+/// l_n: what holds the soil out of the structure, per area. cell: h [m]; follows: as ElementImpulse's, of a first
+/// sweep.
 template <int Dim, class Nodes>
 MORAINE_HD double push_off(const SurfaceElement<Dim>& e, InterfaceLaw law, const ElementSlip<Dim>& slip, double cell,
-                           double closing, const Nodes& nodes, Vec<double, Dim>& follows) {
-    const double too_fast = -(e.gap > 0 ? e.gap * cell : 0.0) / closing - slip.leaves;
+                           const ContactTime& time, const Nodes& nodes, Vec<double, Dim>& follows) {
+    const double too_fast = -(e.gap > 0 ? e.gap * cell : 0.0) / time.closing - slip.leaves;
     if (!(too_fast > 0)) return 0;
     const double row =
         row_over(e, nodes, [&](const SurfaceShares<Dim>& shares) { return shares.along_normal(e.normal); });
     if (!(row > 0)) return 0;
+    if (time.is_second()) return (1 + comes_back(e.gap)) * too_fast / row;
     for (int a = 0; a < Dim; ++a)
         follows[a] = e.area / row * (law == InterfaceLaw::rough ? 1 : e.normal[a] * e.normal[a]);
-    return (1 + comes_back(e.gap)) * too_fast / row;
+    return too_fast / row;
 }
 
 /// l_t t_e: what the law takes of the slip, per area.
@@ -116,11 +117,12 @@ MORAINE_HD ElementImpulse<Dim> act_on_element(const SurfaceElement<Dim>& e, cons
                                               const Nodes& nodes) {
     ElementImpulse<Dim> impulse{zero_vec<double, Dim>(), zero_vec<double, Dim>(), 0};
     const ElementSlip<Dim> slip = slip_over(e, s, nodes);
-    const double pushed = push_off(e, s.law, slip, cell, time.closing, nodes, impulse.follows);
+    const double pushed = push_off(e, s.law, slip, cell, time, nodes, impulse.follows);
     const Pressing by{pushed, pressure > 0 ? pressure * time.dt : 0.0};
     const Vec<double, Dim> taken = slow_along(e, s.law, slip, by, time.dt, nodes);
     impulse.given = e.area * (taken - pushed * e.normal);
-    if (const double speed = magnitude(slip.along); speed > 0) impulse.along = e.area * magnitude(taken) / speed;
+    if (const double speed = magnitude(slip.along); speed > 0 && !time.is_second())
+        impulse.along = e.area * magnitude(taken) / speed;
     return impulse;
 }
 

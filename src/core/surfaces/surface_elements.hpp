@@ -17,9 +17,12 @@
 // element takes what acts in its own direction: what is across does not brake. A slave's share falls to the two nodes
 // that it follows (surface_geometry.hpp), or to the first where the second is not the cell's.
 //
-// Soil that is below the surface comes back with a share of the speed at which it presses, l_n (1 + q), q = -g_e / 0.05
-// h up to 1. One sweep leaves a part of a motion that differs from element to element, so that what rolls would sink in
-// step by step; and as a row sum bounds what elements do together, a share of up to 1 gains no energy, either.
+// One sweep leaves a part of a motion that differs from element to element, so that a solid that rolls would sink in
+// step by step. Where pressures are the particles' a second sweep acts on what is left, in no time: friction sees its
+// l_n alone, and no drag acts. There soil that is below the surface comes back, l_n (1 + q), q = -g_e / 0.05 h up to 1.
+// As a row sum bounds what elements do together, a share of up to 1 gains no energy; in the first sweep it would return
+// what forces gave in this step, and fluids at rest would rise (S24), as some do by a second sweep, which they do not
+// need.
 //
 // The law sees l_n and the pressure of the cell, N_e.
 
@@ -118,7 +121,8 @@ void give_away(const SurfaceNode<Dim>& slave, int o, SurfaceElement<Dim>& e) {
     if (has_second) e.weight[second] -= given;
 }
 
-/// The share of its speed across the surface with which soil comes back from below it; gap: [cells].
+/// The share of the speed that a first sweep has left across the surface with which soil comes back from below it; gap:
+/// [cells].
 MORAINE_HD double comes_back(double gap) {
     constexpr double whole_from = 0.05;
     return gap < -whole_from ? 1.0 : gap < 0 ? -gap / whole_from : 0.0;
