@@ -78,7 +78,7 @@ void run_fluids(const Wanted& wanted, const Report& report) {
     for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
         const auto number = static_cast<std::uint64_t>(n);
         Scene scene = fluid_scene(number);
-        if (wanted.defaults) scene.bed = Bed::surface, take_defaults(scene, Places(""));
+        if (wanted.defaults) take_defaults(scene, Places(""));
         const std::string description = fmt::format("scene {}: {}, {}, {}", n, name_of(fluid_kind(number)),
                                                     description_of(scene), grid_pressure_of(scene));
         if (wanted.names(description)) report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));

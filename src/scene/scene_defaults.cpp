@@ -33,8 +33,13 @@ bool has_absorbing_walls(const Scene& scene) {
            std::any_of(stages.begin(), stages.end(), [](const StageSpec& stage) { return absorbs(stage.walls); });
 }
 
-/// Whether pressures on cells are right with all else that the scene has. Beside structures that act at nodes still
-/// fluids sink (docs/adr/0011-pressure-at-structures.md).
+/// Beside structures that act at nodes still fluids with pressures on cells sink
+/// (docs/adr/0011-pressure-at-structures.md): who says nothing has surfaces with them.
+bool may_act_on_surfaces(const Scene& scene, const Places& places) {
+    return scene.bed == Bed::surface || !places.has("numerics.bed");
+}
+
+/// Whether pressures on cells are right with all else that the scene has.
 bool bears_grid_pressure(const Scene& scene, const Places& places) {
     const auto takes = [&](const MaterialSpec& m) {
         const LawInfo& law = *find_law(m.law);  // below Poisson's ratio 0.45 shear is nearly as fast as pressure
@@ -42,12 +47,13 @@ bool bears_grid_pressure(const Scene& scene, const Places& places) {
     };
     return std::all_of(scene.materials.begin(), scene.materials.end(), takes) && scene.shape == Shape::quadratic &&
            scene.stress_update == StressUpdate::usl && scene.transfer != Transfer::fmpm &&
-           (scene.structures.empty() || scene.bed == Bed::surface) && scene.course.tractions.empty() &&
+           (scene.structures.empty() || may_act_on_surfaces(scene, places)) && scene.course.tractions.empty() &&
            !gravity_changes(scene) && !has_absorbing_walls(scene);
 }
 
 /// A fluid resists compression as water does, and shear hardly: pressures of particles lock, and crowd them.
 void take_grid_pressure(Scene& scene) {
+    if (!scene.structures.empty()) scene.bed = Bed::surface;
     const auto take = [](MaterialSpec& m) {
         m.volumetric = Volumetric::grid, m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
     };

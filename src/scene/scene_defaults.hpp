@@ -10,9 +10,9 @@ namespace moraine {
 inline constexpr int substeps_by_scene = 0;
 
 /// Sets what was not written, of a scene that is read and not yet checked:
-///   structures           act on their surfaces (core/surfaces/)
 ///   fluids               pressures on cells, smoothed, with particle shifting, in substeps (core/fluid/), where all is
-///                        fluid that says none of these keys, and no structure acts at nodes
+///                        fluid that says none of these keys, and nobody asks for structures that act at nodes
+///   numerics.bed         with those, surfaces (core/surfaces/); else nodes
 ///   numerics.transfer    aflip where all is fluid with pressures on cells, else apic; flip with linear shapes
 ///   time.cfl             of that transfer
 void take_defaults(Scene& scene, const Places& places);

@@ -97,10 +97,12 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
      [](S& s, const V& v) { s.substeps = v.choice == 0 ? substeps_by_scene : static_cast<int>(v.integer); }},
     {{.name = "bed",
       .type = choice,
-      .standard = "\"nodes\"",
+      .standard = "",
       .choices = {"nodes", "surface"},
-      .meaning = "Where friction, no-slip and the pressure of cells act at structures: at nodes near them, or on the "
-                 "surface itself."},
+      .meaning =
+          "Where friction, no-slip and the pressure of cells act at structures: at nodes near them, or on the "
+          "surface itself; left out: surface where all is fluid that takes volumetric = \"grid\" by itself, else "
+          "nodes."},
      [](S& s, const V& v) { s.bed = static_cast<Bed>(v.choice); }},
     {{.name = "stress_update",
       .type = choice,
