@@ -52,6 +52,26 @@ MORAINE_HD CellPlace<Dim> cell_place(const Walls<Real, Dim>& walls, const BlockT
     return at;
 }
 
+/// Whether cell c of a block holds particles.
+template <int Dim>
+MORAINE_HD bool holds_particles(const ListView<Dim>& list, int block, int c) {
+    const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Block<Dim>::cells + 1) + c;
+    return bounds[0] != bounds[1];
+}
+
+/// f(o) of the cells with particles of the block around its cell c.
+template <int Dim, class F>
+MORAINE_HD void each_cell_beside(const ListView<Dim>& list, int block, int c, const F& f) {
+    for (int o = 0; o < Block<Dim>::cells; ++o) {
+        bool beside = true;
+        for (int a = 0; a < Dim; ++a) {
+            const int d = cell_coordinate<Dim>(o, a) - cell_coordinate<Dim>(c, a);
+            beside = beside && d >= -1 && d <= 1;
+        }
+        if (beside && holds_particles(list, block, o)) f(o);
+    }
+}
+
 /// What a cell takes of a particle.
 template <class Real, int Dim>
 struct CellParticle {
@@ -160,17 +180,12 @@ struct PressureFinder {
         CellPressure<Real>& hole = of_block[c];
         if (!(hole.volume > Real(0)) || hole.bulk > Real(0)) return;
         Real volume = Real(0), pressure = Real(0), modulus = Real(0);
-        for (int o = 0; o < cells; ++o) {
-            bool beside = true;
-            for (int a = 0; a < Dim; ++a) {
-                const int d = cell_coordinate<Dim>(o, a) - cell_coordinate<Dim>(c, a);
-                beside = beside && d >= -1 && d <= 1;
-            }
-            if (!beside || !holds_particles(block, o) || !(of_block[o].bulk > Real(0))) continue;
+        each_cell_beside<Dim>(list, block, c, [&](int o) {
+            if (!(of_block[o].bulk > Real(0))) return;
             volume += of_block[o].volume;
             pressure += of_block[o].volume * of_block[o].pressure;
             modulus += of_block[o].volume * of_block[o].bulk;
-        }
+        });
         if (volume > Real(0))
             hole.pressure = pressure / volume, hole.bulk = modulus / volume;
         else
@@ -194,11 +209,6 @@ struct PressureFinder {
         Real x[Dim][cell_powers];
         for (int a = 0; a < Dim; ++a) full_moments(capacity, a, base[a] + 1, x[a]);
         moments.add_product(share * context.cell_volume(), x);
-    }
-
-    MORAINE_HD bool holds_particles(int block, int c) const {
-        const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (cells + 1) + c;
-        return bounds[0] != bounds[1];
     }
 };
 

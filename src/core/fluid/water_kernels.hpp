@@ -178,26 +178,16 @@ struct PartCells {
         cell.bulk = borne * storage / volume;
     }
 
-    MORAINE_HD bool holds_particles(int block, int c) const {
-        const std::uint32_t* bounds = list.cell_first + std::size_t(block) * (Context::cells + 1) + c;
-        return bounds[0] != bounds[1];
-    }
-
     /// A cell without particles takes P' as it takes P (PressureFinder::fill_hole).
     MORAINE_HD void fill_hole(int block, int c) const {
         const std::size_t first = context.first_cell(block);
-        if (!(context.cell[first + std::size_t(c)].volume > Real(0)) || holds_particles(block, c)) return;
+        if (!(context.cell[first + std::size_t(c)].volume > Real(0)) || holds_particles(list, block, c)) return;
         Real volume = Real(0), sum = Real(0);
-        for (int o = 0; o < Context::cells; ++o) {
-            bool beside = holds_particles(block, o);
-            for (int a = 0; a < Dim; ++a) {
-                const int d = cell_coordinate<Dim>(o, a) - cell_coordinate<Dim>(c, a);
-                beside = beside && d >= -1 && d <= 1;
-            }
+        each_cell_beside<Dim>(list, block, c, [&](int o) {
             const CellPressure<Real>& other = context.cell[first + std::size_t(o)];
-            if (!beside || !(other.volume > Real(0))) continue;
+            if (!(other.volume > Real(0))) return;
             volume += other.volume, sum += other.volume * water[first + std::size_t(o)].effective;
-        }
+        });
         if (volume > Real(0)) water[first + std::size_t(c)].effective = sum / volume;
     }
 };
