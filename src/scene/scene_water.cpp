@@ -63,7 +63,7 @@ std::optional<Hindrance> water_hindered_by(const Scene& scene) {
                          "Leave it out?"};
     if (!scene.structures.empty())
         return Hindrance{"structure." + scene.structures.front().name, "structure." + scene.structures.front().name,
-                         "contact would count pore pressure as effective stress", "Use walls no-slip or free-slip?"};
+                         "contact would count pore pressure as effective stress", "Use walls?"};
     if (!scene.course.stages.empty())
         return Hindrance{"stage." + scene.course.stages.front().name, "[[stage]]",
                          "what it changes is not known to water", "Restart with --set?"};
@@ -73,12 +73,9 @@ std::optional<Hindrance> water_hindered_by(const Scene& scene) {
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t s = 0; s < 2; ++s) {
             const WallSpec& wall = scene.walls[a][s];
-            if (wall.kind == WallKind::friction || wall.absorbs)
-                return Hindrance{fmt::format("wall.{}-{}.kind", "xyz"[a], s == 0 ? "min" : "max"),
-                                 wall.absorbs ? "an absorbing wall" : "a wall of kind friction",
-                                 wall.absorbs ? "it knows one wave, and water has two"
-                                              : "it would count pore pressure as effective stress",
-                                 "Use no-slip or free-slip?"};
+            if (wall.absorbs)
+                return Hindrance{fmt::format("wall.{}-{}.kind", "xyz"[a], s == 0 ? "min" : "max"), "an absorbing wall",
+                                 "it knows one wave, and water has two", "Use no-slip or free-slip?"};
         }
     for (const BodySpec& b : scene.bodies)
         if (b.release_time > 0 || b.stage > 0 || b.hydrograph || b.shape == BodyShape::layer)

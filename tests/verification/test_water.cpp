@@ -98,6 +98,16 @@ Oscillation oscillation(Run<>& run, double until) {
     return {std::log(last / first) * frequency / pi / static_cast<double>(halves - 2), frequency};
 }
 
+/// Water that seeps along a slope through ground as high as the column, and bears its share.
+template <class View>
+void seep(double slope, double k, const View& p, std::uint32_t s, const std::array<double, 2>& X) {
+    const double depth = height - X[1], across = 9.81 * std::cos(slope) * depth;
+    p.pore_pressure[s] = 1000 * across;
+    for (int a = 0; a < 3; ++a) p.stress[s][a] = -(density - 1000) * across;
+    p.stress[s][Sym<double, 2>::index(0, 1)] = density * 9.81 * std::sin(slope) * depth;
+    p.darcy_velocity[s][0] = k * std::sin(slope);
+}
+
 }  // namespace
 
 TEST_CASE("a column consolidates as by Terzaghi") {
@@ -172,13 +182,7 @@ TEST_CASE("water seeps down a slope as fast as Darcy's law says, and its ground 
     scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
     scene.walls[1][0].kind = WallKind::no_slip;
     Run<> run(scene);
-    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) {
-        const double depth = height - X[1], along = k * std::sin(slope);
-        p.pore_pressure[s] = 1000 * g * std::cos(slope) * depth;
-        for (int a = 0; a < 3; ++a) p.stress[s][a] = -(density - 1000) * g * std::cos(slope) * depth;
-        p.stress[s][Sym<double, 2>::index(0, 1)] = density * g * std::sin(slope) * depth;
-        p.darcy_velocity[s][0] = along;
-    });
+    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { seep(slope, k, p, s, X); });
     while (run.time() < 0.2) run.steps(50);
     const double flux =
         mean(run, [](const auto& p, std::uint32_t s, const auto&, const auto&) { return p.darcy_velocity[s][0]; });
@@ -192,4 +196,28 @@ TEST_CASE("water seeps down a slope as fast as Darcy's law says, and its ground 
     CHECK(flux == doctest::Approx(k * std::sin(slope)).epsilon(0.01));
     CHECK(base == doctest::Approx(1000 * g * std::cos(slope) * 0.975).epsilon(0.03));
     CHECK(moved <= 1e-3 * scene.cell);
+}
+
+TEST_CASE("saturated ground slides on a wall as its effective stress says") {
+    constexpr double g = 9.81, friction = 0.5, over = 0.3 * pi / 180;
+    const double critical = std::atan(friction * (density - 1000) / density);  // FS = (gamma' / gamma) mu / tan(beta)
+    for (const double k : {1e-3, 1e-6})
+        for (const double slope : {critical - over, critical + over}) {
+            Scene scene = column(10, k);
+            scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
+            scene.walls[1][0].kind = WallKind::friction, scene.walls[1][0].friction = friction;
+            Run<> run(scene);
+            run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { seep(slope, k, p, s, X); });
+            while (run.time() < 0.3) run.steps(50);
+            const double speed =
+                mean(run, [](const auto& p, std::uint32_t s, const auto&, const auto&) { return p.velocity[s][0]; });
+            const double falls =
+                std::max(0.0, g * (std::sin(slope) - std::cos(slope) * std::tan(critical)) * run.time());
+            const double off = (speed - falls) / (g * run.time()) * 180 / pi;
+            say(
+                fmt::format("seepage on a wall with friction, k = {:.0e}, {:+.1f} degrees: {:.2e} m/s for {:.2e}, that "
+                            "is {:+.3f} degrees",
+                            k, (slope - critical) * 180 / pi, speed, falls, off));
+            CHECK(std::fabs(off) <= (slope < critical ? 0.001 : 0.2));
+        }
 }

@@ -2,7 +2,8 @@
 // Walls on the faces of the domain: what they do to nodes and to splines.
 //
 // Nodes: no-slip sets the velocity to zero, free-slip its normal part; friction does so while the
-// wall is pressed, and takes at most mu |dv_n| from the tangential part (Coulomb on the impulse).
+// wall is pressed, and takes at most mu |dv_n| from the tangential part (Coulomb on the impulse), less what pore water
+// bears of dv_n (nodes/water_nodes.hpp).
 //
 // Splines: a stencil of three or four nodes reaches one ghost node behind a closed wall. The ghost
 // follows by linear extrapolation, and what it is given goes to the two nodes it follows (the transpose):
@@ -30,11 +31,12 @@ struct Walls {
     Real friction[Dim][2];
     bool fold[Dim][2];  ///< extrapolate the ghost node behind this face
 
-    /// Applies the walls to a node's velocity.
-    MORAINE_HD void constrain(const int* node, Vec<Real, Dim>& v) const {
+    /// Applies the walls to a node's velocity. borne: what else than the soil bears of the impulse that stops it along
+    /// each axis, and no friction sees; over m, in the direction of the axis [m/s].
+    MORAINE_HD void constrain(const int* node, Vec<Real, Dim>& v, const Vec<Real, Dim>& borne = {}) const {
         for (int a = 0; a < Dim; ++a) {
-            if (node[a] <= plane[a][0]) constrain_at(a, 0, v);
-            if (node[a] >= plane[a][1]) constrain_at(a, 1, v);
+            if (node[a] <= plane[a][0]) constrain_at(a, 0, borne[a], v);
+            if (node[a] >= plane[a][1]) constrain_at(a, 1, -borne[a], v);
         }
     }
 
@@ -62,7 +64,7 @@ struct Walls {
     }
 
   private:
-    MORAINE_HD void constrain_at(int a, int side, Vec<Real, Dim>& v) const {
+    MORAINE_HD void constrain_at(int a, int side, Real borne, Vec<Real, Dim>& v) const {
         const WallKind k = kind[a][side];
         if (k == WallKind::no_slip) {
             for (int c = 0; c < Dim; ++c) v[c] = Real(0);
@@ -71,8 +73,9 @@ struct Walls {
         } else if (k == WallKind::friction) {
             const Real inward = side == 0 ? v[a] : -v[a];
             if (inward < Real(0)) {
+                const Real pressed = -inward - borne;
                 v[a] = Real(0);
-                slow_down(a, -inward * friction[a][side], v);
+                slow_down(a, (pressed > Real(0) ? pressed : Real(0)) * friction[a][side], v);
             }
         }
     }

@@ -127,14 +127,22 @@ struct Untouched {
     }
 };
 
+/// Of a node without water.
+struct NothingBorne {
+    template <class Velocity>
+    MORAINE_HD Velocity operator()(const Velocity&, const Velocity&) const {
+        return {};
+    }
+};
+
 /// The formula: from a node's sums (m, q) and (f, 0) to its velocities. former: its values of the round before, where
 /// the task remembers them. `node`: its index; null where no wall is near. touch(v) applies the structures and says
-/// whether one touches.
-template <class Real, int Dim, class Touch = Untouched>
+/// whether one touches; borne(start, trial) is what water bears of a wall (Walls::constrain).
+template <class Real, int Dim, class Touch = Untouched, class Borne = NothingBorne>
 MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, const Walls<Real, Dim>& walls,
                                            const Quad<Real>& sums, const Quad<Real>& force,
                                            const NodeValues<Real, Dim>& former, const int* node,
-                                           const Touch& touch = {}) {
+                                           const Touch& touch = {}, const Borne& borne = {}) {
     NodeMotion<Real, Dim> motion;
     motion.start = motion.trial = motion.end = zero_vec<Real, Dim>();
     const Real m = sums[0];
@@ -150,7 +158,7 @@ MORAINE_HD NodeMotion<Real, Dim> move_node(const NodeRound<Real, Dim>& round, co
     const bool touched = touch(v);
     if (round.damping > Real(0) && solves(round.task) && !touched) damp_node(round, force, inverse, v);
     if (node && round.task == NodeTask::again) walls.hold(node, former.first, v);
-    if (node) walls.constrain(node, v);
+    if (node) walls.constrain(node, v, borne(motion.start, motion.trial));
     motion.end = v;
     return motion;
 }
@@ -292,7 +300,7 @@ struct SolveNodes {
     }
 
     /// The sums of a substep, as those of a step: (m, q) and f.
-    MORAINE_HD void take_held(int c, int n, Scratch& scratch, const Real* out) const {
+    MORAINE_HD void take_held(int c, int n, const int* node, Scratch& scratch, const Real* out) const {
         const HeldNode<Real, Dim>& kept = held.node[stored(c, n)];
         Quad<Real>&sums = scratch.sums[2 * n], &force = scratch.sums[2 * n + 1];
         const Real mean = out[2 * quad - 1], m = out[quad - 1];
@@ -300,28 +308,20 @@ struct SolveNodes {
         Vec<Real, Dim> momentum, total;
         for (int a = 0; a < Dim; ++a) momentum[a] = m * out[a], total[a] = force[a] + m * kept.acceleration[a];
         sums = Quad<Real>::scaled_after(m, Real(1), momentum);
+        if (water.node) water.press_on_soil(stored(c, n), node, m, kept.filling, round.gravity, round.dt, total);
         force = Quad<Real>::scaled(Real(1), total) + Quad<Real>::of(Real(0), Real(0), Real(0), mean * m);
-        if (water.node) press_on_soil(c, n, scratch);
     }
 
-    /// The force of a substep as it moves the soil that its water goes through.
-    MORAINE_HD void press_on_soil(int c, int n, Scratch& scratch) const {
-        const std::size_t at = stored(c, n);
-        int node[Dim];
-        for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
-        Quad<Real>& force = scratch.sums[2 * n + 1];
-        const Real m = scratch.sums[2 * n][0];
-        Vec<Real, Dim> all;
-        for (int a = 0; a < Dim; ++a)
-            all[a] = water.force_on_soil(at, node, a, m, held.node[at].filling, force[a], round.gravity[a], round.dt);
-        force = Quad<Real>::scaled(Real(1), all) + Quad<Real>::of(Real(0), Real(0), Real(0), force[quad - 1]);
-    }
-
-    MORAINE_HD void flow(int c, int n, const int* node, Real m, const NodeMotion<Real, Dim>& motion) const {
-        const std::size_t at = stored(c, n);
-        Vec<Real, Dim> dv;
-        for (int a = 0; a < Dim; ++a) dv[a] = motion.end[a] - motion.start[a];
-        water.flow(at, node, m, held.node[at].filling, round.mass_cutoff, dv, round.dt);
+    /// Of a node that no structure touches.
+    MORAINE_HD NodeMotion<Real, Dim> move_untouched(std::size_t at, const int* node, bool border,
+                                                    const Scratch& scratch, int n,
+                                                    const NodeValues<Real, Dim>& former) const {
+        const Quad<Real>& sums = scratch.sums[2 * n];
+        return move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, Untouched{},
+                         [&](const Vec<Real, Dim>& start, const Vec<Real, Dim>& trial) {
+                             if (!water.node || round.task != NodeTask::substep) return zero_vec<Real, Dim>();
+                             return water.borne(at, node, sums[0], held.node[at].filling, start, trial, round.dt);
+                         });
     }
 
     MORAINE_HD void count_energy(int c, int item, int n, const int* node, bool counted,
@@ -336,13 +336,13 @@ struct SolveNodes {
 
     MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
         Real* out = grid.nodes + stored(c, n) * node_reals;
-        if (round.task == NodeTask::substep) take_held(c, n, scratch, out);
+        int node[Dim];
+        for (int a = 0; a < Dim; ++a) node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
+        if (round.task == NodeTask::substep) take_held(c, n, node, scratch, out);
         const Quad<Real>& sums = scratch.sums[2 * n];
         const bool counted = counts(round.task) && scratch.counted_by[n] < table.own;
-        int node[Dim];
         NodeValues<Real, Dim> former{};
         for (int a = 0; a < Dim; ++a) {
-            node[a] = 4 * table.node_position[c][a] - origin + cell_coordinate_of(n, a);
             if (remembers(round.task)) former.first[a] = out[a], former.second[a] = out[quad + a];
         }
         NodeMotion<Real, Dim> motion;
@@ -364,7 +364,7 @@ struct SolveNodes {
                     return touched;
                 });
         } else {
-            motion = move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr);
+            motion = move_untouched(stored(c, n), node, border, scratch, n, former);
         }
         if ((border || round.damping > Real(0)) && counted)
             for (int a = 0; a < Dim; ++a) {
@@ -377,7 +377,7 @@ struct SolveNodes {
             if (solves(round.task))
                 count_energy(c, item, n, border ? node : nullptr, counted, motion, {after, contacted.touched}, scratch);
         }
-        if (water.node && round.task == NodeTask::substep) flow(c, n, node, sums[0], motion);
+        if (water.node && round.task == NodeTask::substep) water.flow(stored(c, n), node, sums[0], held, round, motion);
         const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);

@@ -8,7 +8,8 @@
 // with more mass (docs/theory/water.md). What holds v (walls) acts between the two: first dw by both equations gives
 // the force on v, then dw again by the second and the dv that came out. Where nothing holds v both are the same; where
 // it is held, w does not feel the weight that a wall bears. A closed end holds w across it, an open one does not; along
-// it w is free.
+// it w is free. A wall's friction is by the effective stress: of the impulse m dv that holds v at a closed one, water
+// bears b dv - dts (b g + F), and at an open one b^2 / D dv, D = a + dts R.
 
 #include "core/grid/walls.hpp"
 
@@ -47,30 +48,47 @@ struct WaterNodes {
         for (int a = 0; a < Dim; ++a) w.force[a] = sums[1 + a];
     }
 
-    /// The force along an axis that moves v as both equations do. force: f without F [N].
-    MORAINE_HD Real force_on_soil(std::size_t index, const int* at, int a, Real m, Real filling, Real force,
-                                  Real gravity, Real dt) const {
+    /// Makes of the force f without F that which moves v as both equations do [N].
+    MORAINE_HD void press_on_soil(std::size_t index, const int* at, Real m, Real filling, const Vec<Real, Dim>& gravity,
+                                  Real dt, Vec<Real, Dim>& force) const {
         const WaterNode<Real, Dim>& w = node[index];
-        const Real all = force + w.force[a];
-        if (!(w.inertia > Real(0)) || holds(at, a)) return all;
         const Real b = filling * full_mass, D = w.inertia + dt * w.resistance;
-        const Real own = b * weight[a] + w.force[a] - w.resistance * w.flux[a];
-        return all - b * (m * own - b * (all + m * gravity)) / (m * D - b * b);
+        for (int a = 0; a < Dim; ++a) {
+            force[a] += w.force[a];
+            if (!(w.inertia > Real(0)) || holds(at, a)) continue;
+            const Real own = b * weight[a] + w.force[a] - w.resistance * w.flux[a];
+            force[a] -= b * (m * own - b * (force[a] + m * gravity[a])) / (m * D - b * b);
+        }
     }
 
-    /// w after the substep, by the dv that came out.
-    MORAINE_HD void flow(std::size_t index, const int* at, Real m, Real filling, Real cutoff, const Vec<Real, Dim>& dv,
-                         Real dt) const {
+    /// What a wall's friction does not see of the impulse along each axis that stops v there; over m [m/s]. start,
+    /// trial: v before and by forces alone. Along the wall w follows, so that friction moves m - b^2 / D.
+    MORAINE_HD Vec<Real, Dim> borne(std::size_t index, const int* at, Real m, Real filling, const Vec<Real, Dim>& start,
+                                    const Vec<Real, Dim>& trial, Real dt) const {
+        const WaterNode<Real, Dim>& w = node[index];
+        Vec<Real, Dim> borne = zero_vec<Real, Dim>();
+        if (!(w.inertia > Real(0))) return borne;
+        const Real b = filling * full_mass, D = w.inertia + dt * w.resistance, moved = Real(1) - b * b / (m * D);
+        for (int a = 0; a < Dim; ++a) {
+            const Real of_water = -(b * start[a] + dt * (b * weight[a] + w.force[a])) / m;
+            if (holds(at, a)) borne[a] = -trial[a] + (trial[a] + of_water) / moved;
+        }
+        return borne;
+    }
+
+    /// w after the substep, by the motion of the soil. held, round: as nodes.hpp has them.
+    MORAINE_HD void flow(std::size_t index, const int* at, Real m, const auto& held, const auto& round,
+                         const auto& motion) const {
         WaterNode<Real, Dim>& w = node[index];
-        const bool wet = w.inertia > Real(0) && m > cutoff;
-        const Real b = filling * full_mass, D = w.inertia + dt * w.resistance;
+        const bool wet = w.inertia > Real(0) && m > round.mass_cutoff;
+        const Real dt = round.dt, b = held.node[index].filling * full_mass, D = w.inertia + dt * w.resistance;
         for (int a = 0; a < Dim; ++a) {
             if (!wet || holds(at, a)) {
                 w.flux[a] = Real(0);
                 continue;
             }
             const Real own = b * weight[a] + w.force[a] - w.resistance * w.flux[a];
-            w.flux[a] += (dt * own - b * dv[a]) / D;
+            w.flux[a] += (dt * own - b * (motion.end[a] - motion.start[a])) / D;
         }
     }
 
