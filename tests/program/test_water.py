@@ -47,8 +47,8 @@ kind = "free-slip"
 face = "x-max"
 kind = "free-slip"
 """
-# What flows: a column that falls apart, half of it dry.
-COLUMN = BED.replace("max = [2.0, 1.0]\n[body.geostatic]\nsurface = 1.0\nk0 = 0.45\n", "max = [0.6, 1.0]\n") + """\
+# What flows: a column that falls apart and slides, half of it dry.
+COLUMN = BED.replace('kind = "no-slip"', 'kind = "friction"\nfriction = 0.3').replace("max = [2.0, 1.0]\n[body.geostatic]\nsurface = 1.0\nk0 = 0.45\n", "max = [0.6, 1.0]\n") + """\
 [[material]]
 name = "dust"
 law = "drucker-prager"
