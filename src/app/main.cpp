@@ -103,9 +103,10 @@ void check_device_scene(const Scene& scene) {
         throw InputError(
             fmt::format("{}: [[traction]] (devices do not have it). Use --device cpu?", scene.source.path));
     for (const StructureSpec& s : scene.structures)
-        if (turns(s.motion) || s.motion.collision)
-            throw InputError(fmt::format("{}: structure.{}, which {} (devices do not have it). Use --device cpu?",
-                                         scene.source.path, s.name, turns(s.motion) ? "turns" : "meets others"));
+        if (s.motion.collision)
+            throw InputError(
+                fmt::format("{}: structure.{}, which meets others (devices do not have it). Use --device cpu?",
+                            scene.source.path, s.name));
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));

@@ -219,7 +219,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     take_census();
     StepReport<Dim> report = reports_.take();
     if (sleepers_) sleepers_->add_taken(report.budget);
-    report.felt = contact_.structures.take();
+    contact_.structures.take(report.felt, report.turning);
     report.seconds = reports_.watch.take();
     store_.clock.step();
     if (lead_) lead_->note_timed(report.seconds);

@@ -121,10 +121,7 @@ void SurfaceBlocks<Real, Dim>::tell(int structure, const Vec<double, Dim>& impul
     double all[StructureSums<Dim>::count] = {};
     const Structure<Dim>& s = scene.field.structure[structure];
     structure_values(scene.field, s, impulse, place, follows, all);
-    if (s.turns) {
-        for (int a = 0; a < moments<Dim>; ++a) all[Dim + a] += couple[a];
-        all[StructureSums<Dim>::work] += dot(couple, s.spin);
-    }
+    if (s.turns) add_couple(s, couple, all);
     add_shared(scene.felt[structure].sum, scene.quantum, all);
 }
 

@@ -111,34 +111,17 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     void tell_following(int structure, const Following<Dim>& by) const {
         add_following(by, scene.quantum, scene.turning[structure]);
     }
-    /// The moment about `place` of what the nodes of cell c of block k give: of(n, at), n of the stencil, `at` in the
-    /// tile [kg m/s]. It differs from that of their sum there where some lack soil, or give another share.
-    template <class Of>
-    Vec<double, moments<Dim>> couple_of(int k, int c, const Structure<Dim>& s, const Vec<double, Dim>& place,
-                                        const Of& of) const;
+    /// Of the node in the middle of cell c of block k, beside a structure [m].
+    Vec<double, Dim> centre_of(int k, int c, const Structure<Dim>& s) const {
+        const Place node = at(k).cell_node(c);
+        return node_place(scene.field, s, &node[0], 0.0);
+    }
 
   private:
     void index_nodes();
     void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
     void sum_nodes(int j, int quads);
 };
-
-template <class Real, int Dim>
-template <class Of>
-Vec<double, moments<Dim>> SurfaceBlocks<Real, Dim>::couple_of(int k, int c, const Structure<Dim>& s,
-                                                              const Vec<double, Dim>& place, const Of& of) const {
-    const Place node = at(k).cell_node(c);
-    const Vec<double, Dim> arm = node_place(scene.field, s, &node[0], 0.0) - place;
-    Vec<double, moments<Dim>> sum = zero_vec<double, moments<Dim>>();
-    int n = 0;
-    each_node<Dim, 3>([&](int to, int i, int j, int l) {
-        const int offset[3] = {i - 1, j - 1, l - 1};
-        Vec<double, Dim> own = arm;
-        for (int a = 0; a < Dim; ++a) own[a] += scene.field.cell * offset[a];
-        sum = sum - (-1.0) * moment_of(own, of(n++, to));
-    });
-    return sum;
-}
 
 template <class Real, int Dim>
 template <class Write>

@@ -145,7 +145,8 @@ void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
         each_touching(k, [&](const SurfaceElement<Dim>& e) {
             if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, time, damping, tile);
             SurfaceElement<Dim> moved = e;
-            moved.place = middle_of(k, e);
+            moved.place = middle_of(e, on_.centre_of(k, e.cell, on_.scene.field.structure[e.structure]), on_.h,
+                                    NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
             act_on(k, moved, time, damping, tile);
         });
     });
@@ -169,35 +170,7 @@ void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const
         for (int a = 0; a < Dim; ++a) tile[n * node_reals + a] -= static_cast<Real>(w * impulse.given[a]);
     });
     on_.tell(e.structure, heavy * impulse.given, e.place, impulse.follows);
-    if (s.turns) tell_following(e, impulse);
-}
-
-/// Of an element on a structure that turns: the middle of its nodes with soil, by their weights. There it meets the
-/// soil that it acts on, so that what nodes lose in moments is what it gets, and its work theirs.
-template <class Real, int Dim>
-Vec<double, Dim> SurfaceForces<Real, Dim>::middle_of(int k, const SurfaceElement<Dim>& e) const {
-    const Place node = on_.at(k).cell_node(e.cell);
-    const ContactField<Dim>& field = on_.scene.field;
-    const Vec<double, Dim> cell = node_place(field, field.structure[e.structure], &node[0], 0.0);
-    Vec<double, Dim> sum = zero_vec<double, Dim>();
-    double heavy = 0;
-    int n = 0;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const int offset[3] = {i - 1, j - 1, l - 1};
-        const double w = on_.values(on_.node_at(k, tile_offset<Dim, 3>(e.cell) + at)) ? e.weight[n] : 0.0;
-        for (int a = 0; a < Dim; ++a) sum[a] += w * field.cell * offset[a];
-        heavy += w, ++n;
-    });
-    return heavy > 0 ? cell - (-1 / heavy) * sum : e.place;
-}
-
-template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::tell_following(const SurfaceElement<Dim>& e, const ElementImpulse<Dim>& impulse) {
-    const Structure<Dim>& s = on_.scene.field.structure[e.structure];
-    double across = 0;
-    for (int a = 0; a < Dim; ++a) across += impulse.follows[a];
-    if (s.law == InterfaceLaw::rough) across /= Dim;
-    on_.tell_following(e.structure, {across, impulse.along, e.normal, e.place - s.at});
+    if (s.turns) on_.tell_following(e.structure, following_of(e, s, impulse));
 }
 
 /// Who follows in this step: slaves and their masters are known by place.

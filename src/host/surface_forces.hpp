@@ -59,8 +59,6 @@ class SurfaceForces {
     void find_slaves();
     void sweep(const ContactTime& time, double damping);
     void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
-    Vec<double, Dim> middle_of(int k, const SurfaceElement<Dim>& e) const;
-    void tell_following(const SurfaceElement<Dim>& e, const ElementImpulse<Dim>& impulse);
     bool acts(int k, const Slave& slave) const;
     void close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const;
     using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;

@@ -236,18 +236,8 @@ void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
     const Structure<Dim>& s = on_.scene.field.structure[structure];
     if (!s.turns) return on_.tell(structure, given, place);
     place = image_near(on_.scene.field, s, place);
-    on_.tell(structure, given, place, zero_vec<double, Dim>(), impulse * couple_of(k, c, s, place));
-}
-
-template <class Real, int Dim>
-Vec<double, moments<Dim>> SurfacePressures<Real, Dim>::couple_of(int k, int c, const Structure<Dim>& s,
-                                                                 const Vec<double, Dim>& place) const {
-    const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
-    return on_.couple_of(k, c, s, place, [&](int i, int) {
-        Vec<double, Dim> row;
-        for (int a = 0; a < Dim; ++a) row[a] = double(cell.factor[i].gradient[a]);
-        return row;
-    });
+    on_.tell(structure, given, place, zero_vec<double, Dim>(),
+             impulse * couple_of(cell, on_.centre_of(k, c, s) - place, on_.h));
 }
 
 template <class Real, int Dim>

@@ -75,12 +75,11 @@ class SurfacePressures {
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
     void close_cell(int k, int c, const Substep& first);
     void tell_pressure(int k, int c, double impulse);
-    /// The moment of G_ic about `place` [m^d].
-    Vec<double, moments<Dim>> couple_of(int k, int c, const Structure<Dim>& s, const Vec<double, Dim>& place) const;
     /// The flux that a structure gives a cell by turning [m^d/s].
     double turned_flux(int k, int c) const {
         const Structure<Dim>& s = on_.scene.field.structure[on_.cell_at(k, c).structure];
-        return s.turns ? dot(s.spin, couple_of(k, c, s, s.at)) : 0.0;
+        const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
+        return s.turns ? dot(s.spin, couple_of(cell, on_.centre_of(k, c, s) - s.at, on_.h)) : 0.0;
     }
     std::size_t first_cell(std::int32_t block) const { return std::size_t(on_.patch.grid().tile_of[block]) * cells; }
     void tell_holes(int k, int c, Real* tile) const;

@@ -11,6 +11,8 @@
 #include "gpu/compile/runtime_compiler.hpp"
 #include "gpu/kernels/programs.hpp"
 #include "scene/read_scene.hpp"
+#include "surface_scenes.hpp"
+#include "turning_scene.hpp"
 
 using namespace moraine;
 
@@ -69,6 +71,27 @@ TEST_CASE("kernels of shipped scenes compile, and their registers suffice") {
         CHECK(largest(compiled.log, "bytes spill stores") <= 64);
         CHECK(largest(compiled.log, "bytes spill stores") >= 0);
     }
+}
+
+TEST_CASE("only programs of scenes with a structure that turns know of turning, and their registers suffice") {
+    for (int dimensions : {2, 3})
+        for (Precision precision : {Precision::single_, Precision::double_}) {
+            CAPTURE(dimensions);
+            Scene scene = test::wet(test::on_surface(test::turning_on_slope(dimensions)), 1);
+            scene.precision = precision;
+            const auto knows = [&] {
+                return gpu::merged(gpu::programs_of(kernel_key(scene))).text().find("MORAINE_TURNS") !=
+                       std::string::npos;
+            };
+            CHECK(knows());
+            gpu::Program program = gpu::surfaces_program(kernel_key(scene));
+            program = gpu::merged({program, gpu::nodes_program(kernel_key(scene), true, false)});
+            const gpu::CompiledProgram compiled = gpu::RuntimeCompiler::instance().compile(program, 90);
+            CHECK(compiled.names.size() == program.kernels.size());
+            CHECK(largest(compiled.log, "bytes spill stores") <= 64);
+            for (StructureSpec& s : scene.structures) s.motion.turns = false, s.motion.angular_velocity.clear();
+            CHECK(!knows());
+        }
 }
 
 TEST_CASE("what does not compile is told with the compiler's words") {

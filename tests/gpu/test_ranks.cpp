@@ -10,6 +10,7 @@
 #include "simulation/diagnostics.hpp"
 #include "sleep_scene.hpp"
 #include "surface_scenes.hpp"
+#include "turning_scene.hpp"
 
 using namespace moraine;
 
@@ -174,6 +175,17 @@ TEST_CASE("thin layers on structures that rest, move and are free end with the s
     rounds.transfer = Transfer::apic;
     rounds.stress_update = StressUpdate::musl;
     compare<2>(rounds, 60);
+}
+
+TEST_CASE(
+    "structures that turn, told and free, at nodes and on surfaces, give the same bits on any number of devices") {
+    for (Bed bed : {Bed::nodes, Bed::surface}) {
+        Scene flat = test::turning_on_slope(2), deep = test::turning_on_slope(3);
+        flat.bed = deep.bed = bed;
+        deep.precision = Precision::single_;
+        compare<2>(flat, 80);
+        compare<3>(deep, 40);
+    }
 }
 
 TEST_CASE("a bed that falls asleep and is struck ends with the same bits on any number of devices") {

@@ -59,14 +59,14 @@ struct ContactTime {
 };
 
 /// Whether a node of the block whose lowest node is `node` may touch the structure. Ground: whether that may be one.
-template <bool Ground = true, int Dim>
+template <bool Ground = true, bool Turns = may_turn, int Dim>
 MORAINE_HD bool is_near(const ContactField<Dim>& f, const Structure<Dim>& s, const int* node) {
     const double reach = f.cell * (look_from + 1.5 * (Dim == 2 ? 1.4143 : 1.7321));  // and half of the block's diagonal
     const Vec<double, Dim> middle = node_place(f, s, node, 1.5);
     if constexpr (Ground)
         return distance_bound(s, f.corners, middle) < reach;
     else
-        return surface_of_body(s, f.corners, middle).distance < reach;
+        return surface_of_body<Turns>(s, f.corners, middle).distance < reach;
 }
 
 /// The ground at x. kept: the node's; on a device it is known (gpu/kernels/gaps/gaps.cu), on the host it may be null.

@@ -23,7 +23,7 @@ struct StructureSums {
 };
 
 /// How what a structure that turns got in one step would change with its motion (V, w): the upper half of K, row by row
-/// [kg, kg m, kg m2]. On the host.
+/// [kg, kg m, kg m2].
 template <int Dim>
 struct TurningSums {
     static constexpr int axes = Dim + moments<Dim>;
@@ -42,12 +42,12 @@ struct Following {
     Vec<double, Dim> normal, arm;
 };
 
-/// K += sum over axes a, b of A_ab (e_a, r x e_a) (e_b, r x e_b),  A = along 1 + (across - along) n n. By several
-/// threads at once.
+/// What it adds to K: sum over axes a, b of A_ab (e_a, r x e_a) (e_b, r x e_b),  A = along 1 + (across - along) n n.
 template <int Dim>
-void add_following(const Following<Dim>& by, const Quantum& quantum, TurningSums<Dim>& to) {
+MORAINE_HD void following_values(const Following<Dim>& by, double (&all)[TurningSums<Dim>::count]) {
     constexpr int axes = TurningSums<Dim>::axes;
-    double way[Dim][axes], all[TurningSums<Dim>::count] = {};
+    double way[Dim][axes];
+    for (double& value : all) value = 0;
     for (int a = 0; a < Dim; ++a) {
         Vec<double, Dim> unit = zero_vec<double, Dim>();
         unit[a] = 1;
@@ -62,6 +62,13 @@ void add_following(const Following<Dim>& by, const Quantum& quantum, TurningSums
             for (int i = 0; i < axes; ++i)
                 for (int j = i; j < axes; ++j) all[q++] += mass * way[a][i] * way[b][j];
         }
+}
+
+/// By several threads at once.
+template <int Dim>
+void add_following(const Following<Dim>& by, const Quantum& quantum, TurningSums<Dim>& to) {
+    double all[TurningSums<Dim>::count];
+    following_values(by, all);
     add_shared(to.sum, quantum, all);
 }
 

@@ -41,7 +41,7 @@ MORAINE_HD CellSpan<Real> span_in_cell(const DomainEnds<Real, Dim>& ends, int a,
 
 /// Moves a particle of the block at `position` that is too deep. Returns whether it was. `buried`: whether it stands so
 /// deep in the ground that it is left where it is.
-template <class Real, int Dim>
+template <class Real, int Dim, bool Turns = may_turn>
 MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s, const DomainEnds<Real, Dim>& ends,
                             const Vec<std::int32_t, Dim>& position, Vec<Coordinate<Real>, Dim>& u,
                             bool* buried = nullptr, const GroundBound<Dim>* bound = nullptr) {
@@ -51,7 +51,7 @@ MORAINE_HD bool limit_depth(const ContactField<Dim>& f, const Structure<Dim>& s,
     if (bound && bound->is_over(x)) return false;
     // most soil is above the ground: that takes one look at its height
     if (s.shape == StructureShape::ground && distance_bound(s, f.corners, x) > 0) return false;
-    const Surface<Dim> at = surface(s, f.corners, x);
+    const Surface<Dim> at = surface<Turns>(s, f.corners, x);
     const double depth = -at.distance / f.cell;
     if (buried && s.shape == StructureShape::ground && depth >= put_inside) *buried = true;
     if (!(depth > deepest_place && depth < put_inside)) return false;

@@ -24,6 +24,14 @@ namespace moraine {
 /// What of a ground's law has a table of its own, in this order; bits of Structure::corners.
 enum BedTables { bed_friction = 1, bed_cap = 2 };
 
+/// Whether what is asked may turn: kernels of a device know none that does unless their program (MORAINE_TURNS) or an
+/// argument of their template says that the scene has one.
+#if defined(__CUDA_ARCH__) && !defined(MORAINE_TURNS)
+inline constexpr bool may_turn = false;
+#else
+inline constexpr bool may_turn = true;
+#endif
+
 /// Axes about which a structure can turn.
 template <int Dim>
 inline constexpr int moments = Dim == 2 ? 1 : 3;
@@ -41,7 +49,7 @@ struct Structure {
     bool follows_soil;               ///< undrained: the soil bears a share of `cap` (SoilShare)
     double friction;                 ///< Coulomb coefficient [-]
     double cap;                      ///< largest shear stress [Pa]; voellmy: that at 1 m/s
-    bool turns;                      ///< `along` and corners are in its own axes, which turn about `at`; not on devices
+    bool turns;                      ///< `along` and corners are in its own axes, which turn about `at`
     Mat<double, Dim> turn;           ///< from its own axes to the scene's
     Vec<double, moments<Dim>> spin;  ///< angular velocity in this step [rad/s]
 };
@@ -112,9 +120,8 @@ MORAINE_HD Vec<double, 3> swept_by(const Vec<double, 3>& w, const Vec<double, 3>
 /// V + w x r of the structure at x, beside it and not at a periodic image [m/s].
 template <int Dim>
 MORAINE_HD Vec<double, Dim> velocity_at(const Structure<Dim>& s, const Vec<double, Dim>& x) {
-#if !defined(__CUDA_ARCH__)
-    if (s.turns) return s.velocity - (-1.0) * swept_by(s.spin, x - s.at);
-#endif
+    if constexpr (may_turn)
+        if (s.turns) return s.velocity - (-1.0) * swept_by(s.spin, x - s.at);
     return s.velocity;
 }
 
@@ -275,25 +282,23 @@ MORAINE_HD Surface<Dim> surface_in_own_axes(const Structure<Dim>& s, const Vec<d
 }
 
 /// The same at x [m].
-template <int Dim>
+template <bool Turns = may_turn, int Dim>
 MORAINE_HD Surface<Dim> surface_of_body(const Structure<Dim>& s, const Vec<double, 2>* corners,
                                         const Vec<double, Dim>& x) {
     Vec<double, Dim> from = x - s.at;
-#if !defined(__CUDA_ARCH__)
-    if (s.turns) from = turned_back(s.turn, from);
-#endif
+    if constexpr (Turns)
+        if (s.turns) from = turned_back(s.turn, from);
     Surface<Dim> at = surface_in_own_axes(s, corners, from);
-#if !defined(__CUDA_ARCH__)
-    if (s.turns) at.normal = s.turn * at.normal;
-#endif
+    if constexpr (Turns)
+        if (s.turns) at.normal = s.turn * at.normal;
     return at;
 }
 
 /// Of any structure; `corners` also has the tables of ground.
-template <int Dim>
+template <bool Turns = may_turn, int Dim>
 MORAINE_HD Surface<Dim> surface(const Structure<Dim>& s, const Vec<double, 2>* corners, const Vec<double, Dim>& x) {
     if (s.shape == StructureShape::ground) return ground_surface(corners + s.first_corner, s.radius, x);
-    return surface_of_body(s, corners, x);
+    return surface_of_body<Turns>(s, corners, x);
 }
 
 /// No more than the distance, and it grows by at most the way walked.

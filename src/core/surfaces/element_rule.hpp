@@ -138,6 +138,42 @@ MORAINE_HD void structure_values(const ContactField<Dim>& field, const Structure
     all[StructureSums<Dim>::work] = dot(impulse, velocity_at(s, beside));
 }
 
+/// And of a couple besides [kg m2/s].
+template <int Dim>
+MORAINE_HD void add_couple(const Structure<Dim>& s, const Vec<double, moments<Dim>>& couple,
+                           double (&all)[StructureSums<Dim>::count]) {
+    for (int a = 0; a < moments<Dim>; ++a) all[Dim + a] += couple[a];
+    all[StructureSums<Dim>::work] += dot(couple, s.spin);
+}
+
+/// Of an element on a structure that turns: the middle of its nodes with soil, by their weights. There it meets the
+/// soil that it acts on, so that what nodes lose in moments is what it gets, and its work theirs. centre: the node in
+/// the middle of its cell, beside the structure [m]; cell: h [m].
+template <int Dim, class Nodes>
+MORAINE_HD Vec<double, Dim> middle_of(const SurfaceElement<Dim>& e, const Vec<double, Dim>& centre, double cell,
+                                      const Nodes& nodes) {
+    Vec<double, Dim> sum = zero_vec<double, Dim>();
+    double heavy = 0;
+    int n = 0;
+    each_node<Dim, 3>([&](int at, int i, int j, int l) {
+        const int offset[3] = {i - 1, j - 1, l - 1};
+        const double w = nodes.values(at) ? e.weight[n] : 0.0;
+        for (int a = 0; a < Dim; ++a) sum[a] += w * cell * offset[a];
+        heavy += w, ++n;
+    });
+    return heavy > 0 ? centre - (-1 / heavy) * sum : e.place;
+}
+
+/// What of the soil at an element follows a structure that turns.
+template <int Dim>
+MORAINE_HD Following<Dim> following_of(const SurfaceElement<Dim>& e, const Structure<Dim>& s,
+                                       const ElementImpulse<Dim>& impulse) {
+    double across = 0;
+    for (int a = 0; a < Dim; ++a) across += impulse.follows[a];
+    if (s.law == InterfaceLaw::rough) across /= Dim;
+    return {across, impulse.along, e.normal, e.place - s.at};
+}
+
 /// Whether elements touch a slave, and all three nodes hold soil. own, one, two: their values, null without soil.
 template <int Dim, class Real>
 MORAINE_HD bool slave_acts(const Real* own, const Real* one, const Real* two, const SurfaceShares<Dim>& shares) {

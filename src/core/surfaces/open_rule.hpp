@@ -241,6 +241,22 @@ MORAINE_HD Real flux_into(const OpenCell<Real, Dim>& cell, const Structure<Dim>&
     return flux;
 }
 
+/// The moment of G_ic about a place [m^d]: it differs from that of their sum there where some nodes lack soil, or give
+/// another share. arm: from there to the node in the middle of the cell's stencil; h [m].
+template <class Real, int Dim>
+MORAINE_HD Vec<double, moments<Dim>> couple_of(const OpenCell<Real, Dim>& cell, const Vec<double, Dim>& arm, double h) {
+    Vec<double, moments<Dim>> sum = zero_vec<double, moments<Dim>>();
+    int n = 0;
+    each_node<Dim, 3>([&](int, int i, int j, int l) {
+        const int offset[3] = {i - 1, j - 1, l - 1};
+        const CellNode<Real, Dim>& g = cell.factor[n++];
+        Vec<double, Dim> own = arm, row;
+        for (int a = 0; a < Dim; ++a) own[a] += h * offset[a], row[a] = double(g.gradient[a]);
+        sum = sum - (-1.0) * moment_of(own, row);
+    });
+    return sum;
+}
+
 /// What a substep's flux makes of a cell. time: half of that from the start of the step to the middle of it [s].
 template <class Real, int Dim>
 MORAINE_HD void advance_open_cell(Real flux, Real dt, Real time, OpenCell<Real, Dim>& cell) {

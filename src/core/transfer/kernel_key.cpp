@@ -69,6 +69,8 @@ KernelKey kernel_key(const Scene& scene) {
     });
     key.light_nodes = limits_accelerations(scene);
     key.structures = !scene.structures.empty();
+    key.turning = std::any_of(scene.structures.begin(), scene.structures.end(),
+                              [](const StructureSpec& s) { return turns(s.motion); });
     key.surfaces = key.structures && scene.bed == Bed::surface;
     key.sleep = scene.sleep.on;
     key.single_round = rounds_of(scene).size() == 1;
@@ -89,8 +91,8 @@ std::string KernelKey::text() const {
     };
     add(light_nodes, "light nodes"), add(cell_means, "means of cells"),
         add(fluid == FluidGrid::means, "means of nodes");
-    add(fluid == FluidGrid::pressure, "pressure on the grid"), add(structures, "contact"), add(surfaces, "surfaces"),
-        add(sleep, "sleep");
+    add(fluid == FluidGrid::pressure, "pressure on the grid"), add(structures, "contact"), add(turning, "turning"),
+        add(surfaces, "surfaces"), add(sleep, "sleep");
     return words + terms;
 }
 

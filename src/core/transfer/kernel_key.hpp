@@ -40,6 +40,7 @@ struct KernelKey {
     bool cell_means;   ///< of some body's material
     bool light_nodes;  ///< accelerations are limited (core/grid/light_nodes.hpp)
     bool structures;
+    bool turning;   ///< and one turns
     bool surfaces;  ///< and they act where they are (Bed::surface)
     bool sleep;
     bool single_round;  ///< USL: one round of sums, nodes and gather a step

@@ -7,6 +7,7 @@ namespace moraine::gpu {
 
 std::string Program::text() const {
     std::string text;
+    for (const std::string& macro : defines) text += "#define " + macro + "\n";
     for (const std::string& header : headers) text += "#include \"" + header + "\"\n";
     for (const std::string& own : texts) text += own;
     text += "\nusing namespace moraine;\nusing namespace moraine::gpu;\n\nextern \"C\" __device__ const unsigned ";
@@ -26,6 +27,7 @@ Program merged(const std::vector<Program>& programs) {
         };
         add(all.headers, p.headers);
         add(all.texts, p.texts);
+        add(all.defines, p.defines);
         all.kernels.insert(all.kernels.end(), p.kernels.begin(), p.kernels.end());
     }
     return all;

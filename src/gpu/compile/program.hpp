@@ -23,9 +23,10 @@ struct Program {
     std::string name;                  ///< for messages
     std::vector<std::string> headers;  ///< as #include names them
     std::vector<ProgramKernel> kernels;
-    std::vector<std::string> texts = {};  ///< behind the headers: laws in files
+    std::vector<std::string> texts = {};    ///< behind the headers: laws in files
+    std::vector<std::string> defines = {};  ///< macros that the headers ask for
 
-    /// What is compiled: headers, texts and the table of facts.
+    /// What is compiled: macros, headers, texts and the table of facts.
     std::string text() const;
 };
 

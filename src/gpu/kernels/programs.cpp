@@ -90,6 +90,12 @@ ProgramKernel fused_kernel(const KernelKey& key, std::size_t material, bool aver
             team_bytes(key, "FusedGather<" + of + ">::Shared")};
 }
 
+/// A program whose kernels ask for structures.
+Program with_structures(const KernelKey& key, Program program) {
+    if (key.turning) program.defines.push_back("MORAINE_TURNS");
+    return program;
+}
+
 /// Plain and near structures.
 void add_pair(Program& program, bool structures, const std::string& before, const std::string& after) {
     program.kernels.push_back({before + "false" + after, "node_threads", "0"});
@@ -148,7 +154,7 @@ Program nodes_program(const KernelKey& key, bool marks, bool fluid) {
     Program program{"nodes", {"gpu/kernels/nodes/nodes.cuh"}, {}};
     add_pair(program, key.structures, "nodes_kernel<" + real_dim(key) + ", " + std::to_string(key.width()) + ", ",
              ", " + word(marks) + ", " + word(fluid) + ">");
-    return program;
+    return with_structures(key, program);
 }
 
 Program pressure_program(const KernelKey& key) {
@@ -161,7 +167,7 @@ Program pressure_program(const KernelKey& key) {
                      {"advance_cut_kernel" + of, team_threads(key), team_bytes(key, "CutShared" + of)}}};
     add_pair(program, key.structures, "hold_nodes_kernel<" + real_dim(key) + ", ", ">");
     add_pair(program, key.structures, "substep_kernel<" + real_dim(key) + ", ", ">");
-    return program;
+    return with_structures(key, program);
 }
 
 Program surfaces_program(const KernelKey& key) {
@@ -169,13 +175,13 @@ Program surfaces_program(const KernelKey& key) {
     for (const char* name :
          {"surface_gaps", "weigh_elements", "sum_shares", "act_on_elements", "close_slaves", "apply_impulses"})
         program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
-    if (key.fluid != FluidGrid::pressure) return program;
+    if (key.fluid != FluidGrid::pressure) return with_structures(key, program);
     for (const char* header : {"gpu/kernels/surfaces/open_cells.cuh", "gpu/kernels/surfaces/open_substeps.cuh"})
         program.headers.push_back(header);
     for (const char* name : {"keep_held", "find_open_cells", "sum_pass", "weigh_open_cells", "close_open_cells",
                              "fill_open_holes", "press_open_cells", "hold_forces", "find_fluxes"})
         program.kernels.push_back({name + ("_kernel<" + real_dim(key) + ">"), "surface_threads", "0"});
-    return program;
+    return with_structures(key, program);
 }
 
 Program waves_program(const KernelKey& key, std::size_t material) {

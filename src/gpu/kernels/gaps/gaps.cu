@@ -35,7 +35,7 @@ __device__ __forceinline__ Vec<Real, Dim> half_box(const View<Real, Dim>& v, std
     return half;
 }
 
-template <class Real, int Dim, class Shape>
+template <class Real, int Dim, class Shape, bool Turns>
 __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_constant__ GapWork<Real, Dim> w) {
     constexpr int nodes = power<Dim>(tile_side(Shape::width));
     __shared__ std::int32_t gap[nodes];
@@ -59,7 +59,7 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
         if (bound && bound->is_clear(x)) continue;
         core.row[CoreRows<Real, Dim>::volume_row] = w.view.p.core[CoreRows<Real, Dim>::volume_row][s];
         core.row[CoreRows<Real, Dim>::ln_J_row] = w.view.p.core[CoreRows<Real, Dim>::ln_J_row][s];
-        const double distance = surface(structure, w.contact.corners, x).distance / w.contact.cell;
+        const double distance = surface<Turns>(structure, w.contact.corners, x).distance / w.contact.cell;
         ParticleGap own = gap_at<Real, Dim>(w.contact, distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) continue;
         own.area = bearing_area(w.contact, structure, own.area, w.view.p.body[s],
@@ -76,7 +76,7 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
 }
 
 /// A thread block per block: it takes all structures in turn.
-template <class Real, int Dim>
+template <class Real, int Dim, bool Turns>
 __global__ void __launch_bounds__(gap_threads, 1)
     depths_kernel(const __grid_constant__ GapWork<Real, Dim> w, const __grid_constant__ DomainEnds<Real, Dim> ends,
                   const int count) {
@@ -92,8 +92,8 @@ __global__ void __launch_bounds__(gap_threads, 1)
             Vec<Coordinate<Real>, Dim> u;
             for (int a = 0; a < Dim; ++a) u[a] = core.coordinate(a);
             bool buried = false;
-            const bool moved = limit_depth<Real, Dim>(w.contact, w.contact.structure[k], ends,
-                                                      w.view.table.position[block], u, &buried, bound);
+            const bool moved = limit_depth<Real, Dim, Turns>(w.contact, w.contact.structure[k], ends,
+                                                             w.view.table.position[block], u, &buried, bound);
             if (buried) note_fault(account_of(w.view), fault_buried, w.view.p.id[s]);
             if (!moved) continue;
             for (int a = 0; a < Dim; ++a) core.set_coordinate(a, u[a]);
@@ -121,6 +121,13 @@ __global__ void __launch_bounds__(gap_threads, 1)
     if (is_near(contact, ground, lowest))
         found = ground_node(ground, contact.corners, node_place(contact, ground, node, 0.0));
     nodes[std::size_t(c) * cells + std::size_t(n)] = found;
+}
+
+template <class Shape, class Real, int Dim>
+void launch_gaps(const GapWork<Real, Dim>& work, unsigned grid, cudaStream_t stream) {
+    const auto kernel =
+        work.contact.turning ? gaps_kernel<Real, Dim, Shape, true> : gaps_kernel<Real, Dim, Shape, false>;
+    kernel<<<grid, gap_threads, 0, stream>>>(work);
 }
 
 template <class Real, int Dim>
@@ -151,8 +158,9 @@ template <class Real, int Dim>
 void limit_depths(const View<Real, Dim>& view, const DomainEnds<Real, Dim>& ends, const ContactField<Dim>& contact,
                   const DeviceGaps<Dim>& gaps, const Array<ContactPair>& pairs, cudaStream_t stream) {
     if (pairs.size() == 0) return;
-    depths_kernel<Real, Dim><<<static_cast<unsigned>(pairs.size()), gap_threads, 0, stream>>>(
-        work_of(view, contact, gaps, pairs), ends, static_cast<int>(pairs.size()));
+    const auto kernel = contact.turning ? depths_kernel<Real, Dim, true> : depths_kernel<Real, Dim, false>;
+    kernel<<<static_cast<unsigned>(pairs.size()), gap_threads, 0, stream>>>(work_of(view, contact, gaps, pairs), ends,
+                                                                            static_cast<int>(pairs.size()));
     check(cudaGetLastError(), "Limiting depths");
 }
 
@@ -164,16 +172,16 @@ void find_gaps(const View<Real, Dim>& view, Shape shape, const ContactField<Dim>
     const GapWork<Real, Dim> work = work_of(view, contact, gaps, pairs);
     switch (shape) {
         case Shape::linear:
-            gaps_kernel<Real, Dim, Linear><<<grid, gap_threads, 0, stream>>>(work);
+            launch_gaps<Linear>(work, grid, stream);
             break;
         case Shape::quadratic:
-            gaps_kernel<Real, Dim, Quadratic><<<grid, gap_threads, 0, stream>>>(work);
+            launch_gaps<Quadratic>(work, grid, stream);
             break;
         case Shape::cubic:
-            gaps_kernel<Real, Dim, Cubic><<<grid, gap_threads, 0, stream>>>(work);
+            launch_gaps<Cubic>(work, grid, stream);
             break;
         default:
-            gaps_kernel<Real, Dim, Gimp><<<grid, gap_threads, 0, stream>>>(work);
+            launch_gaps<Gimp>(work, grid, stream);
     }
     check(cudaGetLastError(), "Finding gaps");
 }

@@ -8,7 +8,7 @@ namespace {
 constexpr int near_threads = 128;
 
 /// Whether a structure is near the node block c. Others look at none.
-template <int Dim>
+template <bool Turns, int Dim>
 __device__ bool structure_near(const BlockTable<Dim>& table, const ContactField<Dim>& field, int origin, int c) {
     if (field.ground && field.ground[std::size_t(c) * Block<Dim>::cells].surface.distance < far_from_ground)
         return true;
@@ -16,19 +16,19 @@ __device__ bool structure_near(const BlockTable<Dim>& table, const ContactField<
     for (int a = 0; a < Dim; ++a) lowest[a] = 4 * table.node_position[c][a] - origin;
     for (int k = 0; k < field.count; ++k) {
         const Structure<Dim>& s = field.structure[k];
-        if (s.shape != StructureShape::ground && is_near<false>(field, s, lowest)) return true;
+        if (s.shape != StructureShape::ground && is_near<false, Turns>(field, s, lowest)) return true;
     }
     return false;
 }
 
 /// A thread per node block.
-template <int Dim>
+template <int Dim, bool Turns>
 __global__ void __launch_bounds__(near_threads, 1)
     near_kernel(const BlockTable<Dim> table, const __grid_constant__ ContactField<Dim> field, const int origin,
                 std::int32_t* list, std::uint32_t* count, std::uint8_t* mark) {
     const int c = static_cast<int>(blockIdx.x) * near_threads + static_cast<int>(threadIdx.x);
     if (c >= table.node_blocks) return;
-    const bool near = structure_near(table, field, origin, c);
+    const bool near = structure_near<Turns>(table, field, origin, c);
     mark[c] = near;
     if (near) list[atomicAdd(count, 1u)] = c;
 }
@@ -44,9 +44,9 @@ NearBlocks DeviceNearBlocks<Dim>::find(const BlockTable<Dim>& table, const Conta
         list_.resize(blocks), mark_.resize(blocks), count_.resize(1);
         check(cudaMemsetAsync(count_.data(), 0, sizeof(std::uint32_t), stream), "Emptying the list of near blocks");
         const auto grid = static_cast<unsigned>((blocks + near_threads - 1) / near_threads);
+        const auto kernel = field.turning ? near_kernel<Dim, true> : near_kernel<Dim, false>;
         if (grid > 0)
-            near_kernel<Dim>
-                <<<grid, near_threads, 0, stream>>>(table, field, origin, list_.data(), count_.data(), mark_.data());
+            kernel<<<grid, near_threads, 0, stream>>>(table, field, origin, list_.data(), count_.data(), mark_.data());
         check(cudaGetLastError(), "Finding blocks near structures");
         known_ = true;
     }

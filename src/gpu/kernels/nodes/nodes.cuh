@@ -7,6 +7,7 @@
 
 #include "gpu/kernels/account.cuh"
 #include "gpu/kernels/nodes/excess.cuh"
+#include "gpu/kernels/nodes/following.cuh"
 #include "gpu/kernels/nodes/node_work.hpp"
 #include "gpu/kernels/nodes/tiles_around.cuh"
 
@@ -73,8 +74,10 @@ __device__ __forceinline__ NodeValues<Real, Dim> advance_node(const NodeWork<Rea
             const auto gap_of = [&](int k) {
                 return gap_at_node(w.contact.gaps, w.view.table, w.view.grid.tile_of, Width, c, n, k);
             };
-            const auto tell = [&](int k, const auto& values, const auto&) {
+            const auto tell = [&](int k, const auto& values, const auto& following) {
                 if (counting) add_together(field.sums[k].sum, w.quantum, values);
+                if constexpr (may_turn)
+                    if (counting && field.structure[k].turns) tell_following(field, k, w.quantum, following());
             };
             return w.contact.acts && touch_structures(field, node, sums[0], w.round.contact_time(), gap_of, tell, v,
                                                       given, ground ? ground + n : nullptr);

@@ -3,6 +3,7 @@
 // thread per node of the tile, which adds up what they give it in their order; and a thread per node near a surface,
 // which sums the tiles.
 
+#include "gpu/kernels/nodes/following.cuh"
 #include "gpu/kernels/surfaces/surface_nodes.cuh"
 
 namespace moraine::gpu {
@@ -102,8 +103,11 @@ __device__ __forceinline__ void tell_structure(const SurfaceWork<Real, Dim>& w, 
         ++i;
     });
     double all[StructureSums<Dim>::count];
-    structure_values(w.field, w.field.structure[e.structure], heavy * impulse.given, e.place, impulse.follows, all);
+    const Structure<Dim>& s = w.field.structure[e.structure];
+    structure_values(w.field, s, heavy * impulse.given, e.place, impulse.follows, all);
     add_together(w.field.sums[e.structure].sum, w.quantum, all);
+    if constexpr (may_turn)
+        if (s.turns) tell_following(w.field, e.structure, w.quantum, following_of(e, s, impulse));
 }
 
 template <class Real, int Dim>
@@ -114,12 +118,15 @@ __global__ void __launch_bounds__(surface_threads, 1)
     if (w.tiles.tile_of[giver.block] < 0) return;
     shared.nodes.find(w, giver.block);
     const int count = giver.bed.element_count, k = static_cast<int>(threadIdx.x);
-    const SurfaceElement<Dim>* elements = giver.bed.elements;
+    SurfaceElement<Dim>* elements = giver.bed.elements;
     if (k < count && elements[k].touches) {
-        const SurfaceElement<Dim>& e = elements[k];
+        SurfaceElement<Dim>& e = elements[k];
+        const Structure<Dim>& s = w.field.structure[e.structure];
         const ElementNodes<Real, Dim> nodes{w, shared.nodes, tile_offset<Dim, 3>(e.cell)};
+        if constexpr (may_turn)
+            if (s.turns) e.place = middle_of(e, giver.centre_of(e.cell, s), w.field.cell, nodes);
         const ElementImpulse<Dim> impulse =
-            act_on_element(e, w.field.structure[e.structure], w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
+            act_on_element(e, s, w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
         shared.given[k] = impulse.given;
         tell_structure(w, e, impulse, nodes);
     }

@@ -43,12 +43,6 @@ struct OpenBlock : Giver<Real, Dim> {
     __device__ __forceinline__ CellPressure<Real>& pressure(int c) const {
         return all.pressure.cell[std::size_t(all.view.grid.tile_of[this->block]) * cells + std::size_t(c)];
     }
-    __device__ __forceinline__ Vec<std::int32_t, Dim> node(int c) const {
-        Vec<std::int32_t, Dim> n;
-        for (int a = 0; a < Dim; ++a)
-            n[a] = first_node<Quadratic>(all.view.table.position[this->block][a]) + 1 + ((c >> (2 * a)) & 3);
-        return n;
-    }
     /// The tile's node in the middle of the cell with which a cell has its pressure, which may be itself.
     __device__ __forceinline__ int root_node(int c) const {
         int n = tile_offset<Dim, 3>(c) + to_middle<Dim>;

@@ -20,7 +20,13 @@ __device__ __forceinline__ void tell_pressure(const OpenBlock<Real, Dim>& block,
         at[a] = w.field.origin[a] + w.field.cell * node[a];
     }
     double values[StructureSums<Dim>::count];
-    structure_values(w.field, w.field.structure[structure], given, at, zero_vec<double, Dim>(), values);
+    const Structure<Dim>& s = w.field.structure[structure];
+    structure_values(w.field, s, given, at, zero_vec<double, Dim>(), values);
+    if constexpr (may_turn)
+        if (s.turns) {
+            const Vec<double, Dim> arm = block.centre_of(c, s) - image_near(w.field, s, at);
+            add_couple(s, impulse * couple_of(block.cell(c), arm, w.field.cell), values);
+        }
     if (any) add_together(w.field.sums[structure].sum, w.quantum, values);
 }
 
@@ -89,9 +95,14 @@ __global__ void __launch_bounds__(surface_threads, 1)
     if (c < block.cells) {
         OpenCell<Real, Dim>& cell = block.cell(c);
         root[c] = cell.on && (cell.child || cell.mixed) ? block.root_node(c) : -1;
-        if (cell.on)
-            cell.flux = flux_into(cell, w.field.structure[block.place(c).structure],
-                                  OpenNodes<Real, Dim>{w, nodes, tile_offset<Dim, 3>(c)});
+        if (cell.on) {
+            const Structure<Dim>& s = w.field.structure[block.place(c).structure];
+            cell.flux = flux_into(cell, s, OpenNodes<Real, Dim>{w, nodes, tile_offset<Dim, 3>(c)});
+            if constexpr (may_turn)
+                if (s.turns)
+                    cell.flux -=
+                        static_cast<Real>(dot(s.spin, couple_of(cell, block.centre_of(c, s) - s.at, w.field.cell)));
+        }
     }
     __syncthreads();
     const bool any = w.open.has_children[block.g] || w.open.has_roots[block.g];

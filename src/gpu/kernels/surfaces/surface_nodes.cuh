@@ -62,6 +62,18 @@ struct Giver {
     __device__ __forceinline__ Real* tile() const {
         return w.tiles.tile + std::size_t(w.tables.ghosts + g) * surface_tile<Dim> * node_reals;
     }
+    /// The node in the middle of a cell's stencil.
+    __device__ __forceinline__ Vec<std::int32_t, Dim> node(int c) const {
+        Vec<std::int32_t, Dim> n;
+        for (int a = 0; a < Dim; ++a)
+            n[a] = first_node<Quadratic>(w.view.table.position[block][a]) + 1 + ((c >> (2 * a)) & 3);
+        return n;
+    }
+    /// Where that is beside a structure [m].
+    __device__ __forceinline__ Vec<double, Dim> centre_of(int c, const Structure<Dim>& s) const {
+        const Vec<std::int32_t, Dim> n = node(c);
+        return node_place(w.field, s, &n[0], 0.0);
+    }
     /// By one thread.
     __device__ __forceinline__ void gives(bool any) const { w.tiles.tile_of[block] = any ? w.tables.ghosts + g : -1; }
 };

@@ -15,7 +15,7 @@ template <int Dim>
 struct SurfaceBed {
     std::int32_t block;  ///< own
     std::int32_t element_count, slave_count;
-    SurfaceElement<Dim>* elements;  ///< gap, covered and touches are of the step
+    SurfaceElement<Dim>* elements;  ///< gap, covered, touches, and the place on what turns, are of the step
     const SlaveNode<Dim>* slaves;
     const RingElement<Dim>* ring;
     const std::uint16_t *around, *first_around;  ///< by cell: of the ring

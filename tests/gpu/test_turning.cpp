@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include "gpu/engine_pair.hpp"
+#include "io/test_folder.hpp"
+#include "records/checkpoint_state.hpp"
+#include "surface_scenes.hpp"
+#include "turning_scene.hpp"
+
+using namespace moraine;
+using namespace moraine::test;
+
+// Structures that turn: the host's answer but for rounding.
+
+namespace {
+
+/// How they moved and turned, and what they felt.
+template <int Dim>
+std::vector<double> motions(const Scene& scene, int steps, bool on_device) {
+    const Comm comm(MPI_COMM_WORLD);
+    const DeviceChoice device = on_device ? choose_device("cuda", comm) : DeviceChoice{};
+    Simulation<double, Dim> sim(scene, comm,
+                                on_device ? device_engine_maker<double, Dim>(scene, comm, device) : nullptr);
+    sim.seed();
+    advance(sim, steps);
+    std::vector<double> all;
+    for (std::size_t k = 1; k < scene.structures.size(); ++k) {
+        const StructureState<Dim>& state = sim.structures().state(k);
+        for (int a = 0; a < Dim; ++a) all.push_back(state.displacement[a]), all.push_back(state.velocity[a]);
+        for (double e : state.turned.e) all.push_back(e);
+        for (int a = 0; a < moments<Dim>; ++a) all.push_back(state.spin[a]);
+        for (const ExactSum& sum : state.felt.sum) all.push_back(sim.quantum().value(sum));
+        for (const ExactSum& sum : state.pending_turning.sum) all.push_back(sim.quantum().value(sum));
+    }
+    return all;
+}
+
+template <int Dim>
+void compare_motions(const Scene& scene, int steps) {
+    const std::vector<double> host = motions<Dim>(scene, steps, false), device = motions<Dim>(scene, steps, true);
+    CHECK(device == motions<Dim>(scene, steps, true));
+    for (std::size_t k = 0; k < host.size(); ++k) {
+        CAPTURE(k);
+        CHECK(device[k] == doctest::Approx(host[k]).epsilon(1e-6).scale(1e-2));
+    }
+}
+
+/// Of one fluid, whose pressures are the grid's.
+Scene wet_turning(int dimensions) {
+    Scene scene = on_surface(turning_on_slope(dimensions));
+    scene.materials.pop_back();
+    for (BodySpec& body : scene.bodies) body.material = 0;
+    return wet(scene, 1);
+}
+
+}  // namespace
+
+TEST_CASE("structures that turn give the host's answer, at nodes and on surfaces") {
+    for (int dimensions : {2, 3})
+        for (Bed bed : {Bed::nodes, Bed::surface})
+            for (Transfer transfer : {Transfer::flip, Transfer::apic}) {
+                CAPTURE(dimensions);
+                CAPTURE(int(bed));
+                CAPTURE(int(transfer));
+                Scene scene = turning_on_slope(dimensions);
+                scene.bed = bed, scene.transfer = transfer;
+                compare(scene, dimensions == 2 ? 80 : 40, 1e-8);
+            }
+}
+
+TEST_CASE("a fluid whose pressures are the grid's feels them turn as on the host") {
+    compare(wet_turning(2), 60, 1e-8);
+    compare(wet_turning(3), 30, 1e-8);
+    compare_motions<2>(wet_turning(2), 60);
+}
+
+TEST_CASE("they move, turn and feel as on the host") {
+    for (Bed bed : {Bed::nodes, Bed::surface}) {
+        CAPTURE(int(bed));
+        Scene flat = turning_on_slope(2), deep = turning_on_slope(3);
+        flat.bed = deep.bed = bed;
+        compare_motions<2>(flat, 80);
+        compare_motions<3>(deep, 40);
+    }
+}
+
+TEST_CASE("that they turn matters to the device") {
+    Scene scene = turning_on_slope(2);
+    const Outcome turning = run<double, 2>(scene, 80, true);
+    scene.structures[1].motion.turns = false;
+    for (StructureSpec& s : scene.structures) s.motion.angular_velocity.clear();
+    CHECK(difference(turning.values.front(), run<double, 2>(scene, 80, true).values.front()) > 1e-5);
+}
+
+TEST_CASE("every shape, two rounds and single precision follow the host's") {
+    for (Shape shape : {Shape::linear, Shape::gimp, Shape::gimp_contiguous, Shape::cubic}) {
+        CAPTURE(int(shape));
+        Scene scene = turning_on_slope(2);
+        scene.shape = shape, scene.cfl = 0.2;
+        compare(scene, 60, 1e-8);
+    }
+    Scene rounds = turning_on_slope(2);
+    rounds.transfer = Transfer::apic, rounds.stress_update = StressUpdate::musl;
+    compare(rounds, 60, 1e-8);
+    for (Bed bed : {Bed::nodes, Bed::surface}) {
+        Scene single = turning_on_slope(3);
+        single.bed = bed, single.precision = Precision::single_;
+        compare(single, 30, 1e-4);
+    }
+}
+
+TEST_CASE("a restart goes on with how they were turned") {
+    Scene scene = on_surface(turning_on_slope(2));
+    scene.bodies[0].name = "layer", scene.bodies[1].name = "heap";
+    const Comm comm(MPI_COMM_WORLD);
+    const TestFolder folder(comm);
+    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
+    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
+    straight.seed();
+    advance(straight, 43);
+    save(straight, comm, folder / "state");
+    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
+    advance(straight, 37);
+    advance(restarted, 37);
+    CHECK(state_hash(restarted) == state_hash(straight));
+    CHECK(restarted.structures().state(1).turned.e[0] == straight.structures().state(1).turned.e[0]);
+}
