@@ -97,8 +97,6 @@ void check_device_scene(const Scene& scene) {
                                              scene.source.path));
     if (scene.water.on)
         throw InputError(fmt::format("{}: [water] (devices do not have it). Use --device cpu?", scene.source.path));
-    if (!scene.course.stages.empty())
-        throw InputError(fmt::format("{}: [[stage]] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.tractions.empty())
         throw InputError(
             fmt::format("{}: [[traction]] (devices do not have it). Use --device cpu?", scene.source.path));

@@ -144,6 +144,9 @@ class Engine {
     /// Begins an epoch with these particles (epoch_start.hpp); what travelled. Binned state only, but for KeptBlocks
     /// with an engine that leaves the host free: there it may begin with the next binning. Collective.
     virtual BlockMoveCount begin_epoch(EpochTables<Dim> tables, const EpochStart<Real, Dim>& start) = 0;
+    /// The method has been made anew: with these strengths, and other walls and damping. Binned state only. Not
+    /// collective.
+    virtual void begin_stage(const std::vector<MaterialSpec>& /*materials*/) {}
     /// From now on absorbing ends act by these, which must outlive the engine. Host only. Not collective.
     virtual void hold_ends(const EndNodes<Dim>& /*ends*/) {}
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.

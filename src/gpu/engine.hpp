@@ -61,6 +61,11 @@ class DeviceEngine final : public Engine<Real, Dim> {
         return std::visit([&](const auto& with) { return begin(std::move(tables), with); }, start);
     }
     void refresh_memory(bool) override {}  // every few steps, by itself
+    void begin_stage(const std::vector<MaterialSpec>& materials) override {
+        kernels_.take_strengths(materials);
+        if (materials_) materials_->take_strengths(materials);
+        ++epoch_.layout;  // graphs of leads know the stage before
+    }
 
     bool leads(const LeadRequest<Dim>* request) override;
 

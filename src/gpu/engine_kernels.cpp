@@ -20,6 +20,12 @@ Kernels<Real, Dim>::Kernels(const Scene& scene) : key(device_kernel_key<Real, Di
     for (std::size_t m = 0; m < scene.materials.size(); ++m) stress.emplace_back(key, scene.materials[m], m);
 }
 
+template <class Real, int Dim>
+void Kernels<Real, Dim>::take_strengths(const std::vector<MaterialSpec>& materials) {
+    if (stress.empty()) gather->take_strength(materials.front());
+    for (std::size_t m = 0; m < stress.size(); ++m) stress[m].take_strength(materials[m]);
+}
+
 template struct Kernels<float, 2>;
 template struct Kernels<float, 3>;
 template struct Kernels<double, 2>;

@@ -18,6 +18,8 @@ template <class Real, int Dim>
 struct Kernels {
     /// On the current device. Throws MachineError.
     explicit Kernels(const Scene& scene);
+    /// Of a stage that begins.
+    void take_strengths(const std::vector<MaterialSpec>& materials);
 
     KernelKey key;
     P2g<Real, Dim> p2g;

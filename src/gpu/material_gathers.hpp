@@ -27,6 +27,11 @@ class MaterialGathers {
     /// material_of: by body, on the device; it must outlive this. Not collective.
     MaterialGathers(const Scene& scene, const KernelKey& key, const std::uint16_t* material_of);
 
+    /// Of a stage that begins.
+    void take_strengths(const std::vector<MaterialSpec>& materials) {
+        for (std::size_t k = 0; k < gather_.size(); ++k) gather_[k].take_strength(materials[k]);
+    }
+
     /// Capacity for `own` blocks; parts: 1 if there is no boundary. Earlier lists are lost. stream: that of the steps.
     void open(std::size_t own, int parts, cudaStream_t stream);
     /// Sets the thread blocks of later launches by the last known lengths of the lists: any number is right. Whether

@@ -178,6 +178,7 @@ class Simulation {
     void admit();
 
     // simulation_start.cpp
+    void make_method();
     void seed_rows();
     void seed_lattice();
     void set_scales();

@@ -63,12 +63,18 @@ void Simulation<Real, Dim>::begin_stage() {
     conclude();
     if (rebalance_.is_under_way()) continue_check(true);
     clock_.stages.push_back({clock_.time, clock_.step});
-    method_ = method_in_stage<Real, Dim>(scene_, clock_.stages.size() - 1, method_.needs);
+    make_method();
     if (!stage()->removes.empty()) remove_bodies(stage()->removes);
     supply_.begin_stage(static_cast<int>(clock_.stages.size()) - 1);
     if (supply_.next() <= clock_.time) admit();
     if (!stage()->set.empty()) refresh_signal();
     begin_ends(scene_, comm_, false, *engine_, clock_);
+}
+
+template <class Real, int Dim>
+void Simulation<Real, Dim>::make_method() {
+    method_ = method_in_stage<Real, Dim>(scene_, clock_.stages.size() - 1, method_.needs);
+    engine_->begin_stage(stage()->materials);
 }
 
 template <class Real, int Dim>

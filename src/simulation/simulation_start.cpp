@@ -123,7 +123,7 @@ Simulation<Real, Dim>::Simulation(const Scene& scene, const Comm& comm, const En
     else
         engine_ = std::make_unique<HostEngine<Real, Dim>>(scene_, comm_, method_);
     clock_.gravity = components<Dim>(gravity_at(scene, 0));
-    if (!scene.course.stages.empty()) clock_.stages.push_back({});
+    if (!scene.course.stages.empty()) clock_.stages.push_back({}), engine_->begin_stage(stage()->materials);
     in_place_ = engine_->device().leaves_host_free;
     make_epochs_async(in_place_);
 }
@@ -255,7 +255,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
         loads.push_back({keys[b], counts[b], weight, -1});
     }
     clock_ = clock;
-    if (stage()) method_ = method_in_stage<Real, Dim>(scene_, clock_.stages.size() - 1, method_.needs);
+    if (stage()) make_method();
     if (!partitioner_->restore(partitioner_state)) partitioner_->start(loads);
     const std::vector<std::int32_t> owners = partitioner_->owners(loads, clock_.round++);
     BinnedBlocks binned;

@@ -9,6 +9,7 @@
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
 #include "sleep_scene.hpp"
+#include "staged_scene.hpp"
 #include "surface_scenes.hpp"
 #include "turning_scene.hpp"
 
@@ -29,7 +30,10 @@ template <class Real, int Dim>
 Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, int steps) {
     Simulation<Real, Dim> sim(scene, comm, device_engine_maker<Real, Dim>(scene, comm, device));
     sim.seed();
-    for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
+    if (sim.stage())
+        test::run_stages(sim, steps);
+    else
+        for (int k = 0; k < steps; ++k) sim.step(), sim.balance();
     sim.conclude();
     const Budget<Dim>& l = sim.budget();
     const double lost = comm.sum(static_cast<double>(l.lost_count));
@@ -186,6 +190,13 @@ TEST_CASE(
         compare<2>(flat, 80);
         compare<3>(deep, 40);
     }
+}
+
+TEST_CASE("bodies come and go in stages with the same bits on any number of devices") {
+    compare<2>(test::in_stages(test::slurry(), test::box({0.5, 0.5, 0}, {1, 1, 0}, 0)), 40);
+    Scene soils = test::in_stages(test::soils(3, 2), test::box({17, 2, 5}, {19, 4, 7}, 0));
+    soils.precision = Precision::single_;
+    compare<3>(soils, 20);
 }
 
 TEST_CASE("a bed that falls asleep and is struck ends with the same bits on any number of devices") {

@@ -16,16 +16,24 @@ bool fuses_alone(const Scene& scene, const MaterialSpec& m) {
     return scene.shape == Shape::linear && plain && !has_fluid_terms(m);
 }
 
-LawKey law_key(const MaterialSpec& material) {
-    const LawInfo& info = *find_law(material.law);
-    const bool plain =
-        !info.of_file() && with_law<double>(material.law, material.parameters.data(), [](const auto& law) {
-            if constexpr (Undrained<std::decay_t<decltype(law)>>)
-                return !law.strength.depends_on_rate && !law.strength.softens;
-            else
-                return false;
-        });
-    return {material.law, &info, plain, material.volumetric == Volumetric::cell};
+bool is_plain(const MaterialSpec& material) {
+    return !find_law(material.law)->of_file() &&
+           with_law<double>(material.law, material.parameters.data(), [](const auto& law) {
+               if constexpr (Undrained<std::decay_t<decltype(law)>>)
+                   return !law.strength.depends_on_rate && !law.strength.softens;
+               else
+                   return false;
+           });
+}
+
+/// Plain: in all stages.
+LawKey law_key(const Scene& scene, std::size_t k) {
+    const MaterialSpec& material = scene.materials[k];
+    const std::vector<StageSpec>& stages = scene.course.stages;
+    const bool plain = is_plain(material) && std::all_of(stages.begin(), stages.end(), [&](const StageSpec& stage) {
+                           return is_plain(stage.materials[k]);
+                       });
+    return {material.law, find_law(material.law), plain, material.volumetric == Volumetric::cell};
 }
 
 const char* name_of(Shape shape) {
@@ -59,7 +67,7 @@ KernelKey kernel_key(const Scene& scene) {
     key.dimension = scene.dimensions;
     key.shape = scene.shape;
     key.affine = is_affine(scene.transfer);
-    for (const MaterialSpec& m : scene.materials) key.laws.push_back(law_key(m));
+    for (std::size_t k = 0; k < scene.materials.size(); ++k) key.laws.push_back(law_key(scene, k));
     key.way = gather_way(scene);
     key.fluid = uses_grid_pressure(scene) ? FluidGrid::pressure
                 : has_fluid_terms(scene)  ? FluidGrid::means

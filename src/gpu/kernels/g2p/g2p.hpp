@@ -43,6 +43,8 @@ class GatherKernel {
     /// With the material's stress; ignores GatherArgs::gather, and GatherArgs::flip where particles have an affine
     /// field, for APIC and TPIC have none.
     GatherKernel(const KernelKey& key, const MaterialSpec& material, std::size_t number);
+    /// Of its law, from now on.
+    void take_strength(const MaterialSpec& material) { law_ = LawValue::of<Real>(material); }
 
     /// Of all chosen blocks that are not limited.
     void run(const View<Real, Dim>& view, const Chosen& chosen, const FluidGatherArgs<Real, Dim>& args,
@@ -79,6 +81,7 @@ template <class Real, int Dim>
 class StressKernel {
   public:
     StressKernel(const KernelKey& key, const MaterialSpec& material, std::size_t number);
+    void take_strength(const MaterialSpec& material) { law_ = LawValue::of<Real>(material); }
     void run(const View<Real, Dim>& view, const Chosen& chosen, const StressArgs<Real, Dim>& args,
              const Launch& launch) const;
 
