@@ -90,11 +90,6 @@ void check_device_scene(const Scene& scene) {
                 "{}: material.{} without volumetric = \"grid\", beside one with it (devices do not have it). Use "
                 "--device cpu?",
                 scene.source.path, m.name));
-    for (const auto& axis : scene.walls)
-        for (const WallSpec& wall : axis)
-            if (wall.absorbs)
-                throw InputError(fmt::format("{}: a wall of kind absorbing (devices do not have it). Use --device cpu?",
-                                             scene.source.path));
     if (scene.water.on)
         throw InputError(fmt::format("{}: [water] (devices do not have it). Use --device cpu?", scene.source.path));
     if (!scene.course.tractions.empty())

@@ -147,7 +147,7 @@ class Engine {
     /// The method has been made anew: with these strengths, and other walls and damping. Binned state only. Not
     /// collective.
     virtual void begin_stage(const std::vector<MaterialSpec>& /*materials*/) {}
-    /// From now on absorbing ends act by these, which must outlive the engine. Host only. Not collective.
+    /// From now on absorbing ends act by these, which must outlive the engine. Not collective.
     virtual void hold_ends(const EndNodes<Dim>& /*ends*/) {}
     /// Puts memory into list order where that pays, or always. Binned state only. Not collective.
     virtual void refresh_memory(bool always) = 0;

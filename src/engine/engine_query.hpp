@@ -61,7 +61,7 @@ struct FaultQuery {
 };
 
 /// Absorbing ends are measured: all of the scene's at the nodes of those that are `asked`
-/// (core/nodes/absorbing_ends.hpp). Host only. Collective over peers.
+/// (core/nodes/absorbing_ends.hpp). Asked of the host's engine alone. Collective over peers.
 template <int Dim>
 struct EndQuery {
     /// Of one face.

@@ -22,6 +22,7 @@
 #include "gpu/epoch_state.hpp"
 #include "gpu/exchange/exchange.hpp"
 #include "gpu/fluid_state.hpp"
+#include "gpu/kernels/ends/ends.hpp"
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/lead.hpp"
 #include "gpu/light_state.hpp"
@@ -50,7 +51,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
         std::visit([this](auto* asked) { find(*asked); }, query);
     }
     void find(GravityQuery<Dim>& query);
-    void find(EndQuery<Dim>&) { throw std::logic_error("devices measure no absorbing ends"); }  // refused before
+    void find(EndQuery<Dim>&) { throw std::logic_error("the host measures absorbing ends"); }
     Census census() const override { return census_; }
     BlockCounts block_counts(bool with_cells) override;
     Traffic traffic() const override;
@@ -66,6 +67,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
         if (materials_) materials_->take_strengths(materials);
         ++epoch_.layout;  // graphs of leads know the stage before
     }
+    void hold_ends(const EndNodes<Dim>& ends) override { ends_ = std::make_unique<DeviceEnds<Real, Dim>>(ends); }
 
     bool leads(const LeadRequest<Dim>* request) override;
 
@@ -173,6 +175,7 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<Exchange<Real, Dim>> exchange_;          ///< null: this rank is alone
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;    ///< null: none sleep in this scene
     std::unique_ptr<SurfaceState<Real, Dim>> surfaces_;      ///< null: structures act at nodes (Bed::nodes)
+    std::unique_ptr<DeviceEnds<Real, Dim>> ends_;            ///< null: none absorb
     std::unique_ptr<Lead<Real, Dim>> lead_;                  ///< null: the host makes dt
 
     Census census_;

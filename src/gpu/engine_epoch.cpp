@@ -61,6 +61,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     reports_.is_of_epoch = false;
     contact_.forget();
     if (surfaces_) surfaces_->forget();
+    if (ends_) ends_->forget();
     if (exchange_) exchange_->open(epoch_.tables, scene_.structures.size(), stream_);
 }
 

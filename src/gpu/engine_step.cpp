@@ -168,6 +168,11 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     if (round.nodes == NodeTask::hold) return hold(round, step);
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
+    if (ends_ && solves(round.nodes)) {
+        ends_->find(method_.context.walls, method_.absorbs, method_.stencil.origin, epoch_.tables.node_position,
+                    stream_);
+        ends_->act(view(), method_.stencil.width, method_.stencil.origin, args, step.quantum, stream_);
+    }
     if (step.structures) {
         const NodeContact<Dim> contact =
             contact_.find_at_nodes(*step.structures, epoch_.table.view(), method_.stencil, stream_);

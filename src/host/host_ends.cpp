@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/host_engine.hpp"
 
@@ -29,25 +30,13 @@ struct BorderSums {
     }
 };
 
-template <int Dim>
-int node_along(const BlockTable<Dim>& table, int origin, int c, int n, int a) {
-    return 4 * table.node_position[c][a] - origin + ((n >> (2 * a)) & 3);
-}
-
 /// Node blocks with a node on one of these faces. on(axis, side): whether it is one.
 template <class Real, int Dim, class On>
 std::vector<std::int32_t> blocks_at(const Walls<Real, Dim>& walls, const BlockTable<Dim>& table, int origin,
                                     const On& on) {
     std::vector<std::int32_t> found;
-    for (int c = 0; c < table.node_blocks; ++c) {
-        bool at_one = false;
-        for (int a = 0; a < Dim; ++a)
-            for (int s = 0; s < 2; ++s) {
-                const int beyond = walls.plane[a][s] - node_along(table, origin, c, 0, a);
-                at_one = at_one || (on(a, s) && beyond >= 0 && beyond < 4);
-            }
-        if (at_one) found.push_back(c);
-    }
+    for (int c = 0; c < table.node_blocks; ++c)
+        if (is_at_face(walls, table.node_position[c], origin, on)) found.push_back(c);
     return found;
 }
 
@@ -161,7 +150,7 @@ void HostEngine<Real, Dim>::measure(EndQuery<Dim>& query) {
             EndNode<Dim> found{};
             for (int a = 0; a < Dim; ++a) {
                 const auto at = static_cast<std::size_t>(a);
-                found.node[at] = node_along(table, method_.stencil.origin, chosen[i], n, a);
+                found.node[at] = node_along(table.node_position[chosen[i]], method_.stencil.origin, n, a);
                 found.hold[at] = -(double(sums[i].sums[2 * n + 1][a]) / m + query.gravity[at]);
             }
             if (add_drags(query, walls, waves[i], n, m * scene_.cell, found)) query.found.push_back(found);
@@ -169,37 +158,11 @@ void HostEngine<Real, Dim>::measure(EndQuery<Dim>& query) {
 }
 
 template <class Real, int Dim>
-void HostEnds<Real, Dim>::lay(const Method<Host, Real, Dim>& method, const BlockTable<Dim>& table) {
-    const Walls<Real, Dim>& walls = method.context.walls;
-    const int origin = method.stencil.origin;
-    laid_ = true;
-    sites_.clear();
-    for (const std::int32_t c : blocks_at(walls, table, origin, [&](int a, int s) { return method.absorbs[a][s]; }))
-        for (int n = 0; n < Block<Dim>::cells; ++n) {
-            EndSite<Real, Dim> site{c, n, zero_vec<Real, Dim>(), zero_vec<Real, Dim>()};
-            std::array<int, Dim> node;
-            bool on = false;
-            for (int a = 0; a < Dim; ++a) {
-                node[static_cast<std::size_t>(a)] = node_along(table, origin, c, n, a);
-                for (int s = 0; s < 2; ++s)
-                    if (method.absorbs[a][s] && node[static_cast<std::size_t>(a)] == walls.plane[a][s])
-                        site.drag[a] = Real(-1), on = true;
-            }
-            if (!on) continue;
-            const auto found = std::lower_bound(measured_.begin(), measured_.end(), node,
-                                                [](const EndNode<Dim>& e, const auto& key) { return e.node < key; });
-            for (std::size_t a = 0; found != measured_.end() && found->node == node && a < Dim; ++a) {
-                site.hold[static_cast<int>(a)] = static_cast<Real>(found->hold[a]);
-                site.drag[static_cast<int>(a)] = static_cast<Real>(found->drag[a]);
-            }
-            sites_.push_back(site);
-        }
-}
-
-template <class Real, int Dim>
 void HostEnds<Real, Dim>::act(const Method<Host, Real, Dim>& method, Patch<Host, Real, Dim>& patch,
                               const NodeRound<Real, Dim>& round) {
-    if (!laid_) lay(method, patch.table());
+    if (!std::exchange(laid_, true))
+        sites_ = end_sites<Real, Dim>(method.context.walls, method.absorbs, method.stencil.origin,
+                                      patch.tables().node_position, measured_);
     gifts_.resize(sites_.size());
     Host::launch(static_cast<std::int64_t>(sites_.size()),
                  ActAtEnds<Real, Dim>{method.context.walls, patch.table(), patch.grid(), method.stencil.width,

@@ -23,8 +23,6 @@ class HostEnds {
     void count(const Quantum& quantum, bool with_energy, Budget<Dim>& budget) const;
 
   private:
-    void lay(const Method<Host, Real, Dim>& method, const BlockTable<Dim>& table);
-
     const EndNodes<Dim>& measured_;
     bool laid_ = false;  ///< in this epoch
     std::vector<EndSite<Real, Dim>> sites_;

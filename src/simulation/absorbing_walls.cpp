@@ -23,7 +23,8 @@ void set_behind(const Scene& scene, const std::string& name, Face& face) {
 }  // namespace
 
 template <class Real, int Dim>
-void begin_ends(const Scene& scene, const Comm& comm, bool measured, Engine<Real, Dim>& engine, RunClock<Dim>& clock) {
+void begin_ends(const Scene& scene, const Comm& comm, const MeasureEnds<Dim>& measure, Engine<Real, Dim>& engine,
+                RunClock<Dim>& clock) {
     const std::size_t number = clock.stages.size();  // 0: no stages
     const WallSpecs& now = number == 0 ? scene.walls : scene.course.stages[number - 1].walls;
     EndQuery<Dim> query;
@@ -37,10 +38,10 @@ void begin_ends(const Scene& scene, const Comm& comm, bool measured, Engine<Real
             if (face.absorbs) set_behind(scene, now[a][s].material, face);
             any = any || face.absorbs, asked = asked || face.asked;
         }
-    if (asked && !measured) {
+    if (asked && measure) {
         query.gravity = components<Dim>(gravity_at(scene, clock.time));
         query.mass_cutoff = clock.mass_cutoff;
-        engine.answer(&query);
+        measure(query);
         EndNodes<Dim> all = comm.all_gather(query.found);
         const auto by_node = [](const EndNode<Dim>& a, const EndNode<Dim>& b) { return a.node < b.node; };
         std::sort(all.begin(), all.end(), by_node);
@@ -53,9 +54,9 @@ void begin_ends(const Scene& scene, const Comm& comm, bool measured, Engine<Real
     if (any || !clock.ends.empty()) engine.hold_ends(clock.ends);
 }
 
-template void begin_ends(const Scene&, const Comm&, bool, Engine<float, 2>&, RunClock<2>&);
-template void begin_ends(const Scene&, const Comm&, bool, Engine<float, 3>&, RunClock<3>&);
-template void begin_ends(const Scene&, const Comm&, bool, Engine<double, 2>&, RunClock<2>&);
-template void begin_ends(const Scene&, const Comm&, bool, Engine<double, 3>&, RunClock<3>&);
+template void begin_ends(const Scene&, const Comm&, const MeasureEnds<2>&, Engine<float, 2>&, RunClock<2>&);
+template void begin_ends(const Scene&, const Comm&, const MeasureEnds<3>&, Engine<float, 3>&, RunClock<3>&);
+template void begin_ends(const Scene&, const Comm&, const MeasureEnds<2>&, Engine<double, 2>&, RunClock<2>&);
+template void begin_ends(const Scene&, const Comm&, const MeasureEnds<3>&, Engine<double, 3>&, RunClock<3>&);
 
 }  // namespace moraine

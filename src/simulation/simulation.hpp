@@ -179,6 +179,7 @@ class Simulation {
 
     // simulation_start.cpp
     void make_method();
+    void measure(EndQuery<Dim>& query);
     void seed_rows();
     void seed_lattice();
     void set_scales();

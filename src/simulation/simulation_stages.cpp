@@ -68,7 +68,8 @@ void Simulation<Real, Dim>::begin_stage() {
     supply_.begin_stage(static_cast<int>(clock_.stages.size()) - 1);
     if (supply_.next() <= clock_.time) admit();
     if (!stage()->set.empty()) refresh_signal();
-    begin_ends(scene_, comm_, false, *engine_, clock_);
+    begin_ends<Real, Dim>(
+        scene_, comm_, [this](EndQuery<Dim>& query) { measure(query); }, *engine_, clock_);
 }
 
 template <class Real, int Dim>

@@ -1,7 +1,9 @@
 // How a simulation begins: from the scene's bodies, or from a checkpoint.
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "host/host_engine.hpp"
 #include "seeding/lattice_seeds.hpp"
@@ -181,7 +183,8 @@ void Simulation<Real, Dim>::seed() {
         seed_rows();
     set_scales();
     refresh_signal();
-    begin_ends(scene_, comm_, false, *engine_, clock_);
+    begin_ends<Real, Dim>(
+        scene_, comm_, [this](EndQuery<Dim>& query) { measure(query); }, *engine_, clock_);
     const Totals<Dim> start = totals_of(*this);
     clock_.start_mass = start.mass;
     clock_.start_momentum = start.momentum;
@@ -214,6 +217,25 @@ void Simulation<Real, Dim>::set_scales() {
     clock_.mass_cutoff = lightest * (sizeof(Real) == 8 ? 1e-18 : 1e-12);
     const auto particles = static_cast<double>(comm_.sum(engine_->census().particles) + to_come);
     clock_.quantum_scale = Quantum::for_largest(heaviest * particles).scale;
+}
+
+/// Once in a while, so a device leaves it to an engine of the host, which has a copy of the share meanwhile.
+template <class Real, int Dim>
+void Simulation<Real, Dim>::measure(EndQuery<Dim>& query) {
+    if (!engine_->device().leaves_host_free) return engine_->answer(&query);
+    HostEngine<Real, Dim> host(scene_, comm_, method_);
+    Share& share = patch();
+    BinnedBlocks binned = share.binned();
+    const std::vector<std::uint32_t> from = std::exchange(binned.slot, host.share().take_slots(binned.slot.size()));
+    const std::vector<ColumnBytes> to = host.share().particles.columns();
+    std::size_t column = 0;
+    for (const ColumnBytes& c : share.particles.columns()) {
+        const ColumnBytes& copy = to[column++];
+        for (std::size_t k = 0; k < from.size(); ++k)
+            std::memcpy(copy.data + binned.slot[k] * c.row_bytes, c.data + from[k] * c.row_bytes, c.row_bytes);
+    }
+    host.begin_epoch(share.tables(), HostShare{binned});
+    host.answer(&query);
 }
 
 template <class Real, int Dim>
@@ -278,7 +300,7 @@ void Simulation<Real, Dim>::restore(const std::vector<Key>& keys, const std::vec
     for (std::size_t k = 1; k < clock_.stages.size(); ++k) supply_.begin_stage(static_cast<int>(k));
     supply_.skip_to(clock_.time);
     loads_.resume(clock_.step);
-    begin_ends(scene_, comm_, true, *engine_, clock_);
+    begin_ends<Real, Dim>(scene_, comm_, nullptr, *engine_, clock_);
 }
 
 template class Simulation<float, 2>;

@@ -4,6 +4,7 @@
 
 #include "app/device.hpp"
 #include "comm/transport_names.hpp"
+#include "ends_scene.hpp"
 #include "gpu/transport/transport.hpp"
 #include "material_scenes.hpp"
 #include "sample_scenes.hpp"
@@ -197,6 +198,13 @@ TEST_CASE("bodies come and go in stages with the same bits on any number of devi
     Scene soils = test::in_stages(test::soils(3, 2), test::box({17, 2, 5}, {19, 4, 7}, 0));
     soils.precision = Precision::single_;
     compare<3>(soils, 20);
+}
+
+TEST_CASE("ends absorb with the same bits on any number of devices") {
+    compare<2>(test::ground_on_ends(2), 80);
+    Scene deep = test::ground_on_ends(3);
+    deep.precision = Precision::single_;
+    compare<3>(deep, 40);
 }
 
 TEST_CASE("a bed that falls asleep and is struck ends with the same bits on any number of devices") {

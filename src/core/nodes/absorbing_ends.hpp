@@ -15,8 +15,10 @@
 // What an end gives is a force like any other: it is added to the first tile of the node, which is the same on all
 // ranks, between the halo and the nodes. So kernels of nodes know nothing of ends.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/data/exact_sum.hpp"
@@ -57,6 +59,54 @@ struct EndSite {
         return v;
     }
 };
+
+/// Index along an axis of node n of the node block at a position.
+template <int Dim>
+int node_along(const Vec<std::int32_t, Dim>& block, int origin, int n, int a) {
+    return 4 * block[a] - origin + ((n >> (2 * a)) & 3);
+}
+
+/// Whether a node block has a node on one of these faces. on(axis, side): whether it is one.
+template <class Real, int Dim, class On>
+bool is_at_face(const Walls<Real, Dim>& walls, const Vec<std::int32_t, Dim>& block, int origin, const On& on) {
+    for (int a = 0; a < Dim; ++a)
+        for (int s = 0; s < 2; ++s) {
+            const int beyond = walls.plane[a][s] - node_along(block, origin, 0, a);
+            if (on(a, s) && beyond >= 0 && beyond < 4) return true;
+        }
+    return false;
+}
+
+/// Of an epoch: its nodes on faces that absorb. origin: of the stencil; blocks: positions of its node blocks.
+template <class Real, int Dim>
+std::vector<EndSite<Real, Dim>> end_sites(const Walls<Real, Dim>& walls, const bool (&absorbs)[Dim][2], int origin,
+                                          std::span<const Vec<std::int32_t, Dim>> blocks,
+                                          const EndNodes<Dim>& measured) {
+    std::vector<EndSite<Real, Dim>> sites;
+    for (std::size_t c = 0; c < blocks.size(); ++c) {
+        if (!is_at_face(walls, blocks[c], origin, [&](int a, int s) { return absorbs[a][s]; })) continue;
+        for (int n = 0; n < Block<Dim>::cells; ++n) {
+            EndSite<Real, Dim> site{static_cast<std::int32_t>(c), n, zero_vec<Real, Dim>(), zero_vec<Real, Dim>()};
+            std::array<int, Dim> node;
+            bool on = false;
+            for (int a = 0; a < Dim; ++a) {
+                node[static_cast<std::size_t>(a)] = node_along(blocks[c], origin, n, a);
+                for (int s = 0; s < 2; ++s)
+                    if (absorbs[a][s] && node[static_cast<std::size_t>(a)] == walls.plane[a][s])
+                        site.drag[a] = Real(-1), on = true;
+            }
+            if (!on) continue;
+            const auto found = std::lower_bound(measured.begin(), measured.end(), node,
+                                                [](const EndNode<Dim>& e, const auto& key) { return e.node < key; });
+            for (std::size_t a = 0; found != measured.end() && found->node == node && a < Dim; ++a) {
+                site.hold[static_cast<int>(a)] = static_cast<Real>(found->hold[a]);
+                site.drag[static_cast<int>(a)] = static_cast<Real>(found->drag[a]);
+            }
+            sites.push_back(site);
+        }
+    }
+    return sites;
+}
 
 /// What an end did to a node in a round; zero where another rank counts it.
 template <int Dim>
