@@ -191,7 +191,7 @@ const std::vector<KeyRow<StructureSpec>> structures = in_tables<StructureSpec>({
       .standard = "false",
       .only = {"free"},
       .meaning = "true: it turns, too, about its centre of mass, by the moments of the soil's forces. Not of a "
-                 "plane; on the host, without numerics.sleep."},
+                 "plane, nor with numerics.sleep."},
      [](S& s, const V& v) { s.motion.turns = v.truth; }},
     {{.name = "inertia",
       .type = list,

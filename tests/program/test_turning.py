@@ -177,8 +177,6 @@ class Turning(moraine.ProgramTest):
             self.assertGreater(abs(forces[0]["impulse_y_N_s"]), 10)
 
     def test_where_structures_do_not_turn_they_are_refused(self):
-        device = call("run", self.write(SCENE), "--device", "cuda")
-        self.assertIn("structure.plank, which turns (devices do not have it)", self.assert_one_problem(device))
         asleep = call("check", self.write(SCENE), *sets(numerics__sleep="on", numerics__transfer="apic"))
         self.assertIn("structure.plank, which turns", self.assert_one_problem(asleep))
         cases = {
