@@ -11,6 +11,7 @@ inline Scene in_stages(Scene s, const BodySpec& comes) {
     StageSpec begin, weak, dug;
     begin.materials = s.materials, begin.walls = s.walls, begin.until = s.end;
     weak = begin;
+    begin.name = "begin", weak.name = "weak";
     weak.damping = 0.3;
     weak.walls[static_cast<std::size_t>(s.dimensions - 1)][0] = {WallKind::friction, 0.2};
     for (MaterialSpec& m : weak.materials) {
@@ -19,7 +20,7 @@ inline Scene in_stages(Scene s, const BodySpec& comes) {
             if (const int k = parameter_named(law, key); k >= 0) m.parameters[static_cast<std::size_t>(k)] /= 2;
     }
     dug = weak;
-    dug.damping = 0, dug.removes = {0};
+    dug.name = "dug", dug.damping = 0, dug.removes = {0};
     s.course.stages = {begin, weak, dug};
     s.bodies.push_back(comes);
     s.bodies.back().stage = 1;

@@ -159,7 +159,8 @@ class NodePair {
                                          structures ? &contact : nullptr);
         if (structures) there.fetch(nullptr);
         gpu::check(cudaDeviceSynchronize(), "Solving nodes");
-        felt_on_device = there.take();
+        std::vector<TurningSums<Dim>> none_turns;
+        there.take(felt_on_device, none_turns);
         std::array<ExactSum, Dim> all{};
         for (const gpu::Account<Dim>& a : device.accounts())
             for (std::size_t i = 0; i < Dim; ++i) all[i].add(a.impulse[i]);

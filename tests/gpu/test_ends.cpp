@@ -15,27 +15,27 @@ TEST_CASE("ends absorb as on the host") {
             CAPTURE(dimensions);
             Scene scene = ground_on_ends(dimensions);
             scene.transfer = transfer;
-            compare(scene, dimensions == 2 ? 100 : 50, 1e-8);
+            compare(scene, dimensions == 2 ? 60 : 40, 1e-8);
         }
     for (Shape shape : {Shape::linear, Shape::cubic}) {
         Scene scene = ground_on_ends(2);
         scene.shape = shape;
-        compare(scene, 80, 1e-8);
+        compare(scene, 60, 1e-8);
     }
     Scene rounds = ground_on_ends(2), single = ground_on_ends(3);
     rounds.stress_update = StressUpdate::musl;
-    compare(rounds, 80, 1e-8);
+    compare(rounds, 60, 1e-8);
     single.precision = Precision::single_;
     compare(single, 40, 1e-4);
 }
 
 TEST_CASE("ends matter to the device") {
     Scene scene = ground_on_ends(2);
-    const Outcome absorbed = run<double, 2>(scene, 100, true);
+    const Outcome absorbed = run<double, 2>(scene, 60, true);
     for (auto& axis : scene.walls)
         for (WallSpec& wall : axis)
             if (wall.absorbs) wall.kind = WallKind::free_slip, wall.absorbs = false;
-    CHECK(difference(absorbed.values.front(), run<double, 2>(scene, 100, true).values.front()) > 1e-5);
+    CHECK(difference(absorbed.values.front(), run<double, 2>(scene, 60, true).values.front()) > 1e-5);
 }
 
 TEST_CASE("a restart knows what ends were measured to bear") {
@@ -46,10 +46,10 @@ TEST_CASE("a restart knows what ends were measured to bear") {
     const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
     Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
     straight.seed();
-    advance(straight, 43);
+    advance(straight, 33);
     save(straight, comm, folder / "state");
     load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 37), advance(restarted, 37);
+    advance(straight, 27), advance(restarted, 27);
     CHECK(state_hash(restarted) == state_hash(straight));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("ends begin with a stage as on the host") {
             scene, comm,
             on_device ? device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm)) : nullptr);
         sim.seed();
-        run_stages(sim, 40);
+        run_stages(sim, 25);
         return values_of(sim);
     };
     const std::vector<Values> host = run(false), device = run(true);

@@ -201,7 +201,7 @@ TEST_CASE("bodies come and go in stages with the same bits on any number of devi
 }
 
 TEST_CASE("ends absorb with the same bits on any number of devices") {
-    compare<2>(test::ground_on_ends(2), 80);
+    compare<2>(test::ground_on_ends(2), 60);
     Scene deep = test::ground_on_ends(3);
     deep.precision = Precision::single_;
     compare<3>(deep, 40);

@@ -20,6 +20,7 @@ std::unique_ptr<Simulation<Real, Dim>> staged(const Scene& scene, const Comm& co
         scene, comm, on_device ? device_engine_maker<Real, Dim>(scene, comm, device) : nullptr);
     sim->seed();
     run_stages(*sim, steps);
+    sim->conclude();
     return sim;
 }
 

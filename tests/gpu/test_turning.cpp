@@ -13,34 +13,43 @@ using namespace moraine::test;
 
 namespace {
 
-/// How they moved and turned, and what they felt.
+/// How they moved and turned, what they felt, and how that would change with their motion in the last step.
 template <int Dim>
-std::vector<double> motions(const Scene& scene, int steps, bool on_device) {
+std::array<std::vector<double>, 3> motions(const Scene& scene, int steps, bool on_device) {
     const Comm comm(MPI_COMM_WORLD);
     const DeviceChoice device = on_device ? choose_device("cuda", comm) : DeviceChoice{};
     Simulation<double, Dim> sim(scene, comm,
                                 on_device ? device_engine_maker<double, Dim>(scene, comm, device) : nullptr);
     sim.seed();
     advance(sim, steps);
-    std::vector<double> all;
+    std::array<std::vector<double>, 3> all;
     for (std::size_t k = 1; k < scene.structures.size(); ++k) {
         const StructureState<Dim>& state = sim.structures().state(k);
-        for (int a = 0; a < Dim; ++a) all.push_back(state.displacement[a]), all.push_back(state.velocity[a]);
-        for (double e : state.turned.e) all.push_back(e);
-        for (int a = 0; a < moments<Dim>; ++a) all.push_back(state.spin[a]);
-        for (const ExactSum& sum : state.felt.sum) all.push_back(sim.quantum().value(sum));
-        for (const ExactSum& sum : state.pending_turning.sum) all.push_back(sim.quantum().value(sum));
+        for (int a = 0; a < Dim; ++a) all[0].push_back(state.displacement[a]), all[0].push_back(state.velocity[a]);
+        for (double e : state.turned.e) all[0].push_back(e);
+        for (int a = 0; a < moments<Dim>; ++a) all[0].push_back(state.spin[a]);
+        for (const ExactSum& sum : state.felt.sum) all[1].push_back(sim.quantum().value(sum));
+        for (const ExactSum& sum : state.pending_turning.sum) all[2].push_back(sim.quantum().value(sum));
     }
     return all;
 }
 
+/// What soil takes along a surface over how fast it slips has few digits where it hardly slips.
 template <int Dim>
 void compare_motions(const Scene& scene, int steps) {
-    const std::vector<double> host = motions<Dim>(scene, steps, false), device = motions<Dim>(scene, steps, true);
+    const auto host = motions<Dim>(scene, steps, false), device = motions<Dim>(scene, steps, true);
     CHECK(device == motions<Dim>(scene, steps, true));
-    for (std::size_t k = 0; k < host.size(); ++k) {
-        CAPTURE(k);
-        CHECK(device[k] == doctest::Approx(host[k]).epsilon(1e-6).scale(1e-2));
+    constexpr double tolerance[] = {1e-7, 1e-6, 1e-3};
+    for (std::size_t g = 0; g < 3; ++g) {
+        CAPTURE(g);
+        double scale = 0, worst = 0;
+        for (std::size_t k = 0; k < host[g].size(); ++k) {
+            scale = std::max(scale, std::fabs(host[g][k]));
+            worst = std::max(worst, std::fabs(device[g][k] - host[g][k]));
+        }
+        MESSAGE(scene.dimensions << "-D, group " << g << ": " << worst << " of " << scale);
+        CHECK(scale > 0);
+        CHECK(worst <= tolerance[g] * scale);
     }
 }
 
