@@ -5,7 +5,8 @@
 
 namespace moraine::test {
 
-/// Ground at rest on ends that absorb, below and beside it, which a block strikes: waves go out.
+/// Ground at rest on ends that absorb, below and beside it, which a block strikes: waves go out. A stone flies over it
+/// from block to block of cells.
 inline Scene ground_on_ends(int dimensions) {
     const auto up = static_cast<std::size_t>(dimensions - 1);
     Scene s;
@@ -20,9 +21,12 @@ inline Scene ground_on_ends(int dimensions) {
     s.materials = {material("linear-elastic", 1500, {{"young", 1e6}, {"poisson", 0.3}})};
     Triple top = s.max, min = {0.6, 0.2, 0}, max = {1.1, 0.6, 0};
     top[up] = 0.8, min[up] = 0.8, max[up] = 0.9;
-    s.bodies = {box({0, 0, 0}, top, 0), box(min, max, 0)};
+    Triple stone_min = {0.2, 0.2, 0}, stone_max = {0.5, 0.5, 0};
+    stone_min[up] = 1.2, stone_max[up] = 1.4;
+    s.bodies = {box({0, 0, 0}, top, 0), box(min, max, 0), box(stone_min, stone_max, 0)};
     s.bodies[0].geostatic = true, s.bodies[0].geostatic_surface = 0.8, s.bodies[0].geostatic_k0 = 3.0 / 7;
     s.bodies[1].velocity = {0.3, 0, 0}, s.bodies[1].velocity[up] = -0.5;
+    s.bodies[2].velocity = {8, 0, 0};
     return s;
 }
 

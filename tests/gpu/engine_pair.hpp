@@ -56,6 +56,7 @@ struct Outcome {
     double time;
     std::vector<double> budget;
     std::vector<double> over_filling;  ///< on the way, every 20 steps, and at the end
+    std::vector<double> felt;          ///< by each structure: the largest of its sums [kg m/s, kg m2/s]
 };
 
 template <class Real, int Dim>
@@ -80,12 +81,17 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
         sim.step(), sim.balance();
     }
     observe();
-    Outcome out{values_of(sim), state_hash(sim, true), sim.clock().time, {}, over_filling};
+    Outcome out{values_of(sim), state_hash(sim, true), sim.clock().time, {}, over_filling, {}};
     const Budget<Dim>& budget = sim.budget();
     for (const ExactSum& s : {budget.work, budget.impulse[0], budget.impulse[1], budget.lost_mass,
                               budget.lost_momentum[0], budget.lost_gravity_impulse[1]})
         out.budget.push_back(sim.quantum().value(s));
     out.budget.push_back(static_cast<double>(budget.lost_count));
+    for (std::size_t k = 0; k < scene.structures.size(); ++k) {
+        out.felt.push_back(0);
+        for (const ExactSum& s : sim.structures().state(k).felt.sum)
+            out.felt[k] = std::max(out.felt[k], std::fabs(sim.quantum().value(s)));
+    }
     return out;
 }
 
@@ -102,8 +108,9 @@ inline double difference(const Values& a, const Values& b) {
     return a.scale > 0 ? worst / a.scale : worst;
 }
 
+/// Returns the host's.
 template <class Real, int Dim>
-void compare_runs(const Scene& scene, int steps, double tolerance) {
+Outcome compare_runs(const Scene& scene, int steps, double tolerance) {
     const Outcome host = run<Real, Dim>(scene, steps, false);
     const Outcome device = run<Real, Dim>(scene, steps, true);
     const Outcome again = run<Real, Dim>(scene, steps, true);
@@ -125,14 +132,15 @@ void compare_runs(const Scene& scene, int steps, double tolerance) {
         CHECK(device.budget[k] ==
               doctest::Approx(host.budget[k]).epsilon(1e3 * tolerance).scale(std::fabs(host.budget[0])));
     }
+    return host;
 }
 
-inline void compare(const Scene& scene, int steps, double tolerance) {
+inline Outcome compare(const Scene& scene, int steps, double tolerance) {
     const bool single = scene.precision == Precision::single_;
     if (scene.dimensions == 2)
-        single ? compare_runs<float, 2>(scene, steps, tolerance) : compare_runs<double, 2>(scene, steps, tolerance);
-    else
-        single ? compare_runs<float, 3>(scene, steps, tolerance) : compare_runs<double, 3>(scene, steps, tolerance);
+        return single ? compare_runs<float, 2>(scene, steps, tolerance)
+                      : compare_runs<double, 2>(scene, steps, tolerance);
+    return single ? compare_runs<float, 3>(scene, steps, tolerance) : compare_runs<double, 3>(scene, steps, tolerance);
 }
 
 /// A slurry's pressures are its particles' unless `sets` says otherwise.

@@ -34,6 +34,7 @@ std::vector<Values> compare_stages(const Scene& scene, int steps, double toleran
     for (std::size_t k = 0; k < right.size(); ++k) {
         CAPTURE(right[k].name);
         CHECK(difference(right[k], found[k]) <= tolerance);
+        if (right[k].name == "ln_J") CHECK(right[k].scale > 1e-3);  // of soil that nothing strains: rounding
     }
     for (std::size_t k = 0; k < scene.course.stages.size(); ++k) {
         CAPTURE(k);
@@ -54,7 +55,7 @@ Scene staged_soils(int dimensions, int materials) {
 }  // namespace
 
 TEST_CASE("strengths, walls and damping change, and bodies come and go, as on the host") {
-    compare_stages<double, 2>(in_stages(slurry(), box({0.5, 0.5, 0}, {1, 1, 0}, 0)), 40, 1e-8);
+    compare_stages<double, 2>(in_stages(slurry(), box({0.5, 0, 0}, {1, 0.5, 0}, 0)), 40, 1e-8);
     for (int materials : {2, 3}) {
         CAPTURE(materials);
         compare_stages<double, 2>(staged_soils(2, materials), 30, 1e-8);
@@ -87,7 +88,7 @@ TEST_CASE("a strength that depends on the rate in one stage alone has a kernel t
 }
 
 TEST_CASE("a restart in a stage goes on in it with the same bits") {
-    Scene scene = in_stages(slurry(), box({0.5, 0.5, 0}, {1, 1, 0}, 0));
+    Scene scene = in_stages(slurry(), box({0.5, 0, 0}, {1, 0.5, 0}, 0));
     scene.bodies[0].name = "heap", scene.bodies[1].name = "fill";
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
