@@ -63,8 +63,12 @@ TEST_CASE("a fluid takes pressures on cells by itself where the scene can have t
     const std::string ball =
         "\n[[structure]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [1.0, 1.0]\nradius = 0.3\nclear = true\n";
     CHECK(takes_cells(read_text(mud, stiff)));
+    CHECK(read_text(mud, stiff).bed == Bed::nodes);
+    CHECK(takes_cells(read_text(mud + ball, stiff)));
+    CHECK(read_text(mud + ball, stiff).bed == Bed::surface);
     CHECK(takes_cells(read_text(mud + ball, with("numerics.bed=surface"))));
-    CHECK(!takes_cells(read_text(mud + ball, stiff)));
+    CHECK(!takes_cells(read_text(mud + ball, with("numerics.bed=nodes"))));
+    CHECK(read_text(replaced(good_scene, "cfl = 0.4\n", "") + ball, {}).bed == Bed::nodes);
     CHECK(!takes_cells(read_text(mud, {"material.clay.poisson=0.4"})));
     CHECK(!takes_cells(read_text(mud, with("numerics.shape=cubic"))));
     CHECK(!takes_cells(read_text(mud, with("material.clay.volumetric=particle"))));
