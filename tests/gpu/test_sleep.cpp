@@ -47,7 +47,7 @@ SleptRun run_asleep(const Scene& scene, int steps, int every, bool on_device) {
         out.sleepers.push_back(sleepers_of(sim));
     }
     sim.conclude();
-    out.end = {values_of(sim), state_hash(sim, true), sim.clock().time, {}, {}};
+    out.end = {values_of(sim), state_hash(sim, true), sim.clock().time, {}, {}, {}};
     const Budget<Dim>& budget = sim.budget();
     for (const ExactSum& s : {budget.slept_kinetic, budget.slept_momentum[0], budget.slept_momentum[Dim - 1]})
         out.budget.push_back(sim.quantum().value(s));

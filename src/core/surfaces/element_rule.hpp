@@ -36,11 +36,13 @@ MORAINE_HD void take_gap(const NodeGap& gap, double face, InterfaceLaw law, Surf
     e.touches = e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0);
 }
 
-/// Lane q of what an element gives to W_i of node i of its cell, as SurfaceShares has them.
+/// Lane q of what an element gives to W_i of node i of its cell, as SurfaceShares has them: by |w_ie|, as a second
+/// master has less than nothing, and a row sum bounds nothing where its terms cancel.
 template <int Dim>
 MORAINE_HD double share_lane(const SurfaceElement<Dim>& e, int i, int q) {
     if (q == SurfaceShares<Dim>::count) return e.area * e.own[i];
-    return e.area * e.weight[i] * tensor_lane(e.normal, q);
+    using std::fabs;
+    return e.area * fabs(e.weight[i]) * tensor_lane(e.normal, q);
 }
 
 /// W_i from the lanes of a node's sums.
@@ -66,15 +68,16 @@ MORAINE_HD ElementSlip<Dim> slip_over(const SurfaceElement<Dim>& e, const Struct
     return {leaves, slip - leaves * e.normal};
 }
 
-/// R_e, of what share(W_i) takes of a node's W.
+/// R_e, of what share(W_i) takes of a node's W, by |w_ie|.
 template <int Dim, class Nodes, class Share>
 MORAINE_HD double row_over(const SurfaceElement<Dim>& e, const Nodes& nodes, const Share& share) {
+    using std::fabs;
     double row = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
         const auto* v = nodes.values(at);
-        if (v && w != 0) row += w * share(nodes.shares(at)) / double(v[quad - 1]);
+        if (v && w != 0) row += fabs(w) * share(nodes.shares(at)) / double(v[quad - 1]);
     });
     return row;
 }

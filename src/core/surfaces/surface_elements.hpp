@@ -15,7 +15,8 @@
 // surface ends in one sweep, and as all weights are positive none is overshot, so that there is no number to choose, no
 // limit of the step, and no energy to gain. Where surfaces meet, W_i is a tensor, sum_e A_e w_ie n n, of which an
 // element takes what acts in its own direction: what is across does not brake. A slave's share falls to the two nodes
-// that it follows (surface_geometry.hpp), or to the first where the second is not the cell's.
+// that it follows (surface_geometry.hpp), or to the first where the second is not the cell's: the second has a negative
+// share, so that W_i and R_e are sums of |w_ie|. By w_ie rows near zero threw light nodes away.
 //
 // One sweep leaves a part of a motion that differs from element to element, so that a solid that rolls would sink in
 // step by step. Where pressures are the particles' a second sweep acts on what is left, in no time: friction sees its

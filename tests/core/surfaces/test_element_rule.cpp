@@ -1,0 +1,87 @@
+// What elements do to nodes (core/surfaces/element_rule.hpp).
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/surfaces/element_rule.hpp"
+
+using namespace moraine;
+
+namespace {
+
+constexpr int nodes = SurfaceElement<2>::nodes, in_tile = 36;
+
+/// The nodes of one cell, that elements share.
+struct CellNodes {
+    double value[in_tile][2 * quad] = {}, lanes[in_tile][2 * quad] = {};
+
+    const double* values(int at) const { return value[at]; }
+    SurfaceShares<2> shares(int at) const { return shares_of<2>(lanes[at]); }
+    double energy() const {
+        double sum = 0;
+        each_node<2, 3>([&](int at, int, int, int) {
+            const double* v = value[at];
+            sum += 0.5 * v[quad - 1] * (v[0] * v[0] + v[1] * v[1]);
+        });
+        return sum;
+    }
+    void give(const SurfaceElement<2>& e, const Vec<double, 2>& impulse) {
+        int i = 0;
+        each_node<2, 3>([&](int at, int, int, int) {
+            for (int a = 0; a < 2; ++a) value[at][a] -= e.weight[i] * impulse[a] / value[at][quad - 1];
+            ++i;
+        });
+    }
+};
+
+template <class Draw>
+SurfaceElement<2> drawn_element(Draw& draw) {
+    SurfaceElement<2> e{};
+    e.area = draw(0.1, 1);
+    const double turn = draw(0, 6.28);
+    e.normal = {std::cos(turn), std::sin(turn)};
+    double all = 0;
+    for (double& w : e.own) all += w = draw(0, 1);
+    for (int i = 0; i < nodes; ++i) e.weight[i] = e.own[i] /= all;
+    SurfaceNode<2> slave{};
+    slave.slaved = draw(0, 1), slave.to[draw(0, 1) < 0.5 ? 0 : 1] = 1;
+    give_away(slave, 0, e);
+    e.gap = draw(-0.1, 0), e.covered = 1, e.friction = draw(0, 1), e.touches = true;
+    return e;
+}
+
+}  // namespace
+
+TEST_CASE("elements that share light nodes with slaves give no energy, in either sweep") {
+    std::mt19937_64 random(5);
+    const auto draw = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
+    Structure<2> structure{};
+    for (InterfaceLaw law : {InterfaceLaw::smooth, InterfaceLaw::rough, InterfaceLaw::coulomb})
+        for (int k = 0; k < 2000; ++k) {
+            structure.law = law;
+            const SurfaceElement<2> elements[] = {drawn_element(draw), drawn_element(draw), drawn_element(draw)};
+            CellNodes cell;
+            each_node<2, 3>([&](int at, int, int, int) {
+                for (int a = 0; a < 2; ++a) cell.value[at][a] = draw(-1, 1);
+                cell.value[at][quad - 1] = std::exp(draw(-16, 0));
+            });
+            for (const SurfaceElement<2>& e : elements) {
+                int i = 0;
+                each_node<2, 3>([&](int at, int, int, int) {
+                    for (int q = 0; q <= SurfaceShares<2>::count; ++q)
+                        cell.lanes[at][sum_lane<2>(q)] += share_lane(e, i, q);
+                    ++i;
+                });
+            }
+            const ContactTime time{1e-3, 1e-3};
+            for (const ContactTime& sweep : {time, time.second()}) {
+                const double before = cell.energy();
+                Vec<double, 2> given[3];
+                for (int n = 0; n < 3; ++n)
+                    given[n] = act_on_element(elements[n], structure, sweep, 0, 0.1, cell).given;
+                for (int n = 0; n < 3; ++n) cell.give(elements[n], given[n]);
+                CHECK(cell.energy() <= before * (1 + 1e-12));
+            }
+        }
+}
