@@ -37,6 +37,12 @@ if(MORAINE_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug")
     set(MORAINE_TEST_TIMEOUT 3600)
 endif()
 
+# Of tests that start ranks: as root, on one machine, so that ranks which wait leave the core to others; and of sanitizers.
+set(MORAINE_TEST_ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1" "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
+    "OMPI_MCA_rmaps_base_oversubscribe=1" "OMPI_MCA_hwloc_base_binding_policy=none" "OMPI_MCA_mpi_yield_when_idle=1"
+    "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0"
+    "ASAN_OPTIONS=detect_leaks=1:fast_unwind_on_malloc=0")
+
 # moraine_test(path/test_name [RANKS n...] [USES target...] [SOURCES file...] [ENVIRONMENT VAR=value...] [GPU] [LANGUAGE cu])
 #
 # tests/path/test_name.cpp becomes one program; with RANKS it runs once per count under mpirun; with GPU it needs a
@@ -58,10 +64,7 @@ function(moraine_test path)
     if(NOT ARG_TIMEOUT)
         set(ARG_TIMEOUT ${MORAINE_TEST_TIMEOUT})
     endif()
-    set(environment "OMP_NUM_THREADS=1" "OMPI_ALLOW_RUN_AS_ROOT=1" "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
-        "OMPI_MCA_rmaps_base_oversubscribe=1" "OMPI_MCA_hwloc_base_binding_policy=none" "OMPI_MCA_mpi_yield_when_idle=1"
-        "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0"
-        "ASAN_OPTIONS=detect_leaks=1:fast_unwind_on_malloc=0" ${ARG_ENVIRONMENT})
+    set(environment "OMP_NUM_THREADS=1" ${MORAINE_TEST_ENVIRONMENT} ${ARG_ENVIRONMENT})
     if(ARG_RANKS)
         target_link_libraries(${name} PRIVATE $<IF:$<BOOL:${ARG_GPU}>,moraine_gpu_main,moraine_mpi_main>)
         foreach(n ${ARG_RANKS})

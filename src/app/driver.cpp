@@ -119,8 +119,10 @@ void Driver<Real, Dim>::begin() {
 
 template <class Real, int Dim>
 void Driver<Real, Dim>::run() {
-    comm_.barrier();  // time zero of all timelines
-    if (timeline_) timeline_->start();
+    if (timeline_) {
+        comm_.barrier();  // time zero of all
+        timeline_->start();
+    }
     sim_.phases().group({"start", true}, [&] { begin(); });
     watchdog_.be_patient(false);
     try {

@@ -105,7 +105,7 @@ void DeviceEngine<Real, Dim>::solve_substep(const Substep& substep, const StepSc
         if (surfaces_) surfaces_->press(share, substep, stream_);
         solve(surfaces_ ? nullptr : &contact);
         if (surfaces_) {
-            surfaces_->act(share, {substep.dt, step.dt}, substep.damping(), false, stream_);
+            surfaces_->act(share, {substep.dt, step.dt}, substep.damping(), stream_);
             surfaces_->find_fluxes(share, stream_);
         }
         contact_.structures.fetch(stream_);

@@ -180,7 +180,7 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
         if (surfaces_) {
             const SurfaceShare<Real, Dim> share{view(), contact_, step, {}};
             surfaces_->begin_step(share, stream_);
-            surfaces_->act(share, {step.dt, step.dt}, 0, true, stream_);
+            surfaces_->act(share, {step.dt, step.dt}, 0, stream_);
         }
         contact_.structures.fetch(stream_);
     } else {

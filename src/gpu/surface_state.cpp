@@ -85,16 +85,18 @@ void SurfaceState<Real, Dim>::begin_step(const Share& share, cudaStream_t stream
 }
 
 template <class Real, int Dim>
-void SurfaceState<Real, Dim>::act(const Share& share, const ContactTime& time, double damping, bool twice,
+void SurfaceState<Real, Dim>::act(const Share& share, const ContactTime& time, double damping,
                                   cudaStream_t stream) const {
     if (is_idle()) return;
     SurfaceWork<Real, Dim> work = work_of(share, on_.element_tiles());
-    if (method_.grid_bulk()) work.cells = on_.cells(), work.damping = damping;
-    for (int sweep = 0; sweep < (twice ? 2 : 1); ++sweep) {
-        work.time = sweep == 0 ? time : time.second();
+    const auto sweep = [&](const ContactTime& in) {
+        work.time = in;
         give(kernels_.act, work, stream, "Acting on surfaces");
         at_nodes(kernels_.apply, work, stream, "Applying impulses of surfaces");
-    }
+    };
+    if (method_.grid_bulk()) work.cells = on_.cells(), work.damping = damping;
+    sweep(time);
+    if (!method_.grid_bulk()) sweep(time.second());
     if (!on_.has_slaves() && !round_.travels()) return;
     work.tiles.tile_of = on_.slave_tiles();
     give(kernels_.close, work, stream, "Closing slaves");

@@ -54,8 +54,8 @@ class SurfaceState {
                    cudaStream_t stream) const;
     /// The nodes of a step are there: masses and W_i.
     void begin_step(const Share& share, cudaStream_t stream) const;
-    /// Acts on velocities. damping: of the grid's pressure; twice: in a second sweep, too.
-    void act(const Share& share, const ContactTime& time, double damping, bool twice, cudaStream_t stream) const;
+    /// Acts on velocities. damping: of the grid's pressure.
+    void act(const Share& share, const ContactTime& time, double damping, cudaStream_t stream) const;
 
     /// Cells beside surfaces, where the pressure is the grid's: in a step, those that take part; before the nodes of
     /// each substep their forces, behind them what flows in; at its end what particles take.

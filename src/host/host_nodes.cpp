@@ -27,7 +27,7 @@ void HostEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<Dim
                            pressures_.held(), nullptr, report_.felt.data(), report_.turning.data()},
                           *halo_, contact_.pairs);
     if (round.nodes == NodeTask::hold) return;
-    surfaces_->forces.act({step.dt, step.dt}, 0, true);
+    surfaces_->forces.act({step.dt, step.dt}, 0);
     if (energy_.is_counted())
         surfaces_->forces.count_energy(node_round(round.nodes, step.dt, step), energy_.of_nodes());
 }
@@ -136,7 +136,7 @@ void HostEngine<Real, Dim>::solve_substep(const Substep& substep, const StepScal
     round.step = static_cast<Real>(step.dt);
     if (surfaces_) surfaces_->cells.press(substep);
     solve(round, step);
-    if (surfaces_) surfaces_->forces.act({substep.dt, step.dt}, substep.damping(), false);
+    if (surfaces_) surfaces_->forces.act({substep.dt, step.dt}, substep.damping());
     water_ ? water_->update(substep) : pressures_.update(substep);
     if (surfaces_) surfaces_->cells.update(substep);
     if (!surfaces_ || !energy_.is_counted()) return;

@@ -129,9 +129,9 @@ SurfaceShares<Dim> SurfaceForces<Real, Dim>::shares_at(std::int32_t near) const 
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping, bool twice) {
+void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
     sweep(time, damping);
-    if (twice) sweep(time.second(), damping);
+    if (!on_.method.grid_bulk()) sweep(time.second(), damping);
     on_.pass(with_slaves_, 1, [&](int k, Real* tile) {
         for (const SlaveNode<Dim>& slave : followers_[static_cast<std::size_t>(k)]) close_slave(k, slave, tile);
     });

@@ -18,8 +18,8 @@ class SurfaceForces {
 
     /// Which elements the soil touches in this step, and their W_i. Collective over peers.
     void begin_step();
-    /// Acts on the velocities of the nodes. twice: in a second sweep, too. Collective over peers.
-    void act(const ContactTime& time, double damping, bool twice);
+    /// Acts on the velocities of the nodes. Collective over peers.
+    void act(const ContactTime& time, double damping);
     /// What walls gave besides, in this step.
     void take_impulse(std::array<ExactSum, Dim>& impulse);
     /// What the round and they did to the energy of nodes [node block]; the scene has an energy budget.

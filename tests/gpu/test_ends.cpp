@@ -1,7 +1,5 @@
 #include "ends_scene.hpp"
-#include "gpu/engine_pair.hpp"
-#include "io/test_folder.hpp"
-#include "records/checkpoint_state.hpp"
+#include "gpu/restart_pair.hpp"
 #include "staged_scene.hpp"
 
 using namespace moraine;
@@ -40,18 +38,7 @@ TEST_CASE("ends matter to the device") {
 }
 
 TEST_CASE("a restart knows what ends were measured to bear") {
-    Scene scene = ground_on_ends(2);
-    scene.bodies[0].name = "ground", scene.bodies[1].name = "block";
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, 33);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 27), advance(restarted, 27);
-    CHECK(state_hash(restarted) == state_hash(straight));
+    compare_restart<2>(ground_on_ends(2), 33, 27);
 }
 
 TEST_CASE("ends begin with a stage as on the host") {

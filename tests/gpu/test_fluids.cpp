@@ -1,6 +1,4 @@
-#include "gpu/engine_pair.hpp"
-#include "io/test_folder.hpp"
-#include "records/checkpoint_state.hpp"
+#include "gpu/restart_pair.hpp"
 
 using namespace moraine;
 using namespace moraine::test;
@@ -108,19 +106,8 @@ TEST_CASE("a restart between two shifts goes on with the same bits") {
     Scene scene = with_fluid_terms(slurry());
     scene.transfer = Transfer::aflip;
     scene.flip = 0.95;
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
     for (int before : {12, 14, 15}) {
         CAPTURE(before);
-        const std::string path = folder / std::to_string(before);
-        Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-        straight.seed();
-        advance(straight, before);
-        save(straight, comm, path);
-        load(restarted, comm, CheckpointReader(comm, path), path);
-        advance(straight, 30 - before);
-        advance(restarted, 30 - before);
-        CHECK(state_hash(restarted) == state_hash(straight));
+        compare_restart<2>(scene, before, 30 - before);
     }
 }

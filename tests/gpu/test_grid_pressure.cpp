@@ -1,6 +1,4 @@
-#include "gpu/engine_pair.hpp"
-#include "io/test_folder.hpp"
-#include "records/checkpoint_state.hpp"
+#include "gpu/restart_pair.hpp"
 
 using namespace moraine;
 using namespace moraine::test;
@@ -124,15 +122,5 @@ TEST_CASE("single precision follows the host's") {
 TEST_CASE("a restart goes on with the same bits") {
     Scene scene = with_grid_pressure(slurry(), 10);
     scene.transfer = Transfer::apic;
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, 13);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 17);
-    advance(restarted, 17);
-    CHECK(state_hash(restarted) == state_hash(straight));
+    compare_restart<2>(scene, 13, 17);
 }

@@ -2,12 +2,10 @@
 #include <random>
 #include <set>
 
-#include "gpu/engine_pair.hpp"
 #include "gpu/kernels/g2p/sort_blocks.hpp"
 #include "gpu/memory/array.hpp"
-#include "io/test_folder.hpp"
+#include "gpu/restart_pair.hpp"
 #include "material_scenes.hpp"
-#include "records/checkpoint_state.hpp"
 #include "surface_scenes.hpp"
 
 using namespace moraine;
@@ -251,15 +249,5 @@ TEST_CASE("interfaces that follow the soil give the host's answer, on nodes and 
 TEST_CASE("a restart of a scene of three materials goes on with the same bits") {
     Scene scene = test::soils(2, 3);
     scene.transfer = Transfer::apic;
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, 43);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 50);
-    advance(restarted, 50);
-    CHECK(state_hash(restarted) == state_hash(straight));
+    test::compare_restart<2>(scene, 43, 50);
 }

@@ -1,8 +1,4 @@
-#include <fmt/format.h>
-
-#include "gpu/engine_pair.hpp"
-#include "io/test_folder.hpp"
-#include "records/checkpoint_state.hpp"
+#include "gpu/restart_pair.hpp"
 #include "surface_scenes.hpp"
 
 using namespace moraine;
@@ -106,27 +102,6 @@ TEST_CASE("single precision follows the host's") {
     compare(flat, 40, 1e-4);
     compare(deep, 40, 1e-4);
 }
-
-namespace {
-
-template <int Dim>
-void compare_restart(Scene scene, int before, int behind) {
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i)  // a checkpoint tells bodies by their names
-        scene.bodies[i].name = fmt::format("body {}", i);
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, Dim>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, Dim> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, before);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, behind);
-    advance(restarted, behind);
-    CHECK(state_hash(restarted) == state_hash(straight));
-}
-
-}  // namespace
 
 TEST_CASE("a restart goes on with the same bits") {
     Scene scene = on_surface(layers_on_slope(2));

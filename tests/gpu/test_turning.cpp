@@ -1,8 +1,4 @@
-#include <fmt/format.h>
-
-#include "gpu/engine_pair.hpp"
-#include "io/test_folder.hpp"
-#include "records/checkpoint_state.hpp"
+#include "gpu/restart_pair.hpp"
 #include "surface_scenes.hpp"
 #include "turning_scene.hpp"
 
@@ -127,17 +123,7 @@ TEST_CASE("every shape, two rounds and single precision follow the host's") {
 
 TEST_CASE("a restart goes on with how they were turned") {
     Scene scene = on_surface(turning_on_slope(2));
-    scene.bodies[0].name = "layer", scene.bodies[1].name = "heap";
-    const Comm comm(MPI_COMM_WORLD);
-    const TestFolder folder(comm);
-    const auto maker = device_engine_maker<double, 2>(scene, comm, choose_device("cuda", comm));
-    Simulation<double, 2> straight(scene, comm, maker), restarted(scene, comm, maker);
-    straight.seed();
-    advance(straight, 43);
-    save(straight, comm, folder / "state");
-    load(restarted, comm, CheckpointReader(comm, folder / "state"), folder / "state");
-    advance(straight, 37);
-    advance(restarted, 37);
-    CHECK(state_hash(restarted) == state_hash(straight));
-    CHECK(restarted.structures().state(1).turned.e[0] == straight.structures().state(1).turned.e[0]);
+    compare_restart<2>(scene, 43, 37, [](const auto& straight, const auto& restarted) {
+        CHECK(restarted.structures().state(1).turned.e[0] == straight.structures().state(1).turned.e[0]);
+    });
 }
