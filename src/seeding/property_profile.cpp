@@ -58,12 +58,11 @@ double way_out_of_sphere(const BodySpec& body, int dimensions, const Triple& up,
     return along + std::sqrt(std::max(0.0, along * along + body.radius * body.radius - square));
 }
 
-double way_out_of_layer(const BodySpec& body, const Triple& up, const Triple& place) {
-    const Vec<double, 3> x{{place[0], place[1], place[2]}};
-    const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
-    const double thickness = layer_thickness(body, x[0] - s.distance * s.normal[0], x[1] - s.distance * s.normal[1]);
-    const double rise = s.normal[0] * up[0] + s.normal[1] * up[1] + s.normal[2] * up[2];
-    return (thickness - s.distance) / rise;
+double way_out_of_layer(const BodySpec& body, const Triple& up, const Triple& x) {
+    const GroundPoint<3> b = ground_at<3>(body.ground->table.data(), {{x[0], x[1], x[2]}});
+    const double sec = std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
+    const double rise = (up[2] - b.slope[0] * up[0] - b.slope[1] * up[1]) / sec;
+    return (layer_thickness(body, x[0], x[1]) - height_in_layer(body, x)) / rise;
 }
 
 /// A profile as a function of depth alone, at one place in plan.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/structures/ground.hpp"
 #include "seeding/seed_region.hpp"
@@ -45,13 +46,12 @@ std::array<double, 3> moments_of(const Ring& ring) {
     return m;
 }
 
-/// sec and, if wanted, the normal at a place in plan.
-double sec_at(const Ground& ground, double x, double y, Triple* foot = nullptr, Triple* normal = nullptr) {
-    const GroundPoint<3> b = ground_at<3>(ground.table.data(), {{x, y, 0}});
-    const double sec = std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
-    if (foot) *foot = {x, y, b.height};
-    if (normal) *normal = {-b.slope[0] / sec, -b.slope[1] / sec, 1 / sec};
-    return sec;
+GroundPoint<3> point_at(const BodySpec& body, double x, double y) {
+    return ground_at<3>(body.ground->table.data(), {{x, y, 0}});
+}
+
+double sec_of(const GroundPoint<3>& b) {
+    return std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
 }
 
 }  // namespace
@@ -70,16 +70,34 @@ double layer_volume(const BodySpec& body) {
             if (area == 0) continue;
             const double px = cell[0][0] + mx / area, py = cell[0][1] + my / area;
             const double part = body.thickness_raster.values ? layer_thickness(body, px, py) / body.thickness : 1.0;
-            sum += area * sec_at(*body.ground, px, py) * part;
+            sum += area * sec_of(point_at(body, px, py)) * part;
         }
     }
     return body.thickness * std::fabs(sum);
+}
+
+double height_in_layer(const BodySpec& body, const Triple& x) {
+    const GroundPoint<3> ground = point_at(body, x[0], x[1]);
+    return (x[2] - ground.height) / sec_of(ground);
 }
 
 double layer_thickness(const BodySpec& body, double x, double y) {
     if (!body.thickness_raster.values) return body.thickness;
     const double t = raster_value(*body.thickness_raster.values, x, y);
     return std::isnan(t) ? 0.0 : std::min(t, body.thickness);
+}
+
+double layer_top(const BodySpec& body) {
+    const auto [left, right] = std::minmax_element(body.points.begin(), body.points.end());
+    const auto [low, high] = std::minmax_element(body.points.begin(), body.points.end(),
+                                                 [](const auto& p, const auto& q) { return p[1] < q[1]; });
+    double top = -std::numeric_limits<double>::infinity();
+    for (double y = (*low)[1]; y < (*high)[1] + body.ground->spacing; y += body.ground->spacing)
+        for (double x = (*left)[0]; x < (*right)[0] + body.ground->spacing; x += body.ground->spacing) {
+            const GroundPoint<3> b = point_at(body, std::min(x, (*right)[0]), std::min(y, (*high)[1]));
+            top = std::max(top, b.height + body.thickness * sec_of(b));
+        }
+    return top;
 }
 
 Layer::Layer(const Scene& scene, const BodySpec& body) : body_(body) {
@@ -115,13 +133,16 @@ Layer::Column Layer::column(std::int64_t i, std::int64_t j) const {
     const double y = first_[1] + static_cast<double>(j) * spacing_[1];
     Column c;
     if (!is_in_polygon(body_, x, y)) return c;
-    c.weight = sec_at(*body_.ground, x, y, &c.foot, &c.normal);
-    c.thickness = body_.thickness;
+    const GroundPoint<3> ground = point_at(body_, x, y);
+    c.foot = {x, y, ground.height};
+    c.weight = sec_of(ground);
+    c.height = c.weight * body_.thickness;
     c.particles = layers_;
     if (body_.thickness_raster.values) {
-        c.thickness = layer_thickness(body_, x, y);
-        c.weight *= c.thickness / body_.thickness;
-        c.particles = std::llround(c.thickness / spacing_along_normal_);
+        const double thickness = layer_thickness(body_, x, y);
+        c.height = c.weight * thickness;
+        c.weight *= thickness / body_.thickness;
+        c.particles = std::llround(thickness / spacing_along_normal_);
     }
     return c;
 }

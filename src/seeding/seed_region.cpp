@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/structures/ground.hpp"
-#include "core/structures/structure.hpp"
 #include "seeding/seed_layer.hpp"
 
 namespace moraine {
@@ -55,6 +54,7 @@ Extent extent_of(const BodySpec& body, int dimensions) {
             if (a == 2) e.lower[2] = body.ground->table[2][0], e.upper[2] = body.ground->table[2][1];
             e.lower[a] -= a == 2 ? 0 : body.thickness, e.upper[a] += body.thickness;
         }
+    if (body.shape == BodyShape::layer) e.upper[2] = std::max(e.upper[2], layer_top(body));
     return e;
 }
 
@@ -72,13 +72,10 @@ double measure_of(const BodySpec& body, int dimensions) {
 
 namespace {
 
-/// Over the polygon along the normal, and no further off the ground than the layer is thick.
-bool is_in_layer(const BodySpec& body, const Triple& place) {
-    const Vec<double, 3> x{{place[0], place[1], place[2]}};
-    const Surface<3> s = ground_surface(body.ground->table.data(), 2 * body.thickness, x);
-    if (!(s.distance > 0 && s.distance < body.thickness)) return false;
-    const double px = x[0] - s.distance * s.normal[0], py = x[1] - s.distance * s.normal[1];
-    return is_in_polygon(body, px, py) && (!body.thickness_raster.values || s.distance < layer_thickness(body, px, py));
+/// Over the polygon, and no further off the ground than the layer is thick.
+bool is_in_layer(const BodySpec& body, const Triple& x) {
+    const double height = height_in_layer(body, x);
+    return height > 0 && height < layer_thickness(body, x[0], x[1]) && is_in_polygon(body, x[0], x[1]);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "core/sample_ground.hpp"
-#include "core/structures/structure.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_layer.hpp"
 
@@ -67,20 +68,38 @@ TEST_CASE("a release has its thickness times the sloping area of its polygon, wi
     CHECK(volume == doctest::Approx(layer_volume(body)).epsilon(1e-12));
 }
 
-TEST_CASE("its particles lie in rows along the ground, the lowest half a spacing over it") {
+TEST_CASE("its particles stand in upright columns, the lowest half a spacing over the ground") {
     const Scene scene = layer_scene();
     const std::vector<Seed> seeds = seeds_of(scene);
     CHECK(seeds.size() > 5000);
     CHECK(std::int64_t(seeds.size()) == BodySeeds(scene, 0).count(0, BodySeeds(scene, 0).rows()));
     for (const Seed& s : seeds) {
-        const auto at =
-            ground_surface<3>(scene.bodies[0].ground->table.data(), 5.0, {{s.x[0], s.x[1], s.x[2]}}).distance;
-        const double row = at / 0.25 - 0.5;
-        REQUIRE(std::fabs(row - std::round(row)) < 0.02);
-        REQUIRE(at > 0.12);
-        REQUIRE(at < 1.88);
+        const double row = height_in_layer(scene.bodies[0], s.x) / 0.25 - 0.5;
+        REQUIRE(std::fabs(row - std::round(row)) < 1e-9);
+        REQUIRE((row > -0.5 && row < 7.5));
         REQUIRE(is_inside(scene.bodies[0], 3, s.x));
         REQUIRE(s.mass == doctest::Approx(1500 * s.volume));
+        for (const std::size_t a : {0, 1}) {
+            const double column = s.x[a] / 0.25 - 0.5;
+            REQUIRE(std::fabs(column - std::round(column)) < 1e-9);
+        }
+    }
+}
+
+TEST_CASE("each of its particles has its volume of space, also in a hollow, and none is above its top") {
+    Scene scene = layer_scene();
+    BodySpec& body = scene.bodies[0];
+    body.ground = std::make_shared<Ground>(test::ground_of(
+        {-2, -2}, 45, 1, false, [](double x, double y) { return 0.04 * ((x - 19) * (x - 19) + (y - 17) * (y - 17)); }));
+    std::map<std::array<double, 2>, double> below;
+    const double top = extent_of(body, 3).upper[2];
+    for (const Seed& s : seeds_of(scene)) {
+        const auto [before, is_lowest] = below.try_emplace({s.x[0], s.x[1]}, s.x[2]);
+        if (!is_lowest) {
+            REQUIRE(s.volume == doctest::Approx(0.25 * 0.25 * (s.x[2] - before->second)).epsilon(0.02));
+            before->second = s.x[2];
+        }
+        REQUIRE(s.x[2] < top);
     }
 }
 
