@@ -6,7 +6,7 @@ A case is a module of cases/ with
   write_scene(level, folder)  optional: writes SCENE.toml and what it needs into the folder
   LEVELS                 {"cpu": [...], "cuda": [...]}: numbers of cells over the case's length
   RUNG                   what a level is called, "H0/{}"
-  VARIANTS               name: settings; each also runs as name+cell, with the mean volumetric rate of a cell (against locking)
+  VARIANTS               name: settings; each but "... default" also runs as name+cell, with the mean volumetric rate of a cell (against locking)
   MATERIAL               name of the material that +cell is set for
   sets(level)            settings of a level
   measure(level_run)          (figures, curves): name: number, and name: (list, list)
@@ -27,6 +27,7 @@ from runs import table
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+AT_NODES = ['numerics.bed="nodes"', 'numerics.transfer="apic"', "time.cfl=0.5"]  # of clay until it took pressures on cells
 DIGITS = 4  # of what is kept of curves, which plots show and nothing else is made of
 POINTS = 64  # of a curve at most: of a longer one every second, third, ... point is kept
 
@@ -38,7 +39,7 @@ def cases():
 
 def variants(case):
     cell = [f'material.{case.MATERIAL}.volumetric="cell"']
-    return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items()}}
+    return {**case.VARIANTS, **{f"{name}+cell": settings + cell for name, settings in case.VARIANTS.items() if not name.endswith(" default")}}
 
 
 def plain(variant):

@@ -33,38 +33,51 @@ bool has_absorbing_walls(const Scene& scene) {
            std::any_of(stages.begin(), stages.end(), [](const StageSpec& stage) { return absorbs(stage.walls); });
 }
 
+/// Pressures on cells are of one stiffness and density.
+bool varies_in_stiffness(const MaterialSpec& m) {
+    return std::any_of(m.profiles.begin(), m.profiles.end(), [&](const ProfileSpec& profile) {
+        return profile.property == 0 || &profile == m.density_profile();
+    });
+}
+
 /// Beside structures that act at nodes still fluids with pressures on cells sink
 /// (docs/adr/0011-pressure-at-structures.md): who says nothing has surfaces with them.
 bool may_act_on_surfaces(const Scene& scene, const Places& places) {
-    return scene.bed == Bed::surface || !places.has("numerics.bed");
+    return scene.structures.empty() || scene.bed == Bed::surface ||
+           (!places.has("numerics.bed") && bears_surfaces(scene));
 }
 
-/// Whether pressures on cells are right with all else that the scene has.
+/// Whether pressures on cells are right with all else of the scene.
 bool bears_grid_pressure(const Scene& scene, const Places& places) {
     const auto takes = [&](const MaterialSpec& m) {
         const LawInfo& law = *find_law(m.law);  // below Poisson's ratio 0.45 shear is nearly as fast as pressure
-        return law.is_fluid && law.is_nearly_incompressible(m.parameters.data()) && !says(m, places);
+        return law.flows && law.is_nearly_incompressible(m.parameters.data()) && !says(m, places) &&
+               !varies_in_stiffness(m);
     };
     return std::all_of(scene.materials.begin(), scene.materials.end(), takes) && scene.shape == Shape::quadratic &&
            scene.stress_update == StressUpdate::usl && scene.transfer != Transfer::fmpm &&
-           (scene.structures.empty() || may_act_on_surfaces(scene, places)) && scene.course.tractions.empty() &&
-           !gravity_changes(scene) && !has_absorbing_walls(scene);
+           may_act_on_surfaces(scene, places) && scene.course.tractions.empty() && !gravity_changes(scene) &&
+           !has_absorbing_walls(scene);
 }
 
-/// A fluid resists compression as water does, and shear hardly: pressures of particles lock, and crowd them.
+/// What flows at one volume resists compression as water does, and shear hardly: pressures of particles lock, and
+/// crowd fluids' particles.
 void take_grid_pressure(Scene& scene) {
     if (!scene.structures.empty()) scene.bed = Bed::surface;
     const auto take = [](MaterialSpec& m) {
-        m.volumetric = Volumetric::grid, m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
+        m.volumetric = Volumetric::grid;
+        if (find_law(m.law)->is_fluid) m.pressure_smoothing = smoothing, m.particle_shifting = shifting;
     };
     for (MaterialSpec& m : scene.materials) take(m);
     for (StageSpec& stage : scene.course.stages)
         for (MaterialSpec& m : stage.materials) take(m);
 }
 
-bool is_all_fluid(const Scene& scene) {
+/// And keys that fluids have against crowding.
+bool flows_at_one_volume(const Scene& scene) {
     return std::all_of(scene.materials.begin(), scene.materials.end(), [](const MaterialSpec& m) {
-        return find_law(m.law)->is_fluid && m.volumetric == Volumetric::grid && has_fluid_terms(m);
+        const LawInfo& law = *find_law(m.law);
+        return law.flows && m.volumetric == Volumetric::grid && (!law.is_fluid || has_fluid_terms(m));
     });
 }
 
@@ -79,11 +92,16 @@ std::string material_text(const MaterialSpec& m) {
 
 }  // namespace
 
+bool bears_surfaces(const Scene& scene) {
+    return !scene.structures.empty() && scene.shape == Shape::quadratic && scene.stress_update == StressUpdate::usl &&
+           scene.transfer != Transfer::fmpm && !has_absorbing_walls(scene);
+}
+
 void take_defaults(Scene& scene, const Places& places) {
     const bool says_transfer = places.has("numerics.transfer");
     if (!says_transfer) scene.transfer = standard_transfer(scene.shape);
     if (bears_grid_pressure(scene, places)) take_grid_pressure(scene);
-    if (!says_transfer && scene.shape == Shape::quadratic && !scene.sleep.on && is_all_fluid(scene))
+    if (!says_transfer && scene.shape == Shape::quadratic && !scene.sleep.on && flows_at_one_volume(scene))
         scene.transfer = Transfer::aflip;
     if (!places.has("numerics.flip")) scene.flip = standard_flip(scene.transfer);
     if (!places.has("time.cfl")) scene.cfl = standard_courant(scene);

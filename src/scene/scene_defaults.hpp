@@ -10,12 +10,16 @@ namespace moraine {
 inline constexpr int substeps_by_scene = 0;
 
 /// Sets what was not written, of a scene that is read and not yet checked:
-///   fluids               pressures on cells, smoothed, with particle shifting, in substeps (core/fluid/), where all is
-///                        fluid that says none of these keys, and nobody asks for structures that act at nodes
+///   what flows           at one volume, fluids and undrained clays: pressures on cells (core/fluid/), of fluids
+///                        smoothed, with particle shifting, in substeps; where all flows and says none of these keys,
+///                        and nobody asks for structures that act at nodes
 ///   numerics.bed         with those, surfaces (core/surfaces/); else nodes
-///   numerics.transfer    aflip where all is fluid with pressures on cells, else apic; flip with linear shapes
+///   numerics.transfer    aflip with those, else apic; flip with linear shapes
 ///   time.cfl             of that transfer
 void take_defaults(Scene& scene, const Places& places);
+
+/// Whether structures can act where they are (docs/adr/0014-surfaces-where-they-are.md) with all else of the scene.
+bool bears_surfaces(const Scene& scene);
 
 /// "quadratic shapes, aflip, usl; structures act at nodes; slurry: pressures on cells, smoothed, shifted"
 std::string method_text(const Scene& scene);

@@ -100,9 +100,8 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
       .standard = "",
       .choices = {"nodes", "surface"},
       .meaning =
-          "Where friction, no-slip and the pressure of cells act at structures: at nodes near them, or on the "
-          "surface itself; left out: surface where all is fluid that takes volumetric = \"grid\" by itself, else "
-          "nodes."},
+          "Where contact and the pressure of cells act at structures: at nodes near them, or on the surface itself; "
+          "left out: surface where all takes volumetric = \"grid\" by itself, else nodes."},
      [](S& s, const V& v) { s.bed = static_cast<Bed>(v.choice); }},
     {{.name = "stress_update",
       .type = choice,

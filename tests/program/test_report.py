@@ -197,7 +197,7 @@ class Report(moraine.ProgramTest):
         self.assertEqual((page.open, page.fetched, len(page.ids)), ([], [], len(set(page.ids))))
         self.assertEqual(page.headings[1:4], ["Side by side", "The flow of apic", "The flow of flip"])
         table_text = text.split("<h2>Side by side</h2>")[1].split("</table>")[0]
-        self.assertEqual(re.findall(r'<th [^>]*>([^<]*)</th>', table_text), ["run", "numerics.transfer", "largest speed [m/s]", "force on pipe [kN]", "wall [s]"])
+        self.assertEqual(re.findall(r'<th [^>]*>([^<]*)</th>', table_text), ["run", "numerics.transfer", "time.cfl", "largest speed [m/s]", "force on pipe [kN]", "wall [s]"])
         rows = [re.findall("<td>([^<]*)</td>", row) for row in table_text.split("<tr>")[2:]]
         self.assertEqual([row[:2] for row in rows], [["apic", "apic"], ["flip", "flip"]])
         for run, row in zip(runs, rows):

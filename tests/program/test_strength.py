@@ -54,7 +54,7 @@ class Strength(moraine.ProgramTest):
         return [(row["time_s"], math.sqrt(2 * row["kinetic_J"] / (1600 * 4.0))) for row in rows]
 
     def test_an_infinite_slope_stands_just_above_and_runs_just_below_its_factor(self):
-        stands = [speed for _, speed in self.speeds(1.03, 8)]
+        stands = [speed for _, speed in self.speeds(1.03, 8.5)]
         self.assertEqual(stands[1:], sorted(stands[1:], reverse=True))
         self.assertGreater(stands[1], 0.2)
         self.assertLess(stands[-1], 0.005)
@@ -66,14 +66,14 @@ class Strength(moraine.ProgramTest):
 
     def footing(self, cells, *words):
         """Load over B su0 of a stiff, smooth footing with so many cells over B, in the mean over settlements of 0.0075 B and more."""
-        stiff = sets(domain__cell=1 / cells, domain__max="[4,1]", time__end=0.9, material__clay__young=1e7, material__clay__volumetric='"cell"',
+        stiff = sets(domain__cell=1 / cells, domain__max="[4,1]", time__end=0.9, material__clay__young=1e7,
                      structure__footing__contact='{law="smooth"}', output__interval=0)
         run = self.run_scene(moraine.INPUTS / "strip_footing.toml", "footing", "--overwrite", *stiff, *words)
         loads = [2 * row["force_y_N"] / 1000 for row in table(run, "structures.csv") if -row["displacement_y_m"] > 0.0075]
         return sum(loads) / len(loads)
 
     def test_a_footing_on_soil_that_gets_stronger_bears_what_davis_and_booker_say(self):
-        """With four times su0 more at a depth of B the load is 18 % too high at B/8 and 8.7 % at B/16."""
+        """With four times su0 more at a depth of B the load is 16 % too high at B/8 and 8.9 % at B/16."""
         self.assertAlmostEqual(self.footing(8) / bearing.bearing_pressure(1, 0, 1), 1, delta=0.03)
         exact = bearing.bearing_pressure(1, 4, 1)
         coarse, fine = (self.footing(cells, *sets(material__clay__su="{surface=1e3,gradient=4e3}")) / exact - 1 for cells in (8, 16))
@@ -185,10 +185,13 @@ class Strength(moraine.ProgramTest):
 
     def test_an_interface_follows_softening_and_rate_on_any_ranks_and_after_a_restart(self):
         keys = sets(material__clay__su="{surface=100,gradient=150}", material__clay__sensitivity=4, material__clay__xi95=0.01, time__end=1.5, output__fields='["velocity", "strength", "su"]')
-        whole, rows = self.interface("whole", *keys, alpha=1.0)
         lowest = 100 + 150 * (4 - 0.0625) / math.cos(BETA)
-        self.assertGreater(max(force for _, force in rows), 0.4 * lowest)
-        self.assertAlmostEqual(rows[-1][1] / (0.25 * lowest), 1, delta=0.01, msg="remoulded")
+        at_nodes = self.interface("nodes", *keys, *sets(numerics__bed='"nodes"'), alpha=1.0)[1]
+        self.assertGreater(max(force for _, force in at_nodes), 0.4 * lowest)
+        self.assertAlmostEqual(at_nodes[-1][1] / (0.25 * lowest), 1, delta=0.01, msg="remoulded")
+        whole, rows = self.interface("whole", *keys, alpha=1.0)  # slips before its lowest row has lost all
+        self.assertAlmostEqual(rows[-1][1] / rows[-2][1], 1, delta=0.001)
+        self.assertLess(rows[-1][1], 0.9 * max(force for _, force in rows))
         expected = summary(whole)["state_hash"]
         for ranks in (2, 3):
             self.assertEqual(summary(self.interface(f"on-{ranks}", *keys, *sets(balance__partitioner="shuffle"), alpha=1.0, ranks=ranks)[0])["state_hash"], expected)

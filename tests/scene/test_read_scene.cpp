@@ -32,7 +32,7 @@ TEST_CASE("a scene is read into its fields") {
 }
 
 TEST_CASE("a scene that names no transfer takes APIC, or FLIP with linear shapes, and the step of that method") {
-    const std::string text = replaced(good_scene, "cfl = 0.4\n", "");
+    const std::string text = replaced(replaced(good_scene, "cfl = 0.4\n", ""), "poisson = 0.45", "poisson = 0.3");
     const Scene wide = read_text(text), linear = read_text(text, {"numerics.shape=linear"});
     CHECK(wide.transfer == Transfer::apic);
     CHECK(wide.cfl == doctest::Approx(0.8 * stable_courant(Shape::quadratic, Transfer::apic, StressUpdate::usl)));
@@ -68,11 +68,18 @@ TEST_CASE("a fluid takes pressures on cells by itself where the scene can have t
     CHECK(read_text(mud + ball, stiff).bed == Bed::surface);
     CHECK(takes_cells(read_text(mud + ball, with("numerics.bed=surface"))));
     CHECK(!takes_cells(read_text(mud + ball, with("numerics.bed=nodes"))));
-    CHECK(read_text(replaced(good_scene, "cfl = 0.4\n", "") + ball, {}).bed == Bed::nodes);
+    CHECK(read_text(replaced(good_scene, "cfl = 0.4\n", "") + ball, {"material.clay.poisson=0.3"}).bed == Bed::nodes);
     CHECK(!takes_cells(read_text(mud, {"material.clay.poisson=0.4"})));
     CHECK(!takes_cells(read_text(mud, with("numerics.shape=cubic"))));
     CHECK(!takes_cells(read_text(mud, with("material.clay.volumetric=particle"))));
-    CHECK(!takes_cells(read_text(replaced(good_scene, "cfl = 0.4\n", ""), stiff)));
+    const std::string clay = replaced(good_scene, "cfl = 0.4\n", "");
+    const Scene undrained = read_text(clay + ball, stiff);
+    CHECK(undrained.materials[0].volumetric == Volumetric::grid);
+    CHECK(!has_fluid_terms(undrained.materials[0]));
+    CHECK(undrained.transfer == Transfer::aflip);
+    CHECK(undrained.substeps == 1);
+    for (const char* set : {"material.clay.volumetric=cell", "numerics.bed=nodes", "material.clay.poisson=0.4"})
+        CHECK(read_text(clay + ball, {"material.clay.poisson=0.49", set}).transfer == Transfer::apic);
     CHECK(read_text(mud, with("numerics.transfer=apic")).materials[0].volumetric == Volumetric::grid);
     const Scene sleeps = read_text(mud, with("numerics.sleep=on"));
     CHECK(sleeps.materials[0].volumetric == Volumetric::grid);
@@ -80,7 +87,8 @@ TEST_CASE("a fluid takes pressures on cells by itself where the scene can have t
 }
 
 TEST_CASE("what a scene leaves out is as in core/scene_spec.hpp") {
-    const Scene s = read_text(replaced(replaced(good_scene, "cfl = 0.4\n", ""), "fields = [\"velocity\"]\n", ""));
+    const Scene s = read_text(replaced(replaced(good_scene, "cfl = 0.4\n", ""), "fields = [\"velocity\"]\n", ""),
+                              {"material.clay.poisson=0.3"});
     const Scene standard;
     CHECK(s.cfl == standard_courant(s));
     CHECK(s.dt == standard.dt);

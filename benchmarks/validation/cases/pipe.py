@@ -1,6 +1,7 @@
 """Penetration of a pipe into the sea bed
 
-Half model of 5 D x 5 D, weightless Tresca clay, E = 500 su, nu = 0.49, pushed at 0.05 m/s (`inputs/pipe_penetration.toml`), APIC. rough: at most
+Half model of 5 D x 5 D, weightless Tresca clay, E = 500 su, nu = 0.49, pushed at 0.05 m/s (`inputs/pipe_penetration.toml`), contact at nodes and APIC;
+`default`: pressures on cells, AFLIP and contact on surfaces. rough: at most
 alpha su = su on its surface.
 
 * References: V / (D su) = 5.3 (w/D)^0.25 smooth, 7.1 (w/D)^0.33 rough (pushed in place, Merifield et al. 2009; the coefficients are cited from memory).
@@ -40,7 +41,8 @@ SCENE = "pipe_penetration"
 MATERIAL = "clay"
 LEVELS = {"cpu": [16, 20], "cuda": [20, 40, 80]}
 RUNG = "D/{}"
-VARIANTS = {"smooth": ['structure.pipe.contact={law="smooth"}'], "rough": ["structure.pipe.contact.alpha=1.0"]}
+SMOOTH, ROUGH = ['structure.pipe.contact={law="smooth"}'], ["structure.pipe.contact.alpha=1.0"]
+VARIANTS = {"smooth": SMOOTH + ladder.AT_NODES, "rough": ROUGH + ladder.AT_NODES, "smooth default": SMOOTH, "rough default": ROUGH}
 D, SU = 0.8, 5e3
 FITS = {"smooth": (5.3, 0.25), "rough": (7.1, 0.33)}
 

@@ -1,7 +1,8 @@
 """T-bar, full flow of clay around a circle
 
 Half model of 2.5 D x 6 D between smooth walls, Tresca clay under 40 su, E = 500 su, nu = 0.49, pushed at 0.05 m/s by half a diameter
-(`inputs/tbar.toml`), APIC.
+(`inputs/tbar.toml`), contact at nodes and APIC; `default`: pressures on cells, AFLIP and contact on surfaces, whose figures are with those of other
+[beds](../placement/results.md#clay).
 
 * Nc: V / (D su) less buoyancy, mean over the last 0.2 D, against pi + 2 Dl + 4 cos(pi/4 - Dl/2) (sqrt 2 + sin(pi/4 - Dl/2)) with sin Dl = alpha
   (Randolph and Houlsby 1984): 9.142 smooth, 11.940 rough. Noise as for the pipe.
@@ -49,7 +50,8 @@ SCENE = "tbar"
 MATERIAL = "clay"
 LEVELS = {"cpu": [8, 16], "cuda": [8, 16, 32, 64]}
 RUNG = "D/{}"
-VARIANTS = {"smooth": ['structure.bar.contact={law="smooth"}'], "rough": []}
+SMOOTH = ['structure.bar.contact={law="smooth"}']
+VARIANTS = {"smooth": SMOOTH + ladder.AT_NODES, "rough": ladder.AT_NODES, "smooth default": SMOOTH, "rough default": []}
 D, SU = 0.8, 5e3
 BUOYANCY = 1600 * 0.1 * math.pi * D * D / 4  # [N/m]
 ALPHA = {"smooth": 0.0, "rough": 1.0}
