@@ -2,6 +2,8 @@
 
 #include "host/surface_blocks.hpp"
 
+#include <algorithm>
+
 #include "core/surfaces/element_rule.hpp"
 
 namespace moraine {
@@ -67,9 +69,33 @@ void SurfaceBlocks<Real, Dim>::begin_step() {
     const TileView<Real> grid = patch.grid();
     node_values.resize(near_nodes.size());
     for (std::size_t j = 0; j < near_nodes.size(); ++j) {
-        const std::int32_t block = grid.node_of[near_nodes[j]];
+        const std::int32_t block = is_occupied(near_nodes[j]) ? grid.node_of[near_nodes[j]] : -1;
         node_values[j] = block < 0 ? nullptr : grid.nodes + std::ptrdiff_t(block) * cells * node_reals;
     }
+    tile_values.resize(blocks.size() * tile_nodes);
+    has_soil.resize(blocks.size());
+    Host::launch(static_cast<std::int64_t>(blocks.size()), [&](int k) { find_values(k); });
+}
+
+/// Whether a block gives to the nodes of a node block in this step.
+template <class Real, int Dim>
+bool SurfaceBlocks<Real, Dim>::is_occupied(std::int32_t node_block) const {
+    const std::int32_t* source = patch.table().source + std::ptrdiff_t(node_block) * Block<Dim>::corners;
+    const std::int32_t* tile_of = patch.tile_of();
+    return std::any_of(source, source + Block<Dim>::corners, [&](std::int32_t b) { return b >= 0 && tile_of[b] >= 0; });
+}
+
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::find_values(int k) {
+    Real** of_tile = tile_values.data() + static_cast<std::size_t>(k) * tile_nodes;
+    std::uint8_t& soil = has_soil[static_cast<std::size_t>(k)];
+    soil = 0;
+    for (int corner = 0; corner < Block<Dim>::corners; ++corner) {
+        int first = 0;
+        for (int a = 0, stride = 1; a < Dim; ++a, stride *= side) first += Block<Dim>::corner(corner, a) * 4 * stride;
+        soil = soil || node_values[static_cast<std::size_t>(node_at(k, first) / cells)];
+    }
+    for (int n = 0; soil && n < tile_nodes; ++n) of_tile[n] = values(node_at(k, n));
 }
 
 template <class Real, int Dim>
@@ -90,10 +116,10 @@ void SurfaceBlocks<Real, Dim>::travel(std::span<const std::int32_t> givers, cons
 
 /// A node is +0 plus its tiles by offset, as in tile_sums.hpp; where no block gives there are no sums.
 template <class Real, int Dim>
-void SurfaceBlocks<Real, Dim>::sum_nodes(int j, int quads) {
+template <int Quads>
+void SurfaceBlocks<Real, Dim>::add_tiles(int j) {
     const std::int32_t c = near_nodes[static_cast<std::size_t>(j)];
     const std::int32_t* source = patch.table().source + std::ptrdiff_t(c) * Block<Dim>::corners;
-    const int reals = quads * quad;
     Real* to = sums.value.data() + static_cast<std::size_t>(j) * cells * node_reals;
     std::uint8_t& known = sums.known[static_cast<std::size_t>(j)];
     known = 0;
@@ -104,9 +130,17 @@ void SurfaceBlocks<Real, Dim>::sum_nodes(int j, int quads) {
         known = 1;
         const Real* from = tiles.data() + static_cast<std::size_t>(tile) * tile_nodes * node_reals;
         each_tile_node<Dim>(delta, width, [&](int n, int at) {
-            for (int q = 0; q < reals; ++q) to[n * node_reals + q] += from[at * node_reals + q];
+            for (int q = 0; q < Quads * quad; q += quad) {
+                Real* sum = to + n * node_reals + q;
+                (Quad<Real>::load(sum) + Quad<Real>::load(from + at * node_reals + q)).store(sum);
+            }
         });
     }
+}
+
+template <class Real, int Dim>
+void SurfaceBlocks<Real, Dim>::sum_nodes(int j, int quads) {
+    quads == 1 ? add_tiles<1>(j) : add_tiles<2>(j);
 }
 
 template <class Real, int Dim>
@@ -116,15 +150,30 @@ std::ptrdiff_t SurfaceBlocks<Real, Dim>::stored(std::int32_t near) const {
 }
 
 template <class Real, int Dim>
-void SurfaceBlocks<Real, Dim>::tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
-                                    const Vec<double, Dim>& follows, const Vec<double, moments<Dim>>& couple) const {
+void StructureTally<Real, Dim>::add(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
+                                    const Vec<double, Dim>& follows, const Vec<double, moments<Dim>>& couple) {
+    if (structure != structure_) tell();
+    structure_ = structure;
     double all[StructureSums<Dim>::count] = {};
-    const Structure<Dim>& s = scene.field.structure[structure];
-    structure_values(scene.field, s, impulse, place, follows, all);
+    const Structure<Dim>& s = scene_.field.structure[structure];
+    structure_values(scene_.field, s, impulse, place, follows, all);
     if (s.turns) add_couple(s, couple, all);
-    add_shared(scene.felt[structure].sum, scene.quantum, all);
+    for (int i = 0; i < StructureSums<Dim>::count; ++i)
+        if (all[i] != 0) sums_.sum[i].add(scene_.quantum.of(all[i]));
 }
 
+template <class Real, int Dim>
+void StructureTally<Real, Dim>::tell() {
+    if (structure_ < 0) return;
+#pragma omp critical(tell_structure)
+    scene_.felt[structure_].add(sums_);
+    sums_ = {};
+}
+
+template class StructureTally<float, 2>;
+template class StructureTally<float, 3>;
+template class StructureTally<double, 2>;
+template class StructureTally<double, 3>;
 template struct SurfaceBlocks<float, 2>;
 template struct SurfaceBlocks<float, 3>;
 template struct SurfaceBlocks<double, 2>;

@@ -14,6 +14,7 @@
 #include "blocks/patch.hpp"
 #include "blocks/surface_plan.hpp"
 #include "comm/halo.hpp"
+#include "core/data/quad.hpp"
 #include "core/nodes/node_energy.hpp"
 #include "core/transfer/method.hpp"
 
@@ -29,6 +30,28 @@ struct SurfaceScene {
     CellPressure<Real>* cells;  ///< of occupied blocks, as PressureContext's
     StructureSums<Dim>* felt;   ///< by structure
     TurningSums<Dim>* turning;  ///< likewise; null: none turns
+};
+
+/// What a block gives to structures in a pass: added up, and told to all at its end. Whole numbers, so in any order.
+template <class Real, int Dim>
+class StructureTally {
+  public:
+    explicit StructureTally(const SurfaceScene<Real, Dim>& scene) : scene_(scene) {}
+    StructureTally(const StructureTally&) = delete;
+    StructureTally& operator=(const StructureTally&) = delete;
+    ~StructureTally() { tell(); }
+    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg]; couple: what
+    /// one that turns gets besides [kg m2/s].
+    void add(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
+             const Vec<double, Dim>& follows = zero_vec<double, Dim>(),
+             const Vec<double, moments<Dim>>& couple = zero_vec<double, moments<Dim>>());
+
+  private:
+    void tell();
+
+    const SurfaceScene<Real, Dim>& scene_;
+    int structure_ = -1;
+    StructureSums<Dim> sums_;  ///< of that one
 };
 
 /// What a pass gave to the nodes near surfaces.
@@ -57,6 +80,8 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     std::vector<std::int32_t> node_index{};  ///< among near ones [block][node of tile]
     std::vector<std::int32_t> tile_index{};  ///< by own and ghost block
     std::vector<Real*> node_values{};        ///< of this step [near node block]; null: no soil is near
+    std::vector<Real*> tile_values{};        ///< the same [block][node of tile]; null: it holds no soil
+    std::vector<std::uint8_t> has_soil{};    ///< [block]: some node of its tile holds soil
     Host::Array<Real> tiles{};
     NodeSums<Real> sums{};                            ///< of the last pass
     Host::Array<SurfaceMotion<Real, Dim>> motions{};  ///< with an energy budget: of this round [near node block][node]
@@ -101,12 +126,9 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
         node += std::size_t(near) % cells * node_reals;
         return node[quad - 1] > scene.mass_cutoff ? node : nullptr;
     }
+    /// The same of a block's tile.
+    Real* values_at(int k, int n) const { return tile_values[static_cast<std::size_t>(k * tile_nodes + n)]; }
     std::ptrdiff_t stored(std::int32_t near) const;
-    /// What a structure gets [kg m/s], and where [m]. follows: the mass that moves with it, by axis [kg]; couple: what
-    /// one that turns gets besides [kg m2/s].
-    void tell(int structure, const Vec<double, Dim>& impulse, const Vec<double, Dim>& place,
-              const Vec<double, Dim>& follows = zero_vec<double, Dim>(),
-              const Vec<double, moments<Dim>>& couple = zero_vec<double, moments<Dim>>()) const;
     /// What follows a structure that turns.
     void tell_following(int structure, const Following<Dim>& by) const {
         add_following(by, scene.quantum, scene.turning[structure]);
@@ -119,8 +141,12 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
 
   private:
     void index_nodes();
+    void find_values(int k);
+    bool is_occupied(std::int32_t node_block) const;
     void travel(std::span<const std::int32_t> givers, const GapShare<Dim>* gaps);
     void sum_nodes(int j, int quads);
+    template <int Quads>
+    void add_tiles(int j);
 };
 
 template <class Real, int Dim>
@@ -129,11 +155,12 @@ void SurfaceBlocks<Real, Dim>::pass(std::span<const std::int32_t> givers, int qu
     Host::launch(static_cast<std::int64_t>(givers.size()), [&](int i) {
         const std::int32_t k = givers[static_cast<std::size_t>(i)];
         Real* tile = tiles.data() + (ghosts + static_cast<std::size_t>(k)) * tile_nodes * node_reals;
-        std::fill_n(tile, tile_nodes * node_reals, Real(0));
+        for (int n = 0; n < tile_nodes; ++n) std::fill_n(tile + n * node_reals, quads * quad, Real(0));
         write(k, tile);
     });
     travel(givers, nullptr);
-    Host::launch(static_cast<std::int64_t>(near_nodes.size()), [&](int j) { sum_nodes(j, quads); });
+    Host::launch(static_cast<std::int64_t>(near_nodes.size()),
+                 [&](int j) { sum_nodes(j, quads); });
 }
 
 }  // namespace moraine

@@ -142,12 +142,13 @@ void SurfaceForces<Real, Dim>::act(const ContactTime& time, double damping) {
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
     on_.pass(givers_, 1, [&](int k, Real* tile) {
+        StructureTally<Real, Dim> tally(on_.scene);
         each_touching(k, [&](const SurfaceElement<Dim>& e) {
-            if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, time, damping, tile);
+            if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, time, damping, tile, tally);
             SurfaceElement<Dim> moved = e;
             moved.place = middle_of(e, on_.centre_of(k, e.cell, on_.scene.field.structure[e.structure]), on_.h,
                                     NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
-            act_on(k, moved, time, damping, tile);
+            act_on(k, moved, time, damping, tile, tally);
         });
     });
     apply(&SurfaceMotion<Real, Dim>::elements);
@@ -155,7 +156,7 @@ void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
 
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping,
-                                      Real* tile) {
+                                      Real* tile, StructureTally<Real, Dim>& tally) {
     const Structure<Dim>& s = on_.scene.field.structure[e.structure];
     const double pressure = pressures_.pressure_at(k, e.cell, damping);
     const ElementImpulse<Dim> impulse =
@@ -165,11 +166,11 @@ void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const
     each_node<Dim, 3>([&](int at, int, int, int) {
         const double w = e.weight[i++];
         const int n = tile_offset<Dim, 3>(e.cell) + at;
-        if (!on_.values(on_.node_at(k, n))) return;
+        if (!on_.values_at(k, n)) return;
         heavy += w;
         for (int a = 0; a < Dim; ++a) tile[n * node_reals + a] -= static_cast<Real>(w * impulse.given[a]);
     });
-    on_.tell(e.structure, heavy * impulse.given, e.place, impulse.follows);
+    tally.add(e.structure, heavy * impulse.given, e.place, impulse.follows);
     if (s.turns) on_.tell_following(e.structure, following_of(e, s, impulse));
 }
 
@@ -181,7 +182,7 @@ void SurfaceForces<Real, Dim>::find_slaves() {
         std::vector<SlaveNode<Dim>>& follow = followers_[static_cast<std::size_t>(k)];
         follow.clear();
         for (const SlaveNode<Dim>& slave : on_.at(k).slaves)
-            if (acts(k, slave.nodes)) follow.push_back(slave);
+            if (on_.has_soil[static_cast<std::size_t>(k)] && acts(k, slave.nodes)) follow.push_back(slave);
     });
     on_.list(with_slaves_, [&](int k) { return !followers_[static_cast<std::size_t>(k)].empty(); });
 }
@@ -191,7 +192,7 @@ template <class Real, int Dim>
 bool SurfaceForces<Real, Dim>::acts(int k, const Slave& slave) const {
     const std::int32_t near = on_.node_at(k, slave.own);
     if (!shares_.known[static_cast<std::size_t>(near / cells)]) return false;
-    return slave_acts(on_.values(near), on_.values(on_.node_at(k, slave.one)), on_.values(on_.node_at(k, slave.two)),
+    return slave_acts(on_.values_at(k, slave.own), on_.values_at(k, slave.one), on_.values_at(k, slave.two),
                       shares_at(near));
 }
 
@@ -199,10 +200,9 @@ bool SurfaceForces<Real, Dim>::acts(int k, const Slave& slave) const {
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const {
     const Slave& slave = by.nodes;
-    const std::int32_t near = on_.node_at(k, slave.own);
     const SurfaceNode<Dim>& n = by.surface;
-    const Real *own = on_.values(near), *one = on_.values(on_.node_at(k, slave.one)),
-               *two = on_.values(on_.node_at(k, slave.two));
+    const Real *own = on_.values_at(k, slave.own), *one = on_.values_at(k, slave.one),
+               *two = on_.values_at(k, slave.two);
     const Vec<double, Dim> off = slave_impulse(n, on_.scene.field.structure[n.structure].law, own, one, two);
     for (int a = 0; a < Dim; ++a) {
         tile[slave.own * node_reals + a] += static_cast<Real>(off[a]);

@@ -35,7 +35,7 @@ class SurfaceForces {
     struct NodesOf {
         const SurfaceForces& of;
         int k, corner;
-        const Real* values(int at) const { return of.on_.values(of.on_.node_at(k, corner + at)); }
+        const Real* values(int at) const { return of.on_.values_at(k, corner + at); }
         SurfaceShares<Dim> shares(int at) const { return of.shares_at(of.on_.node_at(k, corner + at)); }
     };
 
@@ -58,7 +58,8 @@ class SurfaceForces {
     void weigh();
     void find_slaves();
     void sweep(const ContactTime& time, double damping);
-    void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile);
+    void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile,
+                StructureTally<Real, Dim>& tally);
     bool acts(int k, const Slave& slave) const;
     void close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const;
     using Taken = Vec<Real, Dim> SurfaceMotion<Real, Dim>::*;

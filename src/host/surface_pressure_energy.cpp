@@ -17,7 +17,7 @@ void SurfacePressures<Real, Dim>::count_taken(int k, int c, const Substep& subst
     each_node<Dim, 3>([&](int at, int, int, int) {
         const CellNode<Real, Dim>& g = cell.factor[n++];
         const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(c) + at);
-        const Real* v = on_.values(near);
+        const Real* v = on_.values_at(k, tile_offset<Dim, 3>(c) + at);
         for (int a = 0; v && a < Dim; ++a)
             flux += 0.5 * double(g.gradient[a]) *
                     (double(v[a]) + double(on_.motions[static_cast<std::size_t>(near)].start[a]));

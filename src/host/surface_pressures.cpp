@@ -54,7 +54,7 @@ void SurfacePressures<Real, Dim>::find_cells() {
         OnCells& on = on_cells_[static_cast<std::size_t>(k)];
         on.cell.clear();
         on.has_children = on.has_roots = false;
-        for (int c = 0; c < cells; ++c) {
+        for (int c = 0; on_.has_soil[static_cast<std::size_t>(k)] && c < cells; ++c) {
             OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             cell.on = cell.child = false;
             if (!on_.cell_at(k, c).near) continue;
@@ -194,6 +194,7 @@ template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::press(const Substep& substep) {
     const Real damping = static_cast<Real>(substep.damping());
     on_.pass(givers_, 1, [&](int k, Real* tile) {
+        StructureTally<Real, Dim> tally(on_.scene);
         each_on(k, [&](int c, const OpenCell<Real, Dim>& cell) {
             if (!cell.on) return;
             const Real force = cell.state.pressure + damping * cell.state.change;
@@ -203,7 +204,7 @@ void SurfacePressures<Real, Dim>::press(const Substep& substep) {
                 for (int a = 0; a < Dim; ++a) to[a] -= cell.factor[n].gradient[a] * force;
                 ++n;
             });
-            tell_pressure(k, c, double(force) * substep.dt);
+            tell_pressure(k, c, double(force) * substep.dt, tally);
         });
     });
     Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
@@ -221,7 +222,8 @@ void SurfacePressures<Real, Dim>::press(const Substep& substep) {
 
 /// What the structure bears of a cell's pressure.
 template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
+void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse,
+                                                StructureTally<Real, Dim>& tally) const {
     const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     Vec<double, Dim> given, place;
     bool any = false;
@@ -234,10 +236,10 @@ void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse) {
     if (!any) return;
     const int structure = on_.cell_at(k, c).structure;
     const Structure<Dim>& s = on_.scene.field.structure[structure];
-    if (!s.turns) return on_.tell(structure, given, place);
+    if (!s.turns) return tally.add(structure, given, place);
     place = image_near(on_.scene.field, s, place);
-    on_.tell(structure, given, place, zero_vec<double, Dim>(),
-             impulse * couple_of(cell, on_.centre_of(k, c, s) - place, on_.h));
+    tally.add(structure, given, place, zero_vec<double, Dim>(),
+              impulse * couple_of(cell, on_.centre_of(k, c, s) - place, on_.h));
 }
 
 template <class Real, int Dim>

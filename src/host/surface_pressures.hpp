@@ -42,7 +42,7 @@ class SurfacePressures {
         int k, corner;
         std::int32_t near(int at) const { return of.on_.node_at(k, corner + at); }
         const SpaceNode& place(int at) const { return of.on_.surface_node(near(at)); }
-        const Real* values(int at) const { return of.on_.values(near(at)); }
+        const Real* values(int at) const { return of.on_.values_at(k, corner + at); }
         double distance(int at) const { return place(at).distance; }
         double capacity(int at) const { return place(at).capacity; }
         double filling(int at) const {
@@ -74,7 +74,7 @@ class SurfacePressures {
     void find_cell(int k, int c);
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
     void close_cell(int k, int c, const Substep& first);
-    void tell_pressure(int k, int c, double impulse);
+    void tell_pressure(int k, int c, double impulse, StructureTally<Real, Dim>& tally) const;
     /// The flux that a structure gives a cell by turning [m^d/s].
     double turned_flux(int k, int c) const {
         const Structure<Dim>& s = on_.scene.field.structure[on_.cell_at(k, c).structure];
