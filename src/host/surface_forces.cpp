@@ -28,22 +28,25 @@ void SurfaceForces<Real, Dim>::find_gaps(const ContactPairs<Dim>& pairs) {
     on_.share(occupied_, {&pairs, gap_tiles_.data()});
     const GapTiles tiles{pairs.structures(), pairs.tile_of().data(), gap_tiles_.data()};
     const BlockTable<Dim> table = on_.patch.table();
-    const double unit = std::pow(on_.h, Dim - 1);
     touching_.resize(on_.blocks.size());
-    Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) {
-        touching_[static_cast<std::size_t>(k)].clear();
-        for (SurfaceElement<Dim>& e : on_.at(k).elements) {
-            const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + to_middle);
-            const NodeGap gap =
-                gap_at_node(tiles, table, on_.tile_index.data(), width,
-                            on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
-            take_gap(gap, unit, on_.scene.field.structure[e.structure].law, e);
-            if (!e.touches) continue;
-            const std::ptrdiff_t at = &e - on_.at(k).elements.data();
-            touching_[static_cast<std::size_t>(k)].push_back(static_cast<std::int32_t>(at));
-        }
-    });
+    Host::launch(static_cast<std::int64_t>(on_.blocks.size()), [&](int k) { find_touching(k, tiles, table); });
     on_.list(givers_, [&](int k) { return !touching_[static_cast<std::size_t>(k)].empty(); });
+}
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::find_touching(int k, const GapTiles& tiles, const BlockTable<Dim>& table) {
+    std::vector<Touching>& found = touching_[static_cast<std::size_t>(k)];
+    found.clear();
+    if (!on_.has_soil[static_cast<std::size_t>(k)]) return;
+    const double unit = std::pow(on_.h, Dim - 1);
+    for (SurfaceElement<Dim>& e : on_.at(k).elements) {
+        const std::int32_t near = on_.node_at(k, tile_offset<Dim, 3>(e.cell) + to_middle);
+        const NodeGap gap =
+            gap_at_node(tiles, table, on_.tile_index.data(), width,
+                        on_.near_nodes[static_cast<std::size_t>(near / cells)], near % cells, e.structure);
+        take_gap(gap, unit, on_.scene.field.structure[e.structure].law, e);
+        if (e.touches) found.push_back({static_cast<std::int32_t>(&e - on_.at(k).elements.data()), 0});
+    }
 }
 
 template <class Real, int Dim>
@@ -57,18 +60,51 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     const Place& block = on_.patch.tables().position[static_cast<std::size_t>(pair.block)];
     const GroundBound<Dim>* bound = s.shape == StructureShape::ground ? on_.pairs->bounds() : nullptr;
     const std::uint32_t* bounds = list.cell_first + std::size_t(pair.block) * (cells + 1);
+    const double cosine = bound ? on_.scene.field.corners[s.first_corner + 1][1] : 1;
+    const double highest = bound && bound[pair.block].clear < s.radius / cosine ? bound[pair.block].clear : 0;
     MayBeNear near;
     const auto& around = on_.at(k).first_around;
     for (int c = 0; c < cells; ++c) {
+        if (c % (cells / 4) == 0) tell_elements(pair, near);  // who is further off often tells nothing new
         if (around[static_cast<std::size_t>(c)] == around[static_cast<std::size_t>(c) + 1]) continue;
+        const std::int32_t widest = highest > 0 ? widest_gap(pair, k, c) : NodeGap::none;
         for (std::uint32_t i = list.first[pair.block] + bounds[c]; i < list.first[pair.block] + bounds[c + 1]; ++i) {
-            near.slot[near.count] = list.slot[i], near.cell[near.count] = k * cells + c;
-            near.place[near.count] = contact_place<Real>(on_.scene.field, s, block, p.position[list.slot[i]]);
-            near.count += !(bound && bound[pair.block].is_clear(near.place[near.count]));
-            if (near.count == MayBeNear::most) tell_elements(pair, near);
+            const std::uint32_t slot = list.slot[i];
+            const Vec<double, Dim> place = contact_place<Real>(on_.scene.field, s, block, p.position[slot]);
+            if (bound && bound[pair.block].is_clear(place)) continue;
+            if (bound && tells_nothing(bound[pair.block], highest, place, double(p.volume[slot]), widest)) continue;
+            near.slot[near.count] = slot, near.cell[near.count] = k * cells + c, near.place[near.count] = place;
+            if (++near.count == MayBeNear::most) tell_elements(pair, near);
         }
     }
     tell_elements(pair, near);
+}
+
+/// Of the elements that particles of a cell may touch: who is further off than that tells none of them a nearer gap.
+template <class Real, int Dim>
+std::int32_t SurfaceForces<Real, Dim>::widest_gap(const ContactPair& pair, int k, int c) const {
+    const NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
+    const SurfaceBlock<Dim>& of = on_.at(k);
+    const auto i = static_cast<std::size_t>(c);
+    std::int32_t widest = -NodeGap::none;
+    for (std::size_t n = of.first_around[i]; n < of.first_around[i + 1]; ++n) {
+        const RingElement<Dim>& e = of.ring[of.around[n]];
+        if (e.structure == pair.structure) widest = std::max(widest, tile[e.node].gap);
+    }
+    return widest;
+}
+
+/// Whether a particle over the ground, whatever its distance, neither lies on it nor is nearer than `widest`. By the
+/// plane over the ground (ground_bound.hpp), whose height `highest` is no nearer than particle_reach.
+template <class Real, int Dim>
+bool SurfaceForces<Real, Dim>::tells_nothing(const GroundBound<Dim>& bound, double highest, const Vec<double, Dim>& x,
+                                             double volume, std::int32_t widest) const {
+    if (!(highest > 0) || widest == NodeGap::none) return false;
+    constexpr double rounding = 1e-6;
+    const double least = particle_reach * bound.above(x) / highest - rounding;  // of its distance [cells]
+    const double size = std::min(2 * (least - widest / NodeGap::gap_quanta), least / lying_above) - rounding;
+    const double side_most = size * on_.h;
+    return size > 0 && volume < side_most * side_most * (Dim == 3 ? side_most : 1.0);
 }
 
 /// Distances do not wait for one another.
@@ -108,7 +144,7 @@ void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, s
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::weigh() {
     on_.pass(givers_, 2, [&](int k, Real* tile) {
-        each_touching(k, [&](const SurfaceElement<Dim>& e) {
+        each_touching(k, [&](const SurfaceElement<Dim>& e, double) {
             int i = 0;
             each_node<Dim, 3>([&](int at, int, int, int) {
                 Real* to = tile + (tile_offset<Dim, 3>(e.cell) + at) * node_reals;
@@ -121,6 +157,33 @@ void SurfaceForces<Real, Dim>::weigh() {
     shares_.value.resize(on_.sums.value.size());
     shares_.known.resize(on_.sums.known.size());
     std::swap(on_.sums, shares_);
+    find_rows();
+}
+
+/// W_i as rows of nodes take it, and R_e across.
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::find_rows() {
+    rows_.resize(givers_.size());
+    rows_of_.resize(on_.blocks.size());
+    for (std::size_t i = 0; i < givers_.size(); ++i)
+        rows_of_[static_cast<std::size_t>(givers_[i])] = static_cast<std::int32_t>(i);
+    Host::launch(static_cast<std::int64_t>(givers_.size()), [&](int i) {
+        find_rows(givers_[static_cast<std::size_t>(i)], rows_[static_cast<std::size_t>(i)]);
+    });
+}
+
+template <class Real, int Dim>
+void SurfaceForces<Real, Dim>::find_rows(int k, ElementRows<Dim>& rows) {
+    for (int n = 0; n < tile_nodes; ++n) {
+        const Real* node = on_.values_at(k, n);
+        const std::int32_t near = on_.node_at(k, n);
+        const bool known = node && shares_.known[static_cast<std::size_t>(near / cells)];
+        rows.set(n, known ? shares_at(near) : SurfaceShares<Dim>{},
+                 node ? double(node[quad - 1]) : std::numeric_limits<double>::infinity());
+    }
+    rows.close();
+    for (Touching& t : touching_[static_cast<std::size_t>(k)])
+        t.row = rows.over_normal(on_.at(k).elements[static_cast<std::size_t>(t.element)]);
 }
 
 template <class Real, int Dim>
@@ -143,24 +206,25 @@ template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
     on_.pass(givers_, 1, [&](int k, Real* tile) {
         StructureTally<Real, Dim> tally(on_.scene);
-        each_touching(k, [&](const SurfaceElement<Dim>& e) {
-            if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, time, damping, tile, tally);
+        each_touching(k, [&](const SurfaceElement<Dim>& e, double row) {
+            if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, row, time, damping, tile, tally);
             SurfaceElement<Dim> moved = e;
             moved.place = middle_of(e, on_.centre_of(k, e.cell, on_.scene.field.structure[e.structure]), on_.h,
                                     NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
-            act_on(k, moved, time, damping, tile, tally);
+            act_on(k, moved, row, time, damping, tile, tally);
         });
     });
     apply(&SurfaceMotion<Real, Dim>::elements);
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping,
-                                      Real* tile, StructureTally<Real, Dim>& tally) {
+void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, double row, const ContactTime& time,
+                                      double damping, Real* tile, StructureTally<Real, Dim>& tally) {
     const Structure<Dim>& s = on_.scene.field.structure[e.structure];
     const double pressure = pressures_.pressure_at(k, e.cell, damping);
+    const KeptRows<Dim> rows{rows_[static_cast<std::size_t>(rows_of_[static_cast<std::size_t>(k)])], row};
     const ElementImpulse<Dim> impulse =
-        act_on_element(e, s, time, pressure, on_.h, NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
+        act_on_element(e, s, time, pressure, on_.h, NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)}, rows);
     double heavy = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {

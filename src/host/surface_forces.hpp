@@ -3,12 +3,10 @@
 
 #include <array>
 
+#include "host/element_rows.hpp"
 #include "host/surface_pressures.hpp"
 
 namespace moraine {
-
-template <int Dim>
-struct ElementImpulse;
 
 template <class Real, int Dim>
 class SurfaceForces {
@@ -36,10 +34,19 @@ class SurfaceForces {
         const SurfaceForces& of;
         int k, corner;
         const Real* values(int at) const { return of.on_.values_at(k, corner + at); }
-        SurfaceShares<Dim> shares(int at) const { return of.shares_at(of.on_.node_at(k, corner + at)); }
+    };
+
+    /// An element that acts in this step.
+    struct Touching {
+        std::int32_t element;
+        double row;  ///< its R_e across
     };
 
     void find_gaps(const ContactPairs<Dim>& pairs);
+    void find_touching(int k, const GapTiles& tiles, const BlockTable<Dim>& table);
+    std::int32_t widest_gap(const ContactPair& pair, int k, int c) const;
+    bool tells_nothing(const GroundBound<Dim>& bound, double highest, const Vec<double, Dim>& x, double volume,
+                       std::int32_t widest) const;
     void tell_elements(const ContactPair& pair);
     /// Particles that may be near a surface, before it is known how near.
     struct MayBeNear {
@@ -50,15 +57,18 @@ class SurfaceForces {
     };
     void tell_elements(const ContactPair& pair, MayBeNear& near);
     void tell_element(const ContactPair& pair, int cell, std::uint32_t slot, const ParticleGap& own);
+    /// f(element, its R_e across).
     template <class F>
     void each_touching(int k, const F& f) const {
         const auto i = static_cast<std::size_t>(k);
-        for (const std::int32_t e : touching_[i]) f(on_.at(k).elements[static_cast<std::size_t>(e)]);
+        for (const Touching& t : touching_[i]) f(on_.at(k).elements[static_cast<std::size_t>(t.element)], t.row);
     }
     void weigh();
+    void find_rows();
+    void find_rows(int k, ElementRows<Dim>& rows);
     void find_slaves();
     void sweep(const ContactTime& time, double damping);
-    void act_on(int k, const SurfaceElement<Dim>& e, const ContactTime& time, double damping, Real* tile,
+    void act_on(int k, const SurfaceElement<Dim>& e, double row, const ContactTime& time, double damping, Real* tile,
                 StructureTally<Real, Dim>& tally);
     bool acts(int k, const Slave& slave) const;
     void close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const;
@@ -74,7 +84,9 @@ class SurfaceForces {
     NodeSums<Real> shares_;                           ///< W_i
     Host::Array<NodeGap> gap_tiles_;
     std::vector<std::vector<SlaveNode<Dim>>> followers_;         ///< slaves who act in this step [block]
-    std::vector<std::vector<std::int32_t>> touching_;            ///< [block] elements that act in this step
+    std::vector<std::vector<Touching>> touching_;                ///< [block]
+    std::vector<ElementRows<Dim>> rows_;                         ///< of blocks with such [their number in givers_]
+    std::vector<std::int32_t> rows_of_;                          ///< [block] of those
     std::vector<std::int32_t> givers_, occupied_, with_slaves_;  ///< blocks: with such, with soil, with followers
 };
 

@@ -8,7 +8,7 @@ namespace moraine {
 
 template <class Real, int Dim>
 void SurfacePressures<Real, Dim>::find(const Substep& first) {
-    keep_accelerations();
+    hold_nodes();
     find_cells();
     weigh_cells();
     on_.list(givers_, [&](int k) { return on_cells_[static_cast<std::size_t>(k)].has_children; });
@@ -34,15 +34,28 @@ void SurfacePressures<Real, Dim>::find(const Substep& first) {
     });
 }
 
-/// Those of nodes without cells' forces.
+/// What nodes hold, without cells' forces.
 template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::keep_accelerations() {
+void SurfacePressures<Real, Dim>::hold_nodes() {
+    held_.resize(on_.near_nodes.size());
     acceleration_.resize(on_.near_nodes.size() * cells);
     Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
         const std::ptrdiff_t at = on_.stored(j * cells);
-        for (int n = 0; at >= 0 && n < cells; ++n)
-            acceleration_[static_cast<std::size_t>(j * cells + n)] = on_.scene.held[at + n].acceleration;
+        HeldNode<Real, Dim>*& held = held_[static_cast<std::size_t>(j)];
+        held = at < 0 ? nullptr : on_.scene.held + at;
+        for (int n = 0; held && n < cells; ++n)
+            acceleration_[static_cast<std::size_t>(j * cells + n)] = held[n].acceleration;
     });
+}
+
+template <class Real, int Dim>
+void SurfacePressures<Real, Dim>::find_nodes(int k, TileNodes& tile) const {
+    for (int n = 0; n < tile_nodes; ++n) {
+        const std::int32_t near = on_.node_at(k, n);
+        const HeldNode<Real, Dim>* held = held_[static_cast<std::size_t>(near / cells)];
+        tile.place[n] = on_.surface_node(near);
+        tile.filling[n] = held ? double(held[near % cells].filling) : 0.0;
+    }
 }
 
 template <class Real, int Dim>
@@ -54,12 +67,15 @@ void SurfacePressures<Real, Dim>::find_cells() {
         OnCells& on = on_cells_[static_cast<std::size_t>(k)];
         on.cell.clear();
         on.has_children = on.has_roots = false;
-        for (int c = 0; on_.has_soil[static_cast<std::size_t>(k)] && c < cells; ++c) {
+        if (!on_.has_soil[static_cast<std::size_t>(k)]) return;
+        TileNodes nodes_of_tile;
+        if (on_.at(k).has_cells) find_nodes(k, nodes_of_tile);
+        for (int c = 0; c < cells; ++c) {
             OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
             cell.on = cell.child = false;
             if (!on_.cell_at(k, c).near) continue;
-            cell = {};
-            find_cell(k, c);
+            cell.begin();
+            find_cell(k, c, nodes_of_tile);
             if (cell.on) on.cell.push_back(c);
             on.has_children = on.has_children || cell.child;
         }
@@ -78,11 +94,14 @@ void SurfacePressures<Real, Dim>::weigh_cells() {
             });
         });
     });
-    each_block([&](int k) {
+    Host::launch(static_cast<std::int64_t>(givers_.size()), [&](int i) {
+        const int k = givers_[static_cast<std::size_t>(i)];
+        TileNodes nodes_of_tile;
+        find_nodes(k, nodes_of_tile);
         each_on(k, [&](int c, OpenCell<Real, Dim>& cell) {
             const int corner = tile_offset<Dim, 3>(c);
             const auto push = [&](int at) { return on_.sum_at(k, corner + at)[0]; };
-            weigh_open_cell(grid_, NodesOf{*this, k, corner}, push, cell);
+            weigh_open_cell(grid_, NodesOf{{*this, k, corner}, nodes_of_tile}, push, cell);
         });
     });
 }
@@ -124,7 +143,7 @@ int SurfacePressures<Real, Dim>::root_node(int k, int c) const {
 
 /// Of a cell by itself.
 template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::find_cell(int k, int c) {
+void SurfacePressures<Real, Dim>::find_cell(int k, int c, const TileNodes& nodes_of_tile) {
     const auto i = static_cast<std::size_t>(k * cells + c);
     const SurfaceCell<Dim>& place = on_.cell_at(k, c);
     OpenCell<Real, Dim>& cell = cells_[i];
@@ -134,7 +153,8 @@ void SurfacePressures<Real, Dim>::find_cell(int k, int c) {
     if (place.part == CellPart::solid) return;
     CellMoments<Real, Dim> moments;
     sum_particles(block, c, moments, cell);
-    find_open_cell(grid_, place, on_.at(k).cell_node(c), moments, NodesOf{*this, k, tile_offset<Dim, 3>(c)}, cell);
+    find_open_cell(grid_, place, on_.at(k).cell_node(c), moments,
+                   NodesOf{{*this, k, tile_offset<Dim, 3>(c)}, nodes_of_tile}, cell);
 }
 
 template <class Real, int Dim>
@@ -208,12 +228,12 @@ void SurfacePressures<Real, Dim>::press(const Substep& substep) {
         });
     });
     Host::launch(static_cast<std::int64_t>(on_.near_nodes.size()), [&](int j) {
-        const std::ptrdiff_t at = on_.stored(j * cells);
-        if (at < 0 || !on_.sums.known[static_cast<std::size_t>(j)]) return;
+        HeldNode<Real, Dim>* of_block = held_[static_cast<std::size_t>(j)];
+        if (!of_block || !on_.sums.known[static_cast<std::size_t>(j)]) return;
         for (int n = 0; n < cells; ++n) {
             const Real* node = on_.values(j * cells + n);
             const Real* sum = on_.sum_of(j * cells + n);
-            Vec<Real, Dim>& held = on_.scene.held[at + n].acceleration;
+            Vec<Real, Dim>& held = of_block[n].acceleration;
             held = acceleration_[static_cast<std::size_t>(j * cells + n)];
             for (int a = 0; node && a < Dim; ++a) held[a] += sum[a] / node[quad - 1];
         }
@@ -249,7 +269,7 @@ void SurfacePressures<Real, Dim>::update(const Substep& substep) {
             if (!cell.on) return;
             const int structure = on_.cell_at(k, c).structure;
             cell.flux =
-                flux_into(cell, on_.scene.field.structure[structure], NodesOf{*this, k, tile_offset<Dim, 3>(c)});
+                flux_into(cell, on_.scene.field.structure[structure], ValuesOf{*this, k, tile_offset<Dim, 3>(c)});
             cell.flux -= static_cast<Real>(turned_flux(k, c));
             if (on_.counts_energy) count_taken(k, c, substep);
         });

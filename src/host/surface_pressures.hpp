@@ -5,6 +5,8 @@
 // what children give is summed there, and the root's own answer is read there, so that both sides have the same
 // numbers.
 
+#include <array>
+
 #include "core/surfaces/open_rule.hpp"
 #include "host/surface_blocks.hpp"
 
@@ -16,7 +18,9 @@ class SurfacePressures {
     explicit SurfacePressures(SurfaceBlocks<Real, Dim>& on)
         : on_(on),
           grid_{on.method.context.walls, on.method.capacity, on.method.context.inverse_cell,
-                static_cast<double>(std::pow(on.h, Dim - 1)), static_cast<double>(std::pow(on.h, Dim))} {}
+                static_cast<double>(std::pow(on.h, Dim - 1)), static_cast<double>(std::pow(on.h, Dim)), whole_.data()} {
+        grid_.find_whole(whole_.data());
+    }
 
     /// The cells near surfaces, in place of those of find_pressures.hpp. Collective over peers, as the next two.
     void find(const Substep& first);
@@ -36,19 +40,21 @@ class SurfacePressures {
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
 
-    /// What the nodes of a cell hold (open_rule.hpp).
-    struct NodesOf {
+    /// What the nodes of a cell hold (open_rule.hpp): of all cells, and of those that are found.
+    struct ValuesOf {
         const SurfacePressures& of;
         int k, corner;
-        std::int32_t near(int at) const { return of.on_.node_at(k, corner + at); }
-        const SpaceNode& place(int at) const { return of.on_.surface_node(near(at)); }
         const Real* values(int at) const { return of.on_.values_at(k, corner + at); }
-        double distance(int at) const { return place(at).distance; }
-        double capacity(int at) const { return place(at).capacity; }
-        double filling(int at) const {
-            const std::ptrdiff_t held = of.on_.stored(near(at));
-            return held < 0 ? 0.0 : double(of.on_.scene.held[held].filling);
-        }
+    };
+    struct TileNodes {
+        SpaceNode place[tile_nodes];
+        double filling[tile_nodes];
+    };
+    struct NodesOf : ValuesOf {
+        const TileNodes& tile;
+        double distance(int at) const { return tile.place[this->corner + at].distance; }
+        double capacity(int at) const { return tile.place[this->corner + at].capacity; }
+        double filling(int at) const { return tile.filling[this->corner + at]; }
     };
 
     /// Cells of a block that take part in this step.
@@ -67,11 +73,12 @@ class SurfacePressures {
         for (const int c : on_cells_[static_cast<std::size_t>(k)].cell)
             f(c, cells_[static_cast<std::size_t>(k * cells + c)]);
     }
-    void keep_accelerations();
+    void hold_nodes();
     void find_cells();
     void weigh_cells();
     void tell_children();
-    void find_cell(int k, int c);
+    void find_nodes(int k, TileNodes& tile) const;
+    void find_cell(int k, int c, const TileNodes& nodes);
     void sum_particles(std::int32_t block, int c, CellMoments<Real, Dim>& moments, OpenCell<Real, Dim>& cell) const;
     void close_cell(int k, int c, const Substep& first);
     void tell_pressure(int k, int c, double impulse, StructureTally<Real, Dim>& tally) const;
@@ -95,10 +102,12 @@ class SurfacePressures {
     };
 
     SurfaceBlocks<Real, Dim>& on_;
+    std::array<CellNode<Real, Dim>, OpenCell<Real, Dim>::nodes> whole_;
     const OpenGrid<Real, Dim> grid_;
     std::vector<OpenCell<Real, Dim>> cells_;      ///< [block][cell]
     std::vector<OnCells> on_cells_;               ///< [block]
     std::vector<std::int32_t> givers_, sharers_;  ///< blocks with such; with children or roots
+    std::vector<HeldNode<Real, Dim>*> held_;      ///< of this step [near node block]; null: none is stored
     std::vector<Vec<Real, Dim>> acceleration_;    ///< HeldNode's, without cells [near node block][node]
     std::vector<Energy> energy_;                  ///< with an energy budget [block]
 };

@@ -82,15 +82,27 @@ MORAINE_HD double row_over(const SurfaceElement<Dim>& e, const Nodes& nodes, con
     return row;
 }
 
+/// R_e across the surface, which a step leaves as it is, and along a way in it.
+struct RowSums {
+    template <int Dim, class Nodes>
+    MORAINE_HD double across(const SurfaceElement<Dim>& e, const Nodes& nodes) const {
+        return row_over(e, nodes, [&](const SurfaceShares<Dim>& shares) { return shares.along_normal(e.normal); });
+    }
+    template <int Dim, class Nodes>
+    MORAINE_HD double along(const SurfaceElement<Dim>& e, const Nodes& nodes, const Vec<double, Dim>& way) const {
+        return row_over(e, nodes,
+                        [&](const SurfaceShares<Dim>& shares) { return shares.all() - shares.along_normal(way); });
+    }
+};
+
 /// l_n: what holds the soil out of the structure, per area. cell: h [m]; follows: as ElementImpulse's, of a first
 /// sweep.
-template <int Dim, class Nodes>
+template <int Dim, class Nodes, class Rows>
 MORAINE_HD double push_off(const SurfaceElement<Dim>& e, InterfaceLaw law, const ElementSlip<Dim>& slip, double cell,
-                           const ContactTime& time, const Nodes& nodes, Vec<double, Dim>& follows) {
+                           const ContactTime& time, const Nodes& nodes, const Rows& rows, Vec<double, Dim>& follows) {
     const double too_fast = -(e.gap > 0 ? e.gap * cell : 0.0) / time.closing - slip.leaves;
     if (!(too_fast > 0)) return 0;
-    const double row =
-        row_over(e, nodes, [&](const SurfaceShares<Dim>& shares) { return shares.along_normal(e.normal); });
+    const double row = rows.across(e, nodes);
     if (!(row > 0)) return 0;
     if (time.is_second()) return (1 + comes_back(e.gap)) * too_fast / row;
     for (int a = 0; a < Dim; ++a)
@@ -99,30 +111,29 @@ MORAINE_HD double push_off(const SurfaceElement<Dim>& e, InterfaceLaw law, const
 }
 
 /// l_t t_e: what the law takes of the slip, per area.
-template <int Dim, class Nodes>
+template <int Dim, class Nodes, class Rows>
 MORAINE_HD Vec<double, Dim> slow_along(const SurfaceElement<Dim>& e, InterfaceLaw law, const ElementSlip<Dim>& slip,
-                                       const Pressing& by, double dt, const Nodes& nodes) {
+                                       const Pressing& by, double dt, const Nodes& nodes, const Rows& rows) {
     const double speed = magnitude(slip.along);
     if (law == InterfaceLaw::smooth || !(speed > 0)) return zero_vec<double, Dim>();
     const Vec<double, Dim> along = (1 / speed) * slip.along;
-    const double row =
-        row_over(e, nodes, [&](const SurfaceShares<Dim>& shares) { return shares.all() - shares.along_normal(along); });
+    const double row = rows.along(e, nodes, along);
     if (!(row > 0)) return zero_vec<double, Dim>();
     const double most = most_along(law, e, by, slip.leaves, speed, row, dt);
     const double taken = speed / row < most ? speed / row : most;
     return (taken > 0 ? taken : 0.0) * along;
 }
 
-/// pressure: of the cell on the surface, N_e [Pa]; cell: h [m].
-template <int Dim, class Nodes>
+/// pressure: of the cell on the surface, N_e [Pa]; cell: h [m]; rows: as RowSums, which may have been kept.
+template <int Dim, class Nodes, class Rows = RowSums>
 MORAINE_HD ElementImpulse<Dim> act_on_element(const SurfaceElement<Dim>& e, const Structure<Dim>& s,
-                                              const ContactTime& time, double pressure, double cell,
-                                              const Nodes& nodes) {
+                                              const ContactTime& time, double pressure, double cell, const Nodes& nodes,
+                                              const Rows& rows = {}) {
     ElementImpulse<Dim> impulse{zero_vec<double, Dim>(), zero_vec<double, Dim>(), 0};
     const ElementSlip<Dim> slip = slip_over(e, s, nodes);
-    const double pushed = push_off(e, s.law, slip, cell, time, nodes, impulse.follows);
+    const double pushed = push_off(e, s.law, slip, cell, time, nodes, rows, impulse.follows);
     const Pressing by{pushed, pressure > 0 ? pressure * time.dt : 0.0};
-    const Vec<double, Dim> taken = slow_along(e, s.law, slip, by, time.dt, nodes);
+    const Vec<double, Dim> taken = slow_along(e, s.law, slip, by, time.dt, nodes, rows);
     impulse.given = e.area * (taken - pushed * e.normal);
     if (const double speed = magnitude(slip.along); speed > 0 && !time.is_second())
         impulse.along = e.area * magnitude(taken) / speed;

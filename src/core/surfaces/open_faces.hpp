@@ -35,10 +35,9 @@ inline constexpr double lacks_below = 0.95;    ///< capacity of nodes that may l
 inline constexpr double lacks_within = 1.5;    ///< and their distance [cells]
 inline constexpr double light_capacity = 0.9;  ///< of nodes whose cells have a bounded modulus
 
-/// A cell beside a surface, in a step.
+/// A cell beside a surface, in a step, but for its rows.
 template <class Real, int Dim>
-struct OpenCell {
-    static constexpr int nodes = power<Dim>(3);
+struct OpenState {
     bool on = false;     ///< it takes part
     bool child = false;  ///< its pressure is the root's
     bool whole = false;  ///< no light node
@@ -50,9 +49,17 @@ struct OpenCell {
     Real flux = Real(0);                  ///< of this substep, without children's [m^d/s]
     Real weight = Real(0);                ///< R_c [m^(2d-2)/kg]
     Real full_weight = Real(0);           ///< the same with nodes as if full
-    Real soft = Real(0);                  ///< K_s [Pa]; 0: it is not soft
-    Vec<Real, Dim> bed{};                 ///< S_c [m^(d-1)]
+    Real soft = Real(0);         ///< K_s [Pa]; 0: it is not soft
+    Vec<Real, Dim> bed{};        ///< S_c [m^(d-1)]
+};
+
+/// And with them; a cell that does not take part may have any.
+template <class Real, int Dim>
+struct OpenCell : OpenState<Real, Dim> {
+    static constexpr int nodes = power<Dim>(3);
     CellNode<Real, Dim> factor[nodes]{};  ///< G_ic
+
+    MORAINE_HD void begin() { static_cast<OpenState<Real, Dim>&>(*this) = {}; }
 };
 
 /// min(1, fill_i / 0.8), fill_i = v_i / (h^d c_i). filling: v_i / h^d.

@@ -44,6 +44,7 @@ struct OpenGrid {
     Real inverse_cell;  ///< 1 / h [1/m]
     double face;        ///< h^(d-1) [m^(d-1)]
     double volume;      ///< h^d [m^d]
+    const CellNode<Real, Dim>* whole = nullptr;  ///< [3^d]: F_ic away from cuts and walls; null: not kept
 
     /// Of the cell around a node.
     MORAINE_HD void find_basis(const Vec<std::int32_t, Dim>& node, CellBasis<Real> (&basis)[Dim]) const {
@@ -56,10 +57,37 @@ struct OpenGrid {
         for (int i = 0; cut && i < power<Dim>(3); ++i)
             for (int a = 0; a < Dim; ++a) to[i].gradient[a] = scale * static_cast<Real>(cut->face[i][a]);
         if (cut) return;
+        const bool kept = whole && !is_at_wall(node);
+        for (int i = 0; kept && i < power<Dim>(3); ++i) to[i] = whole[i];
+        if (kept) return;
         Real x[Dim][cell_powers];
         CellBasis<Real> basis[Dim];
         find_basis(node, basis);
         for (int a = 0; a < Dim; ++a) full_moments(capacity, a, node[a], x[a]);
+        find_faces(basis, x, to);
+    }
+    /// What `whole` shall have.
+    void find_whole(CellNode<Real, Dim>* to) const {
+        Real x[Dim][cell_powers];
+        CellBasis<Real> basis[Dim];
+        for (int a = 0; a < Dim; ++a) {
+            basis[a] = cell_basis<Real>(0);
+            x[a][0] = Real(1), x[a][1] = Real(0), x[a][2] = Real(1.0 / 12);
+        }
+        find_faces(basis, x, to);
+    }
+
+  private:
+    MORAINE_HD bool is_at_wall(const Vec<std::int32_t, Dim>& node) const {
+        bool at_wall = false;
+        for (int a = 0; a < Dim; ++a) {
+            at_wall = at_wall || walls.ghosts(a, node[a] - 1, 3) != 0;
+            for (int s = 0; s < 2; ++s) at_wall = at_wall || node[a] == capacity.plane[a][s];
+        }
+        return at_wall;
+    }
+    MORAINE_HD void find_faces(const CellBasis<Real> (&basis)[Dim], const Real (*x)[cell_powers],
+                               CellNode<Real, Dim>* to) const {
         CellMoments<Real, Dim> moments;
         moments.clear();
         moments.add_product(static_cast<Real>(volume), x);
@@ -90,9 +118,12 @@ MORAINE_HD void make_rows(const OpenGrid<Real, Dim>& grid, const SurfaceCell<Dim
                           OpenCell<Real, Dim>& cell) {
     CellBasis<Real> basis[Dim];
     grid.find_basis(node, basis);
-    all_cell_nodes(moments, basis, grid.inverse_cell, cell.factor);
-    CellNode<Real, Dim> face[OpenCell<Real, Dim>::nodes];
-    grid.find_faces(node, place.cut, face);
+    if (cell.share < Real(1))
+        all_cell_nodes(moments, basis, grid.inverse_cell, cell.factor);
+    else
+        for (CellNode<Real, Dim>& of : cell.factor) of = {};
+    CellNode<Real, Dim> face[OpenCell<Real, Dim>::nodes]{};
+    if (cell.share > Real(0)) grid.find_faces(node, place.cut, face);
     Real share[OpenCell<Real, Dim>::nodes];
     bool light = false;
     int n = 0;
