@@ -159,8 +159,7 @@ void SurfaceBlocks<Real, Dim>::pass(std::span<const std::int32_t> givers, int qu
         write(k, tile);
     });
     travel(givers, nullptr);
-    Host::launch(static_cast<std::int64_t>(near_nodes.size()),
-                 [&](int j) { sum_nodes(j, quads); });
+    Host::launch(static_cast<std::int64_t>(near_nodes.size()), [&](int j) { sum_nodes(j, quads); });
 }
 
 }  // namespace moraine

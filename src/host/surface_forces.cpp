@@ -67,12 +67,12 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     for (int c = 0; c < cells; ++c) {
         if (c % (cells / 4) == 0) tell_elements(pair, near);  // who is further off often tells nothing new
         if (around[static_cast<std::size_t>(c)] == around[static_cast<std::size_t>(c) + 1]) continue;
-        const std::int32_t widest = highest > 0 ? widest_gap(pair, k, c) : NodeGap::none;
         for (std::uint32_t i = list.first[pair.block] + bounds[c]; i < list.first[pair.block] + bounds[c + 1]; ++i) {
             const std::uint32_t slot = list.slot[i];
             const Vec<double, Dim> place = contact_place<Real>(on_.scene.field, s, block, p.position[slot]);
             if (bound && bound[pair.block].is_clear(place)) continue;
-            if (bound && tells_nothing(bound[pair.block], highest, place, double(p.volume[slot]), widest)) continue;
+            const double least = highest > 0 ? particle_reach * bound[pair.block].above(place) / highest : 0;
+            if (is_behind(pair, k * cells + c, p.position[slot], double(p.volume[slot]), least)) continue;
             near.slot[near.count] = slot, near.cell[near.count] = k * cells + c, near.place[near.count] = place;
             if (++near.count == MayBeNear::most) tell_elements(pair, near);
         }
@@ -80,31 +80,42 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair) {
     tell_elements(pair, near);
 }
 
-/// Of the elements that particles of a cell may touch: who is further off than that tells none of them a nearer gap.
+/// Whether a particle that is no nearer than `least` lies on the surface of no element, and is the nearest to none.
+/// cell: of ours; least: [cells].
 template <class Real, int Dim>
-std::int32_t SurfaceForces<Real, Dim>::widest_gap(const ContactPair& pair, int k, int c) const {
-    const NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
-    const SurfaceBlock<Dim>& of = on_.at(k);
-    const auto i = static_cast<std::size_t>(c);
-    std::int32_t widest = -NodeGap::none;
-    for (std::size_t n = of.first_around[i]; n < of.first_around[i + 1]; ++n) {
-        const RingElement<Dim>& e = of.ring[of.around[n]];
-        if (e.structure == pair.structure) widest = std::max(widest, tile[e.node].gap);
-    }
-    return widest;
+bool SurfaceForces<Real, Dim>::is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u,
+                                         double volume, double least) const {
+    constexpr double rounding = 1e-6;
+    const double size = (least - rounding) / lying_above, edge = size * on_.h;  // who is smaller does not lie on it
+    return size > 0 && volume < edge * edge * (Dim == 3 ? edge : 1.0) &&
+           is_behind(pair, cell, u, NodeGap::fixed(least - 0.5 * size - rounding));
 }
 
-/// Whether a particle over the ground, whatever its distance, neither lies on it nor is nearer than `widest`. By the
-/// plane over the ground (ground_bound.hpp), whose height `highest` is no nearer than particle_reach.
+/// Whether all elements that a particle may touch have been told of no wider a gap than its own.
 template <class Real, int Dim>
-bool SurfaceForces<Real, Dim>::tells_nothing(const GroundBound<Dim>& bound, double highest, const Vec<double, Dim>& x,
-                                             double volume, std::int32_t widest) const {
-    if (!(highest > 0) || widest == NodeGap::none) return false;
+bool SurfaceForces<Real, Dim>::is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u,
+                                         std::int32_t gap) const {
     constexpr double rounding = 1e-6;
-    const double least = particle_reach * bound.above(x) / highest - rounding;  // of its distance [cells]
-    const double size = std::min(2 * (least - widest / NodeGap::gap_quanta), least / lying_above) - rounding;
-    const double side_most = size * on_.h;
-    return size > 0 && volume < side_most * side_most * (Dim == 3 ? side_most : 1.0);
+    const NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
+    const SurfaceBlock<Dim>& of = on_.at(cell / cells);
+    const Vec<double, Dim> x = place_in_block(u);
+    const auto c = static_cast<std::size_t>(cell % cells);
+    for (std::size_t n = of.first_around[c]; n < of.first_around[c + 1]; ++n) {
+        const RingElement<Dim>& e = of.ring[of.around[n]];
+        if (e.structure != pair.structure || tile[e.node].gap <= gap) continue;
+        const Vec<double, Dim> way = e.place - x;
+        const double across = dot(way, e.normal);
+        if (dot(way, way) - across * across < e.reach * e.reach + rounding) return false;
+    }
+    return true;
+}
+
+/// Of a particle, from the block's first cell [cells].
+template <class Real, int Dim>
+Vec<double, Dim> SurfaceForces<Real, Dim>::place_in_block(const Vec<Coordinate<Real>, Dim>& u) {
+    Vec<double, Dim> x;
+    for (int a = 0; a < Dim; ++a) x[a] = cell_of<Real>(u[a]) + double(fraction_of<Real>(u[a])) - 0.5;
+    return x;
 }
 
 /// Distances do not wait for one another.
@@ -121,19 +132,18 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair, MayBeNear&
         if (own.gap == NodeGap::none) continue;
         own.area = bearing_area(field, field.structure[pair.structure], own.area, p.body[slot],
                                 [&](int n) { return p.history[n][slot]; });
-        tell_element(pair, near.cell[i], slot, own);
+        if (!(own.area > 0) && is_behind(pair, near.cell[i], p.position[slot], own.gap)) continue;
+        tell_element(pair, near.cell[i], p.position[slot], own);
     }
     near.count = 0;
 }
 
 template <class Real, int Dim>
-void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, std::uint32_t slot,
+void SurfaceForces<Real, Dim>::tell_element(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u,
                                             const ParticleGap& own) {
     NodeGap* tile = gap_tiles_.data() + static_cast<std::size_t>(pair.tile) * tile_nodes;
     const SurfaceBlock<Dim>& of = on_.at(cell / cells);
-    const Vec<Coordinate<Real>, Dim>& u = on_.patch.particles.view().position[slot];
-    Vec<double, Dim> x;
-    for (int a = 0; a < Dim; ++a) x[a] = cell_of<Real>(u[a]) + double(fraction_of<Real>(u[a])) - 0.5;
+    const Vec<double, Dim> x = place_in_block(u);
     const std::uint32_t first = of.first_around[static_cast<std::size_t>(cell % cells)],
                         end = of.first_around[static_cast<std::size_t>(cell % cells) + 1];
     tell_ring(of.ring.data(), of.around.data() + first, end - first, pair.structure, x, own,
@@ -167,9 +177,8 @@ void SurfaceForces<Real, Dim>::find_rows() {
     rows_of_.resize(on_.blocks.size());
     for (std::size_t i = 0; i < givers_.size(); ++i)
         rows_of_[static_cast<std::size_t>(givers_[i])] = static_cast<std::int32_t>(i);
-    Host::launch(static_cast<std::int64_t>(givers_.size()), [&](int i) {
-        find_rows(givers_[static_cast<std::size_t>(i)], rows_[static_cast<std::size_t>(i)]);
-    });
+    Host::launch(static_cast<std::int64_t>(givers_.size()),
+                 [&](int i) { find_rows(givers_[static_cast<std::size_t>(i)], rows_[static_cast<std::size_t>(i)]); });
 }
 
 template <class Real, int Dim>

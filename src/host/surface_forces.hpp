@@ -44,9 +44,10 @@ class SurfaceForces {
 
     void find_gaps(const ContactPairs<Dim>& pairs);
     void find_touching(int k, const GapTiles& tiles, const BlockTable<Dim>& table);
-    std::int32_t widest_gap(const ContactPair& pair, int k, int c) const;
-    bool tells_nothing(const GroundBound<Dim>& bound, double highest, const Vec<double, Dim>& x, double volume,
-                       std::int32_t widest) const;
+    bool is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u, double volume,
+                   double least) const;
+    bool is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u, std::int32_t gap) const;
+    static Vec<double, Dim> place_in_block(const Vec<Coordinate<Real>, Dim>& u);
     void tell_elements(const ContactPair& pair);
     /// Particles that may be near a surface, before it is known how near.
     struct MayBeNear {
@@ -56,7 +57,7 @@ class SurfaceForces {
         Vec<double, Dim> place[most];
     };
     void tell_elements(const ContactPair& pair, MayBeNear& near);
-    void tell_element(const ContactPair& pair, int cell, std::uint32_t slot, const ParticleGap& own);
+    void tell_element(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u, const ParticleGap& own);
     /// f(element, its R_e across).
     template <class F>
     void each_touching(int k, const F& f) const {

@@ -242,8 +242,7 @@ void SurfacePressures<Real, Dim>::press(const Substep& substep) {
 
 /// What the structure bears of a cell's pressure.
 template <class Real, int Dim>
-void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse,
-                                                StructureTally<Real, Dim>& tally) const {
+void SurfacePressures<Real, Dim>::tell_pressure(int k, int c, double impulse, StructureTally<Real, Dim>& tally) const {
     const OpenCell<Real, Dim>& cell = cells_[static_cast<std::size_t>(k * cells + c)];
     Vec<double, Dim> given, place;
     bool any = false;

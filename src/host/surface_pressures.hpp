@@ -17,8 +17,12 @@ class SurfacePressures {
   public:
     explicit SurfacePressures(SurfaceBlocks<Real, Dim>& on)
         : on_(on),
-          grid_{on.method.context.walls, on.method.capacity, on.method.context.inverse_cell,
-                static_cast<double>(std::pow(on.h, Dim - 1)), static_cast<double>(std::pow(on.h, Dim)), whole_.data()} {
+          grid_{on.method.context.walls,
+                on.method.capacity,
+                on.method.context.inverse_cell,
+                static_cast<double>(std::pow(on.h, Dim - 1)),
+                static_cast<double>(std::pow(on.h, Dim)),
+                whole_.data()} {
         grid_.find_whole(whole_.data());
     }
 

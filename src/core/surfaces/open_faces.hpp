@@ -43,12 +43,12 @@ struct OpenState {
     bool whole = false;  ///< no light node
     bool mixed = false;  ///< children have their pressure with it
     CellPressure<Real> state{};
-    Real share = Real(0);                 ///< x
-    Real bears = Real(0);                 ///< of the surface: (1 - x) phi + x
-    Real particles = Real(0);             ///< sum V_p [m^d]
-    Real flux = Real(0);                  ///< of this substep, without children's [m^d/s]
-    Real weight = Real(0);                ///< R_c [m^(2d-2)/kg]
-    Real full_weight = Real(0);           ///< the same with nodes as if full
+    Real share = Real(0);        ///< x
+    Real bears = Real(0);        ///< of the surface: (1 - x) phi + x
+    Real particles = Real(0);    ///< sum V_p [m^d]
+    Real flux = Real(0);         ///< of this substep, without children's [m^d/s]
+    Real weight = Real(0);       ///< R_c [m^(2d-2)/kg]
+    Real full_weight = Real(0);  ///< the same with nodes as if full
     Real soft = Real(0);         ///< K_s [Pa]; 0: it is not soft
     Vec<Real, Dim> bed{};        ///< S_c [m^(d-1)]
 };

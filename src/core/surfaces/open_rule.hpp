@@ -41,9 +41,9 @@ template <class Real, int Dim>
 struct OpenGrid {
     Walls<Real, Dim> walls;
     NodeCapacity<Real, Dim> capacity;
-    Real inverse_cell;  ///< 1 / h [1/m]
-    double face;        ///< h^(d-1) [m^(d-1)]
-    double volume;      ///< h^d [m^d]
+    Real inverse_cell;                           ///< 1 / h [1/m]
+    double face;                                 ///< h^(d-1) [m^(d-1)]
+    double volume;                               ///< h^d [m^d]
     const CellNode<Real, Dim>* whole = nullptr;  ///< [3^d]: F_ic away from cuts and walls; null: not kept
 
     /// Of the cell around a node.
