@@ -22,11 +22,16 @@ void set_loads(const std::vector<Traction<Real, Dim>>& tractions, const std::vec
         const std::int32_t block = blocks[static_cast<std::size_t>(i)];
         for (std::uint32_t at = list.first[block]; at < list.first[block + 1]; ++at) {
             const std::uint32_t s = list.slot[at];
-            p.load_force[s] = zero_vec<Real, Dim>();
-            p.load_couple[s] = zero_mat<Real, Dim>();
-            for (std::size_t k = 0; k < tractions.size(); ++k)
-                if (const Real place = p.load_place[s][static_cast<int>(k)]; place > Real(0))
-                    add_load(tractions[k], static_cast<Real>(factors[k]), place, p, s);
+            ParticleLoad<Real, Dim> load{zero_vec<Real, Dim>(), zero_mat<Real, Dim>()};
+            for (std::size_t k = 0; k < tractions.size(); ++k) {
+                const Real place = p.load_place[s][static_cast<int>(k)];
+                if (!(place > Real(0))) continue;
+                const int scalar = tractions[k].density_scalar;
+                add_load(tractions[k], static_cast<Real>(factors[k]), place, p.deformation[s], p.mass[s],
+                         scalar < 0 ? tractions[k].inverse_density : Real(1) / p.history[scalar][s], load);
+            }
+            p.load_force[s] = load.force;
+            p.load_couple[s] = load.couple;
         }
     });
 }

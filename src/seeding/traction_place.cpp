@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/particles/traction.hpp"
+#include "core/particles/make_traction.hpp"
 #include "seeding/seed.hpp"
 #include "seeding/seed_region.hpp"
 

@@ -16,8 +16,7 @@
 
 #include <cmath>
 
-#include "core/particles/particle_state.hpp"
-#include "core/scene_spec.hpp"
+#include "core/particles/particle_load.hpp"
 
 namespace moraine {
 
@@ -32,30 +31,6 @@ struct Traction {
     int density_scalar = -1;  ///< of the law, where each particle has its own; -1: it has none
     bool follows;
 };
-
-template <class Real, int Dim>
-Traction<Real, Dim> make_traction(const Scene& scene, const TractionSpec& spec) {
-    const BodySpec& body = scene.bodies[static_cast<std::size_t>(spec.body)];
-    const MaterialSpec& m = scene.materials[static_cast<std::size_t>(body.material)];
-    Traction<Real, Dim> t{{},
-                          {},
-                          static_cast<Real>(spec.pressure),
-                          static_cast<Real>(spec.depth),
-                          static_cast<Real>(spec.spacing),
-                          static_cast<Real>(1 / m.density),
-                          m.density_profile() ? m.density_profile()->scalar : -1,
-                          spec.follows};
-    for (int a = 0; a < Dim; ++a) {
-        t.normal[a] = static_cast<Real>(spec.normal[static_cast<std::size_t>(a)]);
-        t.shear[a] = static_cast<Real>(spec.shear[static_cast<std::size_t>(a)]);
-    }
-    return t;
-}
-
-/// What a particle that began at depth d has in load_place; what is not under the surface has 0 or less [m].
-inline double load_place_at(const TractionSpec& spec, double d) {
-    return spec.depth + 0.5 * spec.spacing - d;
-}
 
 /// chi and q of a particle.
 template <class Real>
@@ -126,24 +101,22 @@ MORAINE_HD Vec<Real, Dim> traction_of(const Traction<Real, Dim>& t, const Mat<Re
     return out;
 }
 
-/// Adds what a traction gives to the particle in slot s: a force, and a couple. place: its load_place; factor: of the
-/// step.
+/// Adds what a traction gives to a particle. factor: of the step; place: its load_place; F: F - I; inverse_density: of
+/// the particle at the start [m3/kg].
 template <class Real, int Dim>
-MORAINE_HD void add_load(const Traction<Real, Dim>& t, Real factor, Real place, const ParticleView<Real, Dim>& p,
-                         std::uint32_t s) {
-    Mat<Real, Dim> F = p.deformation[s];
+MORAINE_HD void add_load(const Traction<Real, Dim>& t, Real factor, Real place, Mat<Real, Dim> F, Real mass,
+                         Real inverse_density, ParticleLoad<Real, Dim>& to) {
     Real change = Real(0);
     for (int i = 0; i < Dim; ++i)
         for (int j = 0; j < Dim; ++j) change += F(i, j) * F(i, j);
     for (int i = 0; i < Dim; ++i) F(i, i) += Real(1);
     const LineShare<Real> share = line_share(t.depth, t.spacing, place);
-    const Real inverse_density = t.density_scalar < 0 ? t.inverse_density : Real(1) / p.history[t.density_scalar][s];
-    const Real volume = factor * p.mass[s] * inverse_density;
+    const Real volume = factor * mass * inverse_density;
     const Vec<Real, Dim> traction = traction_of(t, F), line = times(F, t.normal);
     const Real chi = volume * (change > Real(1) ? share.chi / change : share.chi);
     for (int a = 0; a < Dim; ++a) {
-        p.load_force[s][a] += volume * share.q * traction[a];
-        for (int b = 0; b < Dim; ++b) p.load_couple[s](a, b) += chi * traction[a] * line[b];
+        to.force[a] += volume * share.q * traction[a];
+        for (int b = 0; b < Dim; ++b) to.couple(a, b) += chi * traction[a] * line[b];
     }
 }
 

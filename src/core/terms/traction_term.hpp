@@ -1,7 +1,7 @@
 #pragma once
 // Tractions as a term: F of the soil that they may act on, and what they do in the step (particles/traction.hpp).
 
-#include "core/particles/traction.hpp"
+#include "core/particles/particle_load.hpp"
 #include "core/terms/terms.hpp"
 
 namespace moraine {
@@ -15,19 +15,15 @@ struct TractionTerm {
     template <class Real, int Dim>
     MORAINE_HD void before_stress(const auto& of, const auto&, const auto& point, Mat<Real, Dim>& dL, auto&,
                                   auto& out) const {
-        Mat<Real, Dim>& change = of.p.deformation[point.slot];
-        const Mat<Real, Dim> more = dL * change;
         const Vec<Real, Dim>& force = of.p.load_force[point.slot];
         const Mat<Real, Dim>& couple = of.p.load_couple[point.slot];
         const double dt = double(of.round.dt);
         for (int a = 0; a < Dim; ++a) {
             out.load_impulse[a] += dt * double(force[a]);
             out.load_work += dt * double(force[a]) * double(point.sums.velocity()[a]);
-            for (int b = 0; b < Dim; ++b) {
-                out.load_work += double(couple(a, b)) * double(dL(a, b));
-                change(a, b) += dL(a, b) + more(a, b);
-            }
+            for (int b = 0; b < Dim; ++b) out.load_work += double(couple(a, b)) * double(dL(a, b));
         }
+        deform(dL, of.p.deformation[point.slot]);
     }
 };
 

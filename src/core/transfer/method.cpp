@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/particles/make_traction.hpp"
+
 namespace moraine {
 namespace {
 

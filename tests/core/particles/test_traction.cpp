@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "core/particles/traction.hpp"
+#include "core/particles/make_traction.hpp"
 
 using namespace moraine;
 
