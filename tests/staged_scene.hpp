@@ -9,7 +9,8 @@ namespace moraine::test {
 /// its first body.
 inline Scene in_stages(Scene s, const BodySpec& comes) {
     StageSpec begin, weak, dug;
-    begin.materials = s.materials, begin.walls = s.walls, begin.until = s.end;
+    begin.materials = s.materials, begin.walls = s.walls, begin.tractions = s.course.tractions;
+    begin.until = s.end;
     weak = begin;
     begin.name = "begin", weak.name = "weak";
     weak.damping = 0.3;

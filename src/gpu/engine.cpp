@@ -38,6 +38,10 @@ DeviceEngine<Real, Dim>::DeviceEngine(const Scene& scene, const Comm& comm, cons
         sleepers_ =
             std::make_unique<DeviceSleepers<Real, Dim>>(scene, kernels_.key, method, bodies_.material_of.data());
     if (comm.size() > 1) exchange_ = std::make_unique<Exchange<Real, Dim>>(comm, *transports, takes_means(method));
+    if (method.needs.loads) {
+        added_.loads = std::make_unique<DeviceLoads<Real, Dim>>(kernels_.key);
+        added_.loads->take(method.tractions());
+    }
     reports_.start(stream_);
 }
 

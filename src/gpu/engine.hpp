@@ -23,6 +23,7 @@
 #include "gpu/exchange/exchange.hpp"
 #include "gpu/fluid_state.hpp"
 #include "gpu/kernels/ends/ends.hpp"
+#include "gpu/kernels/loads/loads.hpp"
 #include "gpu/kernels/samples/samples.hpp"
 #include "gpu/lead.hpp"
 #include "gpu/light_state.hpp"
@@ -32,6 +33,13 @@
 #include "gpu/surface_state.hpp"
 
 namespace moraine::gpu {
+
+/// What is added to tiles, besides the sums of P2G.
+template <class Real, int Dim>
+struct AddedForces {
+    std::unique_ptr<DeviceLoads<Real, Dim>> loads;  ///< null: the scene has no tractions
+    std::unique_ptr<DeviceEnds<Real, Dim>> ends;    ///< null: none absorb
+};
 
 template <class Real, int Dim>
 class DeviceEngine final : public Engine<Real, Dim> {
@@ -65,9 +73,10 @@ class DeviceEngine final : public Engine<Real, Dim> {
     void begin_stage(const std::vector<MaterialSpec>& materials) override {
         kernels_.take_strengths(materials);
         if (materials_) materials_->take_strengths(materials);
+        if (added_.loads) added_.loads->take(method_.tractions());
         ++epoch_.layout;  // graphs of leads know the stage before
     }
-    void hold_ends(const EndNodes<Dim>& ends) override { ends_ = std::make_unique<DeviceEnds<Real, Dim>>(ends); }
+    void hold_ends(const EndNodes<Dim>& ends) override { added_.ends = std::make_unique<DeviceEnds<Real, Dim>>(ends); }
 
     bool leads(const LeadRequest<Dim>* request) override;
 
@@ -175,8 +184,8 @@ class DeviceEngine final : public Engine<Real, Dim> {
     std::unique_ptr<Exchange<Real, Dim>> exchange_;          ///< null: this rank is alone
     std::unique_ptr<DeviceSleepers<Real, Dim>> sleepers_;    ///< null: none sleep in this scene
     std::unique_ptr<SurfaceState<Real, Dim>> surfaces_;      ///< null: structures act at nodes (Bed::nodes)
-    std::unique_ptr<DeviceEnds<Real, Dim>> ends_;            ///< null: none absorb
-    std::unique_ptr<Lead<Real, Dim>> lead_;                  ///< null: the host makes dt
+    AddedForces<Real, Dim> added_;
+    std::unique_ptr<Lead<Real, Dim>> lead_;  ///< null: the host makes dt
 
     Census census_;
     int boundary_blocks_ = 0;  ///< occupied, as far as known: makes grids, any number is right

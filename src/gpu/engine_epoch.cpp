@@ -53,6 +53,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     if (materials_) materials_->open(own, exchange_ ? 2 : 1, stream_);
     epoch_.make_nodes(stream_);
     light_.open(node_blocks, own, stream_);
+    if (added_.loads) added_.loads->open(own, stream_);
     store_.open(census_.particles);
     const auto blocks = static_cast<std::size_t>(census_.blocks);
     if (epoch_.wants_tiles(blocks)) make_tiles(epoch_.tiles_for(blocks));
@@ -61,7 +62,7 @@ void DeviceEngine<Real, Dim>::open_epoch() {
     reports_.is_of_epoch = false;
     contact_.forget();
     if (surfaces_) surfaces_->forget();
-    if (ends_) ends_->forget();
+    if (added_.ends) added_.ends->forget();
     if (exchange_) exchange_->open(epoch_.tables, scene_.structures.size(), stream_);
 }
 

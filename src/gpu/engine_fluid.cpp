@@ -15,6 +15,7 @@ void DeviceEngine<Real, Dim>::sum_part(int part, cudaStream_t stream) {
                                                         {blocks_of(part), stream})
                                     : chosen_of(part);
     kernels_.p2g(view(), chosen, grid, fluid_.mean_scale(method_), stream);
+    if (added_.loads) added_.loads->add(view(), chosen, blocks_of(part), stream);
 }
 
 /// contact: of this step's structures; null where there are none.

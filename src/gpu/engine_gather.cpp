@@ -18,6 +18,7 @@ FluidGatherArgs<Real, Dim> DeviceEngine<Real, Dim>::gather_args(const Round& rou
     args.quantum = step.quantum;
     args.averages = method_.averaged() != nullptr;
     args.averaged = kernels_.stress.size() > 1 ? bodies_.averaged.data() : nullptr;
+    if (added_.loads) args.loads = added_.loads->args();
     if (limits(round)) args.light = light_.args(method_.limits);
     args.fluid = fluid_.args(method_, scene_.materials.size() > 1, contact_.surfaces);
     if (method_.grid_bulk()) {
@@ -82,6 +83,8 @@ void DeviceEngine<Real, Dim>::gather(const Round& round, const StepScales<Dim>& 
     }
     gather_part(1, round, args, {interior_blocks(), stream_});
     if (exchange_) stream_.wait_for(exchange_->boundary_moved);
+    if (added_.loads) added_.loads->has_set();
+    if (added_.loads && (round.gather & gather_gradient)) added_.loads->fetch(stream_);
     reports_.watch.end(2, stream_);
     reports_.timed = false;
 }

@@ -71,12 +71,12 @@ std::vector<std::uint64_t> lead_key(const Columns<Real, Dim>& columns, const Epo
 }  // namespace
 
 /// One rank, one round whose dt is known before the nodes, and nothing that the host does within a step: structures
-/// that move, sleepers to look for, means or pressures that go by the number of the step, absorbing ends. Nor over
-/// terrain, where flows go through epochs and maps look so often that graphs and ends of leads cost more than they save
-/// (docs/adr/0013).
+/// that move, sleepers to look for, means or pressures that go by the number of the step, absorbing ends, tractions.
+/// Nor over terrain, where flows go through epochs and maps look so often that graphs and ends of leads cost more than
+/// they save (docs/adr/0013).
 template <class Real, int Dim>
 bool DeviceEngine<Real, Dim>::can_lead() const {
-    return !exchange_ && !sleepers_ && !ends_ && !takes_means(method_) && !epoch_.pending &&
+    return !exchange_ && !sleepers_ && !added_.ends && !added_.loads && !takes_means(method_) && !epoch_.pending &&
            (scene_.structures.empty() || (contact_.rests && !contact_.field.ground)) && method_.rounds.size() == 1 &&
            method_.rounds.front().nodes == NodeTask::solve && census_.particles > 0 &&
            census_.particles <= most_led_particles && !epoch_.tables.own.empty() &&

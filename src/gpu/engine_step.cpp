@@ -55,6 +55,7 @@ void DeviceEngine<Real, Dim>::begin_sums(const SumsOfStep<Dim>& sums, const Stru
         contact_.surfaces = surfaces_->space();
     }
     fluid_.mean = sums.mean;
+    if (added_.loads) added_.loads->begin_step(sums.load_factors, store_.rows.capacity(), stream_);
 }
 
 /// The first call queues boundary and interior; in the second the host has only to send the halo's messages.
@@ -168,10 +169,10 @@ void DeviceEngine<Real, Dim>::solve_nodes(const Round& round, const StepScales<D
     if (round.nodes == NodeTask::hold) return hold(round, step);
     const NodeRound<Real, Dim> args = node_round(round.nodes, step.dt, step);
     const LightMarks<Real> marks = light_marks_of(round);
-    if (ends_ && solves(round.nodes)) {
-        ends_->find(method_.context.walls, method_.absorbs, method_.stencil.origin, epoch_.tables.node_position,
-                    stream_);
-        ends_->act(view(), method_.stencil.width, method_.stencil.origin, args, step.quantum, stream_);
+    if (added_.ends && solves(round.nodes)) {
+        added_.ends->find(method_.context.walls, method_.absorbs, method_.stencil.origin, epoch_.tables.node_position,
+                          stream_);
+        added_.ends->act(view(), method_.stencil.width, method_.stencil.origin, args, step.quantum, stream_);
     }
     if (step.structures) {
         const NodeContact<Dim> contact =
@@ -225,6 +226,7 @@ StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
     StepReport<Dim> report = reports_.take();
     if (sleepers_) sleepers_->add_taken(report.budget);
     contact_.structures.take(report.felt, report.turning);
+    if (added_.loads) added_.loads->add_to(report.budget);
     report.seconds = reports_.watch.take();
     store_.clock.step();
     if (lead_) lead_->note_timed(report.seconds);

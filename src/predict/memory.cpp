@@ -151,7 +151,8 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
     const auto particles = static_cast<double>(p.particles), blocks = static_cast<double>(p.blocks);
     const double ids = 8 + 2, lists = 2 * 4 + 2 + 4 + 1 + 0.125;
     const double words = scene.sleep.on ? 16 : 0;
-    const double particle = device_reals(scene) * real_bytes(scene) + ids + words + lists;
+    const int loads = scene.course.tractions.empty() ? 0 : scene.dimensions * (scene.dimensions + 1);
+    const double particle = (device_reals(scene) + loads) * real_bytes(scene) + ids + words + lists;
     const double tiles = std::min(static_cast<double>(p.epoch_blocks), 13.0 / 12 * blocks + 32);  // open_epoch()
     // One column of a million particles on its way from or to the host.
     const double staging = std::min(particles, 1048576.0) * size_of(scene).widest * real_bytes(scene);
@@ -162,7 +163,8 @@ double bytes_of_one_device(const Scene& scene, const Prediction& p) {
 
 /// Graphs of steps that a device alone makes by itself (docs/adr/0013-device-leads.md).
 double lead_bytes(const Scene& scene, const Prediction& p) {
-    const bool leads = scene.structures.empty() && !scene.sleep.on && p.particles <= most_led_particles;
+    const bool leads = scene.structures.empty() && !scene.sleep.on && scene.course.tractions.empty() &&
+                       p.particles <= most_led_particles;
     return leads ? 23e6 : 0;
 }
 

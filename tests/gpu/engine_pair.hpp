@@ -87,6 +87,8 @@ Outcome run(const Scene& scene, int steps, bool on_device) {
                               budget.lost_momentum[0], budget.lost_gravity_impulse[1]})
         out.budget.push_back(sim.quantum().value(s));
     out.budget.push_back(static_cast<double>(budget.lost_count));
+    for (const ExactSum& s : {budget.load_work, budget.load_impulse[0], budget.load_impulse[Dim - 1]})
+        out.budget.push_back(sim.quantum().value(s));
     for (std::size_t k = 0; k < scene.structures.size(); ++k) {
         out.felt.push_back(0);
         for (const ExactSum& s : sim.structures().state(k).felt.sum)

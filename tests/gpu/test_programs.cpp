@@ -10,6 +10,7 @@
 #include "gpu/compile/kernel_sources.hpp"
 #include "gpu/compile/runtime_compiler.hpp"
 #include "gpu/kernels/programs.hpp"
+#include "loaded_scene.hpp"
 #include "scene/read_scene.hpp"
 #include "surface_scenes.hpp"
 #include "turning_scene.hpp"
@@ -92,6 +93,26 @@ TEST_CASE("only programs of scenes with a structure that turns know of turning, 
             for (StructureSpec& s : scene.structures) s.motion.turns = false, s.motion.angular_velocity.clear();
             CHECK(!knows());
         }
+}
+
+TEST_CASE("only programs of scenes with tractions know of them, and their registers suffice") {
+    for (int dimensions : {2, 3})
+        for (Precision precision : {Precision::single_, Precision::double_})
+            for (bool one_material : {false, true}) {
+                CAPTURE(dimensions);
+                CAPTURE(one_material);
+                Scene scene = test::blocks_under_load(dimensions);
+                scene.precision = precision;
+                if (one_material)
+                    scene.bodies.pop_back(), scene.materials.pop_back(), scene.course.tractions.pop_back();
+                const auto program = [&] { return gpu::merged(gpu::programs_of(kernel_key(scene))); };
+                const gpu::CompiledProgram compiled = gpu::RuntimeCompiler::instance().compile(program(), 90);
+                CHECK(compiled.names.size() == program().kernels.size());
+                CHECK(largest(compiled.log, "bytes spill stores") <= 64);
+                CHECK(program().text().find("load_term") != std::string::npos);
+                scene.course.tractions.clear();
+                CHECK(program().text().find("load_term") == std::string::npos);
+            }
 }
 
 TEST_CASE("what does not compile is told with the compiler's words") {

@@ -6,6 +6,7 @@
 #include "comm/transport_names.hpp"
 #include "ends_scene.hpp"
 #include "gpu/transport/transport.hpp"
+#include "loaded_scene.hpp"
 #include "material_scenes.hpp"
 #include "sample_scenes.hpp"
 #include "simulation/diagnostics.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 struct Outcome {
     std::uint64_t hash;
-    std::array<double, 6> budget;
+    std::array<double, 8> budget;
     double over_filling;
     RunCounts counts;
 };
@@ -45,7 +46,7 @@ Outcome run(const Scene& scene, const Comm& comm, const DeviceChoice& device, in
     counts.blocks_between_hosts_sum = comm.sum(counts.blocks_between_hosts_sum);
     return {state_hash(sim, true),
             {sum_of(sim, l.work), sum_of(sim, l.impulse[0]), sum_of(sim, l.impulse[1]), sum_of(sim, l.lost_mass),
-             sum_of(sim, l.lost_momentum[0]), lost},
+             sum_of(sim, l.lost_momentum[0]), sum_of(sim, l.load_work), sum_of(sim, l.load_impulse[Dim - 1]), lost},
             comm.exact_sum(sim.answer(VolumeQuery{}).volumes).over_filling(),
             counts};
 }
@@ -203,6 +204,13 @@ TEST_CASE("bodies come and go in stages with the same bits on any number of devi
 TEST_CASE("ends absorb with the same bits on any number of devices") {
     compare<2>(test::ground_on_ends(2), 60);
     Scene deep = test::ground_on_ends(3);
+    deep.precision = Precision::single_;
+    compare<3>(deep, 40);
+}
+
+TEST_CASE("tractions act with the same bits on any number of devices") {
+    compare<2>(test::blocks_under_load(2), 80);
+    Scene deep = test::blocks_under_load(3);
     deep.precision = Precision::single_;
     compare<3>(deep, 40);
 }

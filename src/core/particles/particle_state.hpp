@@ -92,9 +92,9 @@ struct ColumnNeeds {
 };
 
 /// Rows of a device that come and go together; own: no row but a column of the variable's own.
-enum class RowGroup { core, affine, stretch, box, own };
-inline constexpr int row_groups = 4;  ///< those that have rows
-inline constexpr int most_group_rows = 4;
+enum class RowGroup { core, affine, stretch, box, load, own };
+inline constexpr int row_groups = 5;  ///< those that have rows
+inline constexpr int most_group_rows = 5;
 
 /// Where a device keeps some components of a variable.
 struct RowPlace {
@@ -158,24 +158,27 @@ constexpr auto sleep_variables() {
             "rest_stress", "", 8, present, FirstValue::zero, [](auto& v) -> auto& { return v.rest_stress; })};
 }
 
-/// Of scenes with tractions, which devices refuse.
+/// Of scenes with tractions: on a device six places in two rows, and F - I row by row (2-D: in one).
 template <class Real, int Dim>
 constexpr auto load_variables() {
     using enum FirstValue;
+    using enum RowGroup;
+    constexpr RowPlaces six{{{load, 0, 0, 4, 0}, {load, 1, 0, 2, 4}}};
+    constexpr RowPlaces matrix = Dim == 3 ? RowPlaces{{{load, 2, 0, 3, 0}, {load, 3, 0, 3, 3}, {load, 4, 0, 3, 6}}}
+                                          : RowPlaces{{{load, 2, 0, 4, 0}}};
     constexpr auto present = [](const ColumnNeeds& n) { return n.loads; };
     constexpr std::size_t real = sizeof(Real);
-    return std::tuple{variable<LoadPlace<Real>>(
-                          "load_place", "m", real, present, zero, [](auto& v) -> auto& { return v.load_place; }, {},
-                          Lifetime::host_run),
-                      variable<Mat<Real, Dim>>(
-                          "deformation", "", real, present, zero, [](auto& v) -> auto& { return v.deformation; }, {},
-                          Lifetime::host_run),
-                      variable<Vec<Real, Dim>>(
-                          "load_force", "N", real, [](const ColumnNeeds& n) { return n.loads || n.water; }, zero,
-                          [](auto& v) -> auto& { return v.load_force; }, {}, Lifetime::step),
-                      variable<Mat<Real, Dim>>(
-                          "load_couple", "N m", real, present, zero, [](auto& v) -> auto& { return v.load_couple; }, {},
-                          Lifetime::step)};
+    return std::tuple{
+        variable<LoadPlace<Real>>(
+            "load_place", "m", real, present, zero, [](auto& v) -> auto& { return v.load_place; }, six),
+        variable<Mat<Real, Dim>>(
+            "deformation", "", real, present, zero, [](auto& v) -> auto& { return v.deformation; }, matrix),
+        variable<Vec<Real, Dim>>(
+            "load_force", "N", real, [](const ColumnNeeds& n) { return n.loads || n.water; }, zero,
+            [](auto& v) -> auto& { return v.load_force; }, {}, Lifetime::step),
+        variable<Mat<Real, Dim>>(
+            "load_couple", "N m", real, present, zero, [](auto& v) -> auto& { return v.load_couple; }, {},
+            Lifetime::step)};
 }
 
 /// Of scenes with water in the ground, which devices refuse.

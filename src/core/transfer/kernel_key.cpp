@@ -81,6 +81,7 @@ KernelKey kernel_key(const Scene& scene) {
                               [](const StructureSpec& s) { return turns(s.motion); });
     key.surfaces = key.structures && scene.bed == Bed::surface;
     key.sleep = scene.sleep.on;
+    key.loads = !scene.course.tractions.empty();
     key.single_round = rounds_of(scene).size() == 1;
     return key;
 }
@@ -100,7 +101,7 @@ std::string KernelKey::text() const {
     add(light_nodes, "light nodes"), add(cell_means, "means of cells"),
         add(fluid == FluidGrid::means, "means of nodes");
     add(fluid == FluidGrid::pressure, "pressure on the grid"), add(structures, "contact"), add(turning, "turning"),
-        add(surfaces, "surfaces"), add(sleep, "sleep");
+        add(surfaces, "surfaces"), add(sleep, "sleep"), add(loads, "tractions");
     return words + terms;
 }
 

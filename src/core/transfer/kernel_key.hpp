@@ -43,6 +43,7 @@ struct KernelKey {
     bool turning;   ///< and one turns
     bool surfaces;  ///< and they act where they are (Bed::surface)
     bool sleep;
+    bool loads;         ///< tractions
     bool single_round;  ///< USL: one round of sums, nodes and gather a step
 
     int width() const { return shape == Shape::linear ? 2 : shape == Shape::cubic ? 4 : 3; }

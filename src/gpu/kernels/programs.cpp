@@ -75,6 +75,7 @@ std::string gather_case(const KernelKey& key, bool averages, bool light) {
     if (key.fluid == FluidGrid::means) terms += " | fluid_term";
     if (key.fluid == FluidGrid::pressure) terms += " | pressure_term";
     if (key.fluid != FluidGrid::none && key.surfaces) terms += " | surface_term";
+    if (key.loads) terms += " | load_term";
     return "GatherCase<" + real_dim(key) + ", " + shape_of(key) + ", " + word(key.affine) + ", (" + terms + ")>";
 }
 
@@ -184,6 +185,12 @@ Program surfaces_program(const KernelKey& key) {
     return with_structures(key, program);
 }
 
+Program loads_program(const KernelKey& key) {
+    return {"tractions",
+            {"gpu/kernels/loads/add_loads.cuh"},
+            {{"loads_kernel<" + real_dim(key) + ", " + shape_of(key) + ">", "load_threads", "0"}}};
+}
+
 Program waves_program(const KernelKey& key, std::size_t material) {
     return {"waves of " + key.laws[material].name,
             {"core/material/law_list.hpp", "gpu/kernels/g2p/plain_law.cuh", "gpu/kernels/sleep/waves.cuh"},
@@ -212,6 +219,7 @@ std::vector<Program> programs_of(const KernelKey& key) {
         if (!key.light_nodes || !key.single_round) programs.push_back(nodes_program(key, false, false));
     }
     if (key.surfaces) programs.push_back(surfaces_program(key));
+    if (key.loads) programs.push_back(loads_program(key));
     if (key.sleep)
         for (std::size_t m = 0; m < materials; ++m) programs.push_back(waves_program(key, m));
     return programs;

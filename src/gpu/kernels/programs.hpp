@@ -30,6 +30,9 @@ Program pressure_program(const KernelKey& key);
 /// with the grid's pressure the cells beside surfaces, too.
 Program surfaces_program(const KernelKey& key);
 
+/// One kernel, of tractions.
+Program loads_program(const KernelKey& key);
+
 Program waves_program(const KernelKey& key, std::size_t material);
 
 /// The scene's key in this precision and dimension.

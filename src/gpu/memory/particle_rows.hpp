@@ -28,9 +28,13 @@ inline constexpr int affine_rows = rows_of<Dim>(RowGroup::affine);
 template <int Dim>
 inline constexpr int stretch_rows = rows_of<Dim>(RowGroup::stretch);
 
+template <int Dim>
+inline constexpr int load_rows = rows_of<Dim>(RowGroup::load);
+
 /// Rows of all groups.
 template <int Dim>
-inline constexpr int all_rows = core_rows<Dim> + affine_rows<Dim> + stretch_rows<Dim> + rows_of<Dim>(RowGroup::box);
+inline constexpr int all_rows = core_rows<Dim> + affine_rows<Dim> + stretch_rows<Dim> +
+                                rows_of<Dim>(RowGroup::box) + load_rows<Dim>;
 
 /// A variable that the table gives no row has a column of its own here, if it is a real (or the id, or the body); what
 /// else is whole numbers is apart (rest_words.hpp), or of scenes that devices do not have. Calls f(variable, number)
@@ -110,7 +114,8 @@ struct Columns {
     Row<Real>* affine[affine_rows<Dim>];
     Row<Real>* stretch[stretch_rows<Dim>];  ///< left stretch b
     Row<Real>* log_stretch;
-    Real* own[own_columns<Dim>()];  ///< reals without a row, in the order of the table
+    Row<Real>* load[load_rows<Dim>];  ///< places under tractions, then F - I
+    Real* own[own_columns<Dim>()];    ///< reals without a row, in the order of the table
     std::uint64_t* id;
     std::uint16_t* body;  ///< two to a word: there is space for an even number
 
@@ -126,6 +131,8 @@ struct Columns {
                 return stretch[k];
             case RowGroup::box:
                 return log_stretch;
+            case RowGroup::load:
+                return load[k];
             case RowGroup::core:
                 return core[k];
             case RowGroup::own:
@@ -142,7 +149,7 @@ struct Columns {
 template <int Dim, class F>
 void each_row_of(const F& f) {
     constexpr int rows[row_groups] = {rows_of<Dim>(RowGroup::core), rows_of<Dim>(RowGroup::affine),
-                                      rows_of<Dim>(RowGroup::stretch), rows_of<Dim>(RowGroup::box)};
+                                      rows_of<Dim>(RowGroup::stretch), rows_of<Dim>(RowGroup::box), load_rows<Dim>};
     int number = 0;
     for (int g = 0; g < row_groups; ++g)
         for (int k = 0; k < rows[g]; ++k) f(static_cast<RowGroup>(g), k, number++);

@@ -20,7 +20,7 @@ struct FusedPoint {
     const BlockInWork<Case>& in;
     const Rows& rows;
     const int half;
-    const std::uint32_t slot;
+    const std::uint32_t entry, slot;  ///< entry: of the list
     Core& p;
 
     __device__ __forceinline__ typename Case::U place() const {
@@ -95,7 +95,7 @@ struct FusedGather {
                              int half, Shared& shared, Seen& tally, double& power) {
         const auto row = [&](int r) { return shared.rows.take(half, T::rank(), r); };
         CoreRows<Real, Dim> p;
-        FusedPoint<Case, Rows> point{in, shared.rows, half, s, p};
+        FusedPoint<Case, Rows> point{in, shared.rows, half, k, s, p};
         Terms::template each<hook_gather>(shared.terms,
                                           [&](auto term, auto& own) { term.before_gather(in, point, own); });
         p.row[p.place] = row(p.place);

@@ -20,7 +20,7 @@ struct SplitPoint {
     const BlockInWork<Case>& in;
     const Rows& rows;
     const int half;
-    const std::uint32_t slot, body;  ///< body: of sized shapes
+    const std::uint32_t entry, slot, body;  ///< entry: of the list; body: of sized shapes
     Core p;
 
     __device__ __forceinline__ typename Case::U place() const {
@@ -156,7 +156,7 @@ struct SplitGather {
     /// The particle of list entry k in slot s.
     MORAINE_TEAM void take(const In& in, std::uint32_t k, std::uint32_t s, int half, std::uint32_t body, Shared& shared,
                            typename Case::Seen& tally, double& power) {
-        Point point{in, shared.rows, half, s, body, {}};
+        Point point{in, shared.rows, half, k, s, body, {}};
         Terms::template each<hook_gather>(shared.terms,
                                           [&](auto term, auto& own) { term.before_gather(in, point, own); });
         CoreRows<Real, Dim> p;

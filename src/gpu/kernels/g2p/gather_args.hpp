@@ -10,6 +10,7 @@
 #include "core/fluid/pressure_smoothing.hpp"
 #include "core/grid/light_nodes.hpp"
 #include "core/grid/particle_update.hpp"
+#include "core/particles/particle_load.hpp"
 #include "core/particles/place_step.hpp"
 #include "core/structures/surface_space.hpp"
 #include "gpu/kernels/view.hpp"
@@ -26,6 +27,19 @@ struct LightArgs {
     std::uint8_t* limited;      ///< own blocks: whether some particle's acceleration is limited
 };
 
+/// What tractions did in a step: work [J], then impulse by axis [kg m/s].
+template <int Dim>
+struct LoadSums {
+    ExactSum of[Dim + 1];
+};
+
+template <class Real, int Dim>
+struct LoadArgs {
+    const ParticleLoad<Real, Dim>* of;  ///< by list entry; null: the scene has no tractions
+    const std::uint8_t* loaded;         ///< own blocks: whether some particle is given any; if not, `of` is not set
+    LoadSums<Dim>* sums;
+};
+
 template <class Real, int Dim>
 struct GatherArgs {
     DomainEnds<Real, Dim> ends;
@@ -38,6 +52,7 @@ struct GatherArgs {
     const std::uint8_t* averaged;  ///< by body, on the device: which take it from the cell; null: all
     bool averages;                 ///< some do
     LightArgs<Real> light;
+    LoadArgs<Real, Dim> loads;
     Real* gradient;                 ///< split: dL by component (row first) and list entry; fused: not used
     std::uint64_t gradient_stride;  ///< list entries between components
 };

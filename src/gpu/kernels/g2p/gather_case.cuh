@@ -22,7 +22,8 @@ enum GatherTerms : unsigned {
     means_term = 2,         ///< means of cells
     fluid_term = 4,         ///< pressures are smoothed, particles shifted, by a number per node
     pressure_term = 4 | 8,  ///< particles are shifted, and the pressure is the grid's
-    surface_term = 16       ///< with those: surfaces act where they are
+    surface_term = 16,      ///< with those: surfaces act where they are
+    load_term = 32          ///< tractions
 };
 
 template <class R, int D, class S, bool A, unsigned Terms>
@@ -34,6 +35,7 @@ struct GatherCase {
     static constexpr bool light = (Terms & light_term) != 0, means = (Terms & means_term) != 0;
     static constexpr bool fluid = (Terms & fluid_term) != 0, pressure = (Terms & pressure_term) == pressure_term;
     static constexpr bool surfaces = fluid && (Terms & surface_term) != 0;
+    static constexpr bool loads = (Terms & load_term) != 0;
     using Args = GatherArgsOf<R, D, pressure ? FluidGrid::pressure : fluid ? FluidGrid::means : FluidGrid::none>;
     using T = Team<D>;
     using U = Vec<Coordinate<R>, D>;

@@ -3,6 +3,7 @@
 
 #include "gpu/kernels/g2p/box.cuh"
 #include "gpu/kernels/g2p/cell_step.cuh"
+#include "gpu/kernels/g2p/deformation.cuh"
 #include "gpu/kernels/g2p/fluid.cuh"
 #include "gpu/kernels/g2p/light.cuh"
 #include "gpu/kernels/g2p/volumetric.cuh"
@@ -10,7 +11,8 @@
 namespace moraine::gpu {
 
 template <class Case>
-using TermsOf = TeamTerms<LightTerm<Case>, FluidTerm<Case>, PressureTerm<Case>, BoxTerm<Case>, MeansTerm<Case>>;
+using TermsOf =
+    TeamTerms<LightTerm<Case>, FluidTerm<Case>, PressureTerm<Case>, BoxTerm<Case>, LoadTerm<Case>, MeansTerm<Case>>;
 
 /// What a gather sums for the particle in slot s, less what its light nodes cannot bear. gathered(): the sums.
 template <class Case, bool Affine>
