@@ -1,5 +1,5 @@
 #pragma once
-// What benchmark_stability measures: cases of S1 to S27 of the verification plan, each a function that reports one line
+// What benchmark_stability measures: cases of S1 to S28 of the verification plan, each a function that reports one line
 // per method or variant: numbers, and where there is a goal whether it is met. main.cpp has the list.
 
 #include <fmt/format.h>
@@ -87,6 +87,7 @@ void vary_steps(const Wanted& wanted, const Report& report);
 void run_random(const Wanted& wanted, const Report& report);
 void run_thin(const Wanted& wanted, const Report& report);
 void run_fluids(const Wanted& wanted, const Report& report);
+void run_wet(const Wanted& wanted, const Report& report);
 void find_substeps(const Wanted& wanted, const Report& report);
 void drift_fluids(const Wanted& wanted, const Report& report);
 void find_fluid_limits(const Wanted& wanted, const Report& report);

@@ -93,6 +93,10 @@ constexpr StabilityCase cases[] = {
      "grid: a perturbation of 1e-9 c grows less than "
      "1000 times in 4000 steps; goal: the default, 0.8 of the method's limit",
      find_fluid_limits},
+    {"S28",
+     "random scenes of saturated soil (beds, columns, slopes, corners, dry caps), 2000 steps of up to the default "
+     "length: no fault, no lost particle, momentum to 1e-10 of M c, no energy growth, no checkerboard",
+     run_wet},
 };
 
 struct Options {

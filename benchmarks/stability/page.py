@@ -3,7 +3,7 @@ import figure
 import plain_names
 
 LIMIT = "least adrift"
-RANDOM = ("S22", "S23", "S24")
+RANDOM = ("S22", "S23", "S24", "S28")
 WHOLE = "S22-whole"  # scenes that fail with a build that takes whole steps: docs/stability.md has what they say
 CLOUDS = ("strip frozen", "strip adrift", "strip free", "2-D frozen", "2-D adrift", "2-D free", "2-D jittered", "3-D adrift", "3-D free")
 

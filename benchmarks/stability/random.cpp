@@ -1,5 +1,5 @@
 // S22: random scenes at a random share of the program's own step. S23: thin ones at the whole of it, S24: fluids whose
-// pressure is the grid's.
+// pressure is the grid's, S28: saturated soil.
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include "verification/fluid_scene.hpp"
 #include "verification/random_run.hpp"
 #include "verification/thin_scene.hpp"
+#include "verification/wet_scene.hpp"
 
 namespace moraine {
 
@@ -41,6 +42,7 @@ std::string why(const Verdict& v) {
     if (!v.fault.empty()) return v.fault;
     if (v.lost > 0) return fmt::format("{} particles lost", v.lost);
     if (v.momentum > 1e-10) return fmt::format("momentum error {:.2g}", v.momentum);
+    if (v.noise > 0.5) return fmt::format("a checkerboard of {:.2g}", v.noise);
     return v.created > 1e-6 ? fmt::format("energy grows by {:.2g} per step", v.created) : "";
 }
 
@@ -54,6 +56,13 @@ Finding finding_of(const std::string& description, const Verdict& v) {
 /// Structures act as the program lets them where a scene leaves that open.
 void take_bed(Scene& scene, const Wanted& wanted) {
     if (wanted.defaults && bears_surfaces(scene)) scene.bed = Bed::surface;
+}
+
+std::string water_of(const Scene& scene) {
+    const MaterialSpec& m = scene.materials[0];
+    return fmt::format("{}, h {:.2g}, E {:.2g}, nu {:.2f}, n {:.2f}, k {:.1e}, K_w {:.1e}{}", m.law, scene.cell,
+                       m.parameters[0], poisson_ratio(m), m.porosity, m.conductivity, scene.water.bulk,
+                       scene.water.submerged ? ", submerged" : "");
 }
 
 }  // namespace
@@ -89,6 +98,17 @@ void run_fluids(const Wanted& wanted, const Report& report) {
         if (wanted.defaults) take_defaults(scene, Places(""));
         const std::string description = fmt::format("scene {}: {}, {}, {}", n, name_of(fluid_kind(number)),
                                                     description_of(scene), grid_pressure_of(scene));
+        if (wanted.names(description)) report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
+    }
+}
+
+void run_wet(const Wanted& wanted, const Report& report) {
+    for (int n = wanted.first; n < wanted.first + wanted.count; ++n) {
+        const auto number = static_cast<std::uint64_t>(n);
+        const Scene scene = wet_scene(number);
+        const std::string description =
+            fmt::format("scene {}: {}, {}-D {}, cfl {:.3g}, {}", n, name_of(wet_kind(number)), scene.dimensions,
+                        method_name(scene.shape, scene.transfer, scene.stress_update), scene.cfl, water_of(scene));
         if (wanted.names(description)) report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
     }
 }

@@ -2,10 +2,10 @@
 // Halo: the unsummed tiles that other ranks need travel to them, once per round.
 //
 // One message per peer: occupancy of its tiles, one byte each, with whether the block sleeps, then the shared nodes of
-// the tiles that exist, node_sums reals each, one more where they have a mean (NodeMean); in the first round of a step
-// with structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides know the lists from the
-// epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum own and foreign tiles by
-// one rule.
+// the tiles that exist, node_sums reals each, the rest of the second quad where they have a mean (NodeMean) or water;
+// in the first round of a step with structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides
+// know the lists from the epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum
+// own and foreign tiles by one rule.
 
 #include "blocks/contact_pairs.hpp"
 #include "blocks/epoch.hpp"
@@ -79,7 +79,7 @@ class Halo {
     static constexpr std::byte sleeping_tile{2};  ///< its occupancy; of others 1, or 0: there is none
 
     std::size_t capacity(const TileList& list) const {
-        const std::size_t sums = node_sums<Dim> + (with_mean_ ? 1 : 0);
+        const std::size_t sums = node_sums<Dim> + (with_mean_ ? quad - Dim : 0);
         return padded(list.block.size()) + list.node.size() * sums * sizeof(Real);
     }
 
@@ -118,7 +118,7 @@ class Halo {
                 const Real* node = from + list.node[n] * node_reals;
                 for (int q = 0; q <= Dim; ++q) *values++ = node[q];
                 for (int q = 0; q < Dim; ++q) *values++ = node[quad + q];
-                if (with_mean_) *values++ = node[2 * quad - 1];
+                for (int q = Dim; with_mean_ && q < quad; ++q) *values++ = node[quad + q];
             }
         }
         std::size_t packed = 0;
@@ -159,7 +159,7 @@ class Halo {
                 for (int q = 0; q < Dim; ++q) node[quad + q] = *values++;
                 for (int q = Dim + 1; q < quad; ++q) node[q] = Real(0);
                 for (int q = Dim; q < quad; ++q) node[quad + q] = Real(0);
-                if (with_mean_) node[2 * quad - 1] = *values++;
+                for (int q = Dim; with_mean_ && q < quad; ++q) node[quad + q] = *values++;
             }
         }
         return reinterpret_cast<const std::byte*>(values);

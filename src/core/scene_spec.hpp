@@ -71,6 +71,7 @@ struct WaterSpec {
     std::optional<double> table;  ///< height of still water at the start; none: pore pressure begins at 0 [m]
     double density = 1000;        ///< [kg/m3]
     double bulk = 2.2e9;          ///< [Pa]
+    double cavitation = 1e5;      ///< tension that it bears at most, below the air's pressure [Pa]
     bool submerged = false;       ///< still water stands above all soil: pressures are in excess of it
 };
 

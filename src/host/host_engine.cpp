@@ -224,6 +224,7 @@ void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved)
         report_.clamped += out.clamped;
         report_.budget.work.add(step.quantum.of(out.work));
         if (method_.needs.loads) count_loads(out, step.quantum, report_.budget);
+        if (water_) count_weight(out, step.quantum, report_.budget);
     }
     if (Buried<Dim>& buried = contact_.buried; buried.id != Buried<Dim>{}.id) {
         report_.faults |= fault_buried;
@@ -234,6 +235,7 @@ void HostEngine<Real, Dim>::record_step(const StepScales<Dim>& step, bool moved)
     for (std::size_t k = 0; k < impulse_.size(); ++k) report_.budget.impulse[k % Dim].add(impulse_[k]);
     if (surfaces_) surfaces_->forces.take_impulse(report_.budget.impulse);
     energy_.record(step, moved, report_.budget.energy);
+    if (water_) water_->count(report_.budget.water);
 }
 
 /// Records the faulty particle of a block, before binning moves it on.

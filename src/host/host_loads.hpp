@@ -43,4 +43,11 @@ void count_loads(const BlockOutcome& out, const Quantum& quantum, Budget<Dim>& b
     for (std::size_t a = 0; a < Dim; ++a) budget.load_impulse[a].add(quantum.of(out.load_impulse[a]));
 }
 
+/// The same of the weight of pore water.
+template <int Dim>
+void count_weight(const BlockOutcome& out, const Quantum& quantum, Budget<Dim>& budget) {
+    budget.water.weight.add(quantum.of(out.weight_work));
+    for (std::size_t a = 0; a < Dim; ++a) budget.water.weight_impulse[a].add(quantum.of(out.weight_impulse[a]));
+}
+
 }  // namespace moraine

@@ -85,7 +85,7 @@ void HostEngine<Real, Dim>::solve(const NodeRound<Real, Dim>& round, const StepS
         {pressures_.held(), static_cast<Real>(std::pow(scene_.cell, -Dim))},
         Energy ? energy_.of_nodes(nodes.size()) : energy_.of_nodes(),
         Energy && surfaces_ ? surfaces_->motions() : SurfaceMotions<Real, Dim>{},
-        water_ ? water_->nodes(step.gravity) : WaterNodes<Real, Dim>{}};
+        water_ ? water_->nodes(step.gravity, nodes.size()) : WaterNodes<Real, Dim>{}};
     Host::launch_teams(static_cast<std::int64_t>(nodes.size()), kernel);
 }
 

@@ -30,18 +30,20 @@ class HostWater {
     void sum(std::span<const std::int32_t> blocks);
     void update(const Substep& substep);
 
-    /// As nodes are to see them under a gravity [m/s2].
-    WaterNodes<Real, Dim> nodes(const std::array<double, Dim>& gravity);
-    WaterTerm<Real, Dim> term() const { return {method_.pores(), pressures_.cells(), cells_.data(), nodes_.data()}; }
+    /// As nodes are to see them under a gravity [m/s2]; solved: node blocks whose accounts are kept.
+    WaterNodes<Real, Dim> nodes(const std::array<double, Dim>& gravity, std::size_t solved = 0);
+    /// Adds what the nodes of the step did.
+    void count(WaterAccount<Dim>& account) const;
+    WaterTerm<Real, Dim> term() const;
 
   private:
     const Scene& scene_;
     const Method<Host, Real, Dim>& method_;
     Patch<Host, Real, Dim>& patch_;
     HostPressures<Real, Dim>& pressures_;
-    std::vector<Real> inverse_density_;  ///< at the start, by body [m3/kg]
     Host::Array<WaterNode<Real, Dim>> nodes_;
     Host::Array<WaterCell<Real>> cells_;
+    Host::Array<WaterAccount<Dim>> accounts_;  ///< by node block that is solved
 };
 
 }  // namespace moraine

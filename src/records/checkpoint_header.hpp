@@ -44,6 +44,17 @@ void each_load_entry(Budget<Dim>& budget, const F& f) {
     for (std::size_t a = 0; a < Dim; ++a) f("load_impulse_" + std::string(1, "xyz"[a]), budget.load_impulse[a]);
 }
 
+/// The same of water in the ground; only in scenes that have some.
+template <int Dim, class F>
+void each_water_entry(Budget<Dim>& budget, const F& f) {
+    f("water_drag", budget.water.drag);
+    f("water_weight", budget.water.weight);
+    for (std::size_t a = 0; a < Dim; ++a) {
+        f("water_weight_impulse_" + std::string(1, "xyz"[a]), budget.water.weight_impulse[a]);
+        f("water_flux_" + std::string(1, "xyz"[a]), budget.water.flux[a]);
+    }
+}
+
 /// The same of the energy budget; only in scenes that want it. has_surfaces: they act where they are.
 template <int Dim, class F>
 void each_energy_entry(Budget<Dim>& budget, bool has_surfaces, const F& f) {

@@ -149,6 +149,7 @@ void save(Simulation<Real, Dim>& sim, const Comm& comm, const std::string& path,
         header["start_potential"] = std::vector<double>{sim.clock().start_potential};
     }
     if (!sim.scene().course.tractions.empty()) each_load_entry(budget, store);
+    if (sim.scene().water.on) each_water_entry(budget, store);
     if (gravity_changes(sim.scene())) save_gravity(sim.clock(), budget, header);
     if (sim.stage()) header["stages"] = stored_stages(sim.clock().stages);
 
@@ -237,6 +238,7 @@ void load(Simulation<Real, Dim>& sim, const Comm& comm, const CheckpointReader& 
     RunClock<Dim> clock = clock_of<Dim>(file);
     clock.gravity = sim.clock().gravity;  // of the start
     if (!sim.scene().course.tractions.empty()) each_load_entry(budget, take);
+    if (sim.scene().water.on) each_water_entry(budget, take);
     if (gravity_changes(sim.scene())) take_gravity(file, clock, budget);
     take_ends(file, clock);
     if (sim.stage()) take_stages(file, sim.scene().course.stages.size(), clock);

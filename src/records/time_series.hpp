@@ -35,6 +35,28 @@ struct EnergyBudget {
     }
 };
 
+/// What tractions gave.
+template <int Dim>
+struct TractionRow {
+    std::array<double, Dim> impulse{};  ///< [kg m/s]
+    double work = 0;                    ///< [J]
+};
+
+/// What water in the ground did (core/nodes/water_account.hpp).
+template <int Dim>
+struct WaterRow {
+    std::array<double, Dim> flux{}, weight_impulse{};  ///< momentum that Darcy's flux has gained [kg m/s]
+    double drag = 0, weight = 0;                       ///< taken by Darcy's drag, and given by weight [J]
+
+    WaterRow(const WaterAccount<Dim>& account, const Quantum& quantum)
+        : drag(quantum.value(account.drag)), weight(quantum.value(account.weight)) {
+        for (std::size_t a = 0; a < Dim; ++a) {
+            flux[a] = quantum.value(account.flux[a]);
+            weight_impulse[a] = quantum.value(account.weight_impulse[a]);
+        }
+    }
+};
+
 /// Numbers of one output time, in the order of their columns.
 template <int Dim>
 struct TimeSeriesRow {
@@ -48,13 +70,12 @@ struct TimeSeriesRow {
                                ///< structures: transfer, friction on walls, what left [J]
     double front = 0;          ///< see front_of [m]
     std::array<double, Dim> wall_impulse{}, gravity_impulse{}, momentum_error{};
-    std::optional<double> gravity_work;   ///< of who changes gravity (core/gravity.hpp); none: it stays [J]
-    std::optional<double> base_velocity;  ///< of one that shakes [m/s]
-    bool has_tractions = false;
-    std::array<double, Dim> load_impulse{};  ///< of tractions
-    double load_work = 0;                    ///< likewise [J]
-    std::size_t stage = 0;                   ///< its number, from 1 on; 0: the scene has none
-    double slept = 0;                        ///< kinetic energy that sleep took [J]
+    std::optional<double> gravity_work;     ///< of who changes gravity (core/gravity.hpp); none: it stays [J]
+    std::optional<double> base_velocity;    ///< of one that shakes [m/s]
+    std::optional<TractionRow<Dim>> loads;  ///< none: the scene has no tractions
+    std::optional<WaterRow<Dim>> water;     ///< none: no water in the ground
+    std::size_t stage = 0;                  ///< its number, from 1 on; 0: the scene has none
+    double slept = 0;                       ///< kinetic energy that sleep took [J]
     double lost_mass = 0;
     std::int64_t lost_particles = 0, particles = 0;
     std::int64_t asleep = -1;  ///< particles; -1: none can in this scene
@@ -86,6 +107,10 @@ struct TimeSeriesRow {
             per_axis("traction_impulse", "kg_m_s");
             names.emplace_back("traction_work_J");
         }
+        if (scene.water.on) {
+            per_axis("flux_momentum", "kg_m_s");
+            names.insert(names.end(), {"drag_J", "water_weight_J"});
+        }
         if (scene.output.energy_budget) {
             const std::vector<std::string> more = EnergyBudget::columns(scene.bed == Bed::surface);
             names.insert(names.end(), more.begin(), more.end());
@@ -111,7 +136,8 @@ struct TimeSeriesRow {
         if (stage > 0) v.push_back(static_cast<double>(stage));
         if (gravity_work) v.push_back(*gravity_work);
         if (base_velocity) v.push_back(*base_velocity);
-        if (has_tractions) add(load_impulse), v.push_back(load_work);
+        if (loads) add(loads->impulse), v.push_back(loads->work);
+        if (water) add(water->flux), v.insert(v.end(), {water->drag, water->weight});
         if (energy) {
             const auto more = energy->values();
             v.insert(v.end(), more.begin(), more.end());
@@ -179,10 +205,10 @@ void observe_momentum(TimeSeriesRow<Dim>& row, const Simulation<Real, Dim>& sim,
         row.gravity_impulse[a] = clock.start_mass * clock.gravity_impulse[a] - unfelt;
         row.momentum_error[a] = row.totals.momentum[a] + value(budget.lost_momentum[a]) - clock.start_momentum[a] -
                                 row.gravity_impulse[a] - row.wall_impulse[a];
-        row.load_impulse[a] = value(budget.load_impulse[a]);
-        if (row.has_tractions) row.momentum_error[a] -= row.load_impulse[a];
+        if (row.loads) row.momentum_error[a] -= row.loads->impulse[a] = value(budget.load_impulse[a]);
         for (const StructureSums<Dim>& s : felt) row.momentum_error[a] += value(s.sum[a]);
         if (sim.scene().sleep.on) row.momentum_error[a] += value(budget.slept_momentum[a]);
+        if (row.water) row.momentum_error[a] += row.water->flux[a] - row.water->weight_impulse[a];
     }
 }
 
@@ -210,8 +236,8 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
     row.potential = potential_energy(scene, clock.gravity, row.totals);
     for (std::size_t a = 0; a < Dim; ++a) row.falls_round |= scene.periodic[a] && may_fall(scene, a);
     row.dissipated = value(budget.work) - (row.totals.strain - clock.start_strain);
-    row.has_tractions = !scene.course.tractions.empty();
-    row.load_work = value(budget.load_work);
+    if (!scene.course.tractions.empty()) row.loads = TractionRow<Dim>{{}, value(budget.load_work)};
+    if (scene.water.on) row.water = WaterRow<Dim>(budget.water, sim.quantum());
     const std::vector<StructureSums<Dim>> felt = felt_by_structures(sim);
     observe_momentum(row, sim, budget, felt);
     row.stage = clock.stages.size();
@@ -220,7 +246,8 @@ TimeSeriesRow<Dim> observe(Simulation<Real, Dim>& sim, const Comm& comm) {
         row.base_velocity = base_velocity(scene.course.shaking, shaking_begin(scene, clock), clock.time);
     row.unaccounted = clock.start_energy - row.totals.kinetic - row.totals.strain - row.potential - row.dissipated;
     if (row.gravity_work) row.unaccounted += *row.gravity_work;
-    if (row.has_tractions) row.unaccounted += row.load_work;
+    if (row.loads) row.unaccounted += row.loads->work;
+    if (row.water) row.unaccounted += row.water->weight - row.water->drag;
     if (scene.sleep.on) {
         row.asleep = all.asleep;
         row.slept = value(budget.slept_kinetic);

@@ -87,6 +87,7 @@ void add_water(Entries& all, const Scene& s) {
     if (s.water.table) add(all, "water.table", *s.water.table);
     add(all, "water.density", s.water.density);
     add(all, "water.bulk", s.water.bulk);
+    add(all, "water.cavitation", s.water.cavitation);
     add(all, "water.outside", s.water.submerged);
 }
 

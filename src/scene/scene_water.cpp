@@ -36,6 +36,12 @@ const std::vector<KeyRow<Scene>> rows = in_tables<Scene>({
       .range = above_zero,
       .meaning = "Bulk modulus of the water; a softer one makes longer steps (docs/guide/choose-law.md)."},
      [](S& s, const V& v) { s.water.bulk = v.real; }},
+    {{.name = "cavitation",
+      .unit = "Pa",
+      .standard = "1.0e5",
+      .range = from_zero,
+      .meaning = "Tension, below the air's pressure, at which the water cavitates: pores bear no more. 0: none."},
+     [](S& s, const V& v) { s.water.cavitation = v.real; }},
     {{.name = "outside",
       .type = choice,
       .standard = "\"dry\"",
@@ -58,9 +64,6 @@ std::optional<Hindrance> water_hindered_by(const Scene& scene) {
     if (scene.sleep.on || scene.output.sleep_forecast)
         return Hindrance{"water", "numerics.sleep or its forecast", "what consolidates moves slowly, but does not rest",
                          "Leave one of them out?"};
-    if (scene.output.energy_budget)
-        return Hindrance{"output.energy_budget", "output.energy_budget", "it does not know the water's drag",
-                         "Leave it out?"};
     if (!scene.structures.empty())
         return Hindrance{"structure." + scene.structures.front().name, "structure." + scene.structures.front().name,
                          "contact would count pore pressure as effective stress", "Use walls?"};

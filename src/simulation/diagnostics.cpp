@@ -29,6 +29,7 @@ Totals<Dim> block_totals(const Simulation<Real, Dim>& sim, const SharePiece<Real
         const std::uint16_t body = piece.p.body[s];
         add_particle<Real, Dim>(sums, piece.p, s, place_of(sim, piece, block, s), sim.method().law_of(body),
                                 keeps_volume[body] != 0);
+        if (const PoreWater<Real>* pores = sim.method().pores()) add_water<Real, Dim>(sums, piece.p, s, pores[body]);
     }
     return sums;
 }

@@ -16,6 +16,7 @@
 #include "core/data/error.hpp"
 #include "records/time_series.hpp"
 #include "verification/affine_energy.hpp"
+#include "verification/pressure_noise.hpp"
 #include "verification/random_scene.hpp"
 
 namespace moraine::verification {
@@ -25,8 +26,9 @@ struct Verdict {
     std::int64_t lost = 0;  ///< particles that are neither there nor counted as gone
     double momentum = 0;    ///< largest error over M c
     double created = 0;     ///< energy per step, over what moved [-]
+    double noise = 0;       ///< of pore pressure at the end: checkerboard() [-]
     double particles = 0;
-    bool stands() const { return fault.empty() && lost == 0 && momentum <= 1e-10 && created <= 1e-6; }
+    bool stands() const { return fault.empty() && lost == 0 && momentum <= 1e-10 && created <= 1e-6 && noise <= 0.5; }
 };
 
 /// The energy of a run, step by step.
@@ -40,10 +42,11 @@ class EnergyWatch {
         double pull = 0;  // gravity's work in this step [J]
         for (std::size_t a = 0; a < Dim; ++a) pull += gravity[a] * row.totals.momentum[a] * row.dt;
         const double kinetic = row.totals.kinetic + affine;
-        kinetic_.push_back(kinetic - fallen_ - 0.5 * pull);
+        const double drag = row.water ? row.water->drag : 0, weight = row.water ? row.water->weight : 0;
+        kinetic_.push_back(kinetic + drag - weight - fallen_ - 0.5 * pull);
         fallen_ += pull;
         work_.push_back(row.totals.strain + row.dissipated);
-        moved_ = std::max(moved_, kinetic + row.totals.strain + std::fabs(row.dissipated));
+        moved_ = std::max(moved_, kinetic + row.totals.strain + drag + std::fabs(row.dissipated));
     }
     double created() const {
         std::vector<double> energy;
@@ -89,6 +92,7 @@ Verdict judge(const Scene& scene, int steps, Kinetic kinetic = Kinetic::of_veloc
                 verdict.momentum = std::max(verdict.momentum, std::fabs(error) / (start.totals.mass * signal));
         }
         verdict.created = watch.created();
+        if (scene.water.on) verdict.noise = checkerboard(sim);
     } catch (const PhysicsError& e) {
         verdict.fault = e.what();
     }

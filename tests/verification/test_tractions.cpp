@@ -124,18 +124,18 @@ TEST_CASE("momentum and energy that came in are in the budget") {
         while (run.time() < 1.0) run.steps(20);
         const TimeSeriesRow<2> row = observe(run.sim, Comm(MPI_COMM_WORLD));
         for (std::size_t a = 0; a < 2; ++a) {
-            CHECK(std::fabs(row.momentum_error[a]) <= 1e-11 * std::fabs(row.load_impulse[0]));
-            CHECK(row.totals.momentum[a] == doctest::Approx(row.load_impulse[a]).epsilon(1e-11));
+            CHECK(std::fabs(row.momentum_error[a]) <= 1e-11 * std::fabs(row.loads->impulse[0]));
+            CHECK(row.totals.momentum[a] == doctest::Approx(row.loads->impulse[a]).epsilon(1e-11));
         }
         const double integral = 0.1 + 0.15 + 0.5 * (run.time() - 0.4);
-        if (!follows) CHECK(row.load_impulse[0] == doctest::Approx(-2e3 * 4 * integral).epsilon(1e-3));
-        if (!follows) CHECK(row.load_impulse[1] == doctest::Approx(500 * 4 * integral).epsilon(1e-3));
+        if (!follows) CHECK(row.loads->impulse[0] == doctest::Approx(-2e3 * 4 * integral).epsilon(1e-3));
+        if (!follows) CHECK(row.loads->impulse[1] == doctest::Approx(500 * 4 * integral).epsilon(1e-3));
         say(
             fmt::format("block that is pushed, {}: work {:.5g} J, kinetic {:.5g}, stored {:.5g}, dissipated {:.5g}, "
                         "unaccounted {:.5g}",
-                        follows ? "follower" : "dead", row.load_work, row.totals.kinetic, row.totals.strain,
+                        follows ? "follower" : "dead", row.loads->work, row.totals.kinetic, row.totals.strain,
                         row.dissipated, row.unaccounted));
-        CHECK(std::fabs(row.unaccounted) <= 0.02 * row.load_work);
+        CHECK(std::fabs(row.unaccounted) <= 0.02 * row.loads->work);
     }
 }
 

@@ -1,64 +1,15 @@
 // Water in the ground against closed forms: consolidation, waves, the undrained limit, and still water.
-#include <algorithm>
 #include <complex>
 
-#include "seeding/traction_place.hpp"
+#include "records/time_series.hpp"
 #include "verification/drive.hpp"
+#include "verification/wet_column.hpp"
 
 using namespace moraine;
 using namespace moraine::verification;
+using namespace moraine::verification::wet;
 
 namespace {
-
-constexpr double height = 1, young = 1e7, poisson = 0.3, porosity = 0.4, density = 1990, water_bulk = 2.2e8;
-constexpr double M = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson)), Q = water_bulk / porosity;
-
-/// A column of saturated elastic soil on a closed base, as a strip.
-Scene column(int cells, double conductivity) {
-    Scene scene;
-    scene.dimensions = 2;
-    scene.cell = height / cells;
-    scene.max = {4 * scene.cell, height + 2 * scene.cell, 0};
-    scene.cfl = 0.6;
-    choose(scene, quadratic_apic_usl);
-    make_periodic(scene, 0);
-    scene.walls[1][0].kind = WallKind::free_slip;
-    scene.water.on = true;
-    scene.water.bulk = water_bulk;
-    MaterialSpec soil = material("linear-elastic", density, {{"young", young}, {"poisson", poisson}});
-    soil.porosity = porosity, soil.conductivity = conductivity;
-    soil.volumetric = Volumetric::grid;
-    scene.materials.push_back(soil);
-    BodySpec body;
-    body.max = {scene.max[0], height, 0};
-    body.particles_per_cell = {2, 2, 1};  // one across would lie on faces of the cells around nodes
-    scene.bodies.push_back(body);
-    return scene;
-}
-
-/// Mean over the particles.
-template <class F>
-double mean(Run<>& run, const F& f) {
-    return run.sum([&](const auto& p, std::uint32_t s, const auto& X, const auto& x) { return f(p, s, X, x); }) /
-           static_cast<double>(run.particles());
-}
-
-double settlement(Run<>& run) {
-    return height * mean(run, [](const auto& p, std::uint32_t s, const auto&, const auto&) {
-               return -std::expm1(double(p.ln_J[s]));
-           });
-}
-
-/// Terzaghi: a series over odd multiples of pi / 2.
-template <class F>
-double series(double T, const F& term) {
-    double sum = 0;
-    for (int k = 0; k < 200; ++k) {
-        const double a = (2 * k + 1) * pi / 2;
-        sum += term(a) * std::exp(-a * a * T);
-    }
-    return sum;
-}
 
 /// The wave of free vibration of a column on a fixed base, by its rate and frequency [1/s]: a root of
 /// (rho s^2 + c (M + Q)) (rho_w / n s^2 + gamma_w / k s + c Q) = (rho_w s^2 + c Q)^2, c = (pi / 2 H)^2.
@@ -98,27 +49,13 @@ Oscillation oscillation(Run<>& run, double until) {
     return {std::log(last / first) * frequency / pi / static_cast<double>(halves - 2), frequency};
 }
 
-/// Water that seeps along a slope through ground as high as the column, and bears its share.
-template <class View>
-void seep(double slope, double k, const View& p, std::uint32_t s, const std::array<double, 2>& X) {
-    const double depth = height - X[1], across = 9.81 * std::cos(slope) * depth;
-    p.pore_pressure[s] = 1000 * across;
-    for (int a = 0; a < 3; ++a) p.stress[s][a] = -(density - 1000) * across;
-    p.stress[s][Sym<double, 2>::index(0, 1)] = density * 9.81 * std::sin(slope) * depth;
-    p.darcy_velocity[s][0] = k * std::sin(slope);
-}
-
 }  // namespace
 
 TEST_CASE("a column consolidates as by Terzaghi") {
     constexpr double load = 1e4, k = 3e-4, ramp = 0.03;
     const double c_v = k / (1000 * conductivity_gravity * (1 / M + 1 / Q)), p0 = load * Q / (M + Q);
     Scene scene = column(10, k);
-    TractionSpec plate;
-    plate.normal = {0, 1, 0}, plate.pressure = load;
-    plate.depth = 3 * scene.cell, plate.spacing = line_spacing(scene, plate);
-    plate.factor = {{0, ramp}, {0, 1}};
-    scene.course.tractions.push_back(plate);
+    press(scene, load, ramp);
     Run<> run(scene);
     for (const double T : {0.1, 0.2, 0.5}) {
         while (run.time() < T / c_v + ramp / 2) run.steps(20);
@@ -220,4 +157,58 @@ TEST_CASE("saturated ground slides on a wall as its effective stress says") {
                             k, (slope - critical) * 180 / pi, speed, falls, off));
             CHECK(std::fabs(off) <= (slope < critical ? 0.001 : 0.2));
         }
+}
+
+TEST_CASE("what drag takes of a column that consolidates is what Darcy's law takes, and no energy is left over") {
+    constexpr double load = 1e4, k = 3e-4, ramp = 0.03;
+    const double c_v = k / (1000 * conductivity_gravity * (1 / M + 1 / Q)), p0 = load * Q / (M + Q);
+    const auto lost = [&](double T) { return series(2 * T, [](double a) { return 1 / (a * a); }); };
+    Scene scene = column(10, k);
+    scene.output.energy_budget = true;
+    press(scene, load, ramp);
+    Run<> run(scene);
+    const Comm comm(MPI_COMM_WORLD);
+    std::vector<TimeSeriesRow<2>> rows;
+    std::vector<double> T;
+    for (const double until : {0.1, 0.5}) {
+        while (run.time() < until / c_v + ramp / 2) run.steps(20);
+        rows.push_back(observe(run.sim, comm));
+        T.push_back(c_v * (run.time() - ramp / 2));
+    }
+    const double drag = rows[1].water->drag - rows[0].water->drag;
+    // gamma_w / k w^2 of the series, over the column and the time
+    const double darcy = p0 * p0 * (1 / M + 1 / Q) * height * scene.max[0] * (lost(T[0]) - lost(T[1]));
+    const EnergyBudget& took = *rows[1].energy;
+    const double known = took.transfer + took.shift + took.wall + took.contact + took.damping + took.lost;
+    say(
+        fmt::format("consolidation: drag takes {:.5g} J for {:.5g}, of {:.5g} J of the load; unaccounted {:.2g}, "
+                    "known {:.2g}, momentum error {:.1e}",
+                    drag, darcy, rows[1].loads->work, rows[1].unaccounted, known, rows[1].momentum_error[1]));
+    CHECK(std::fabs(drag / darcy - 1) <= 0.01);
+    CHECK(std::fabs(rows[1].unaccounted) <= 0.02 * rows[1].loads->work);
+    CHECK(std::fabs(rows[1].unaccounted - known) <= 0.01 * rows[1].loads->work);
+    CHECK(std::fabs(rows[1].momentum_error[1]) <= 1e-11 * std::fabs(rows[1].loads->impulse[1]));
+}
+
+TEST_CASE("what drag takes of seepage is what the weight of the water gives") {
+    constexpr double slope = 20 * pi / 180, g = 9.81, k = 1e-3;
+    Scene scene = column(10, k);
+    scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
+    scene.walls[1][0].kind = WallKind::no_slip;
+    Run<> run(scene);
+    run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { seep(slope, k, p, s, X); });
+    const Comm comm(MPI_COMM_WORLD);
+    while (run.time() < 0.1) run.steps(50);  // what the start was off by
+    const TimeSeriesRow<2> start = observe(run.sim, comm);
+    while (run.time() < 0.2) run.steps(50);
+    const TimeSeriesRow<2> end = observe(run.sim, comm);
+    const double darcy = 1000 * conductivity_gravity * k * std::pow(std::sin(slope), 2) * height * scene.max[0] *
+                         (end.time - start.time);
+    const double drag = (end.water->drag - start.water->drag) / darcy;
+    const double weight = (end.water->weight - start.water->weight) / darcy;
+    say(fmt::format("seepage: drag {:.5f}, weight {:.5f} of Darcy's; unaccounted {:.1e} of it, momentum error {:.1e}",
+                    drag, weight, (end.unaccounted - start.unaccounted) / darcy, end.momentum_error[0]));
+    CHECK(std::fabs(drag - 1) <= 0.01);
+    CHECK(std::fabs(weight - 1) <= 0.01);
+    CHECK(std::fabs(end.momentum_error[0]) <= 1e-11 * std::fabs(end.gravity_impulse[0]));
 }

@@ -16,7 +16,7 @@ MORAINE_HD int middle_node(int cell) {
     return tile_offset<Dim, 3>(cell) + 1 + side + (Dim == 3 ? side * side : 0);
 }
 
-/// Tiles of the flux: (a, a w), and (P, mobility, ., R).
+/// Tiles of the flux: (a, b w), and (P, mobility, b, R).
 template <class Real, int Dim>
 struct SumFlow {
     using Context = PressureContext<Real, Dim>;
@@ -67,13 +67,15 @@ struct SumFlow {
         for (int a = 0; a < Dim; ++a) fold_weights<3>(ghosts[a], n.w[a], n.dw[a]);
         const Real volume = p.volume[s], porosity = pore.porosity_at(p.ln_J[s]);
         const Real inertia = volume * pore.inertia(porosity), drag = volume * pore.resistance;
+        const Real water = volume * pore.density;
         each_node<Dim, 3>([&](int at, int i, int j, int k) {
             const int place[3] = {i, j, k};
             Real w = Real(1);
             for (int a = 0; a < Dim; ++a) w *= n.w[a][place[a]];
             Real* node = to + at * node_reals;
             node[0] += w * inertia;
-            for (int a = 0; a < Dim; ++a) node[1 + a] += w * inertia * p.darcy_velocity[s][a];
+            for (int a = 0; a < Dim; ++a) node[1 + a] += w * water * p.darcy_velocity[s][a];
+            node[2 * quad - 2] += w * water;
             node[2 * quad - 1] += w * drag;
         });
         means.volume += volume;
@@ -83,7 +85,8 @@ struct SumFlow {
     }
 };
 
-/// From these tiles to what nodes hold.
+/// From these tiles to what nodes hold. Cells are as full as they are of saturated soil: what lies beside it bears its
+/// own stress. A cell that dry soil shares spreads no pressure.
 template <class Real, int Dim>
 struct HoldFlow {
     using Scratch = TileSums<Real, Dim>;
@@ -92,6 +95,8 @@ struct HoldFlow {
     TileView<Real> grid;
     const std::int32_t* chosen;  ///< node blocks
     WaterNode<Real, Dim>* node;
+    HeldNode<Real, Dim>* held;
+    Real full_mass;  ///< rho_w h^d [kg]
 
     template <class Team>
     MORAINE_HD void operator()(const Team& team, int item, Scratch& scratch) const {
@@ -99,12 +104,17 @@ struct HoldFlow {
         if (grid.node_of[c] < 0) return;
         scratch.find(team, table, grid, 3, c);
         team.each(Block<Dim>::cells, [&](int n) {
-            WaterNode<Real, Dim>& w = node[std::size_t(grid.node_of[c]) * Block<Dim>::cells + std::size_t(n)];
+            const std::size_t at = std::size_t(grid.node_of[c]) * Block<Dim>::cells + std::size_t(n);
+            WaterNode<Real, Dim>& w = node[at];
             const Quad<Real>&flow = scratch.sums[2 * n], &rest = scratch.sums[2 * n + 1];
             w = {};
             w.inertia = flow[0];
-            w.pressure = rest[0], w.mobility = rest[1], w.resistance = rest[quad - 1];
-            for (int a = 0; a < Dim; ++a) w.flux[a] = w.start[a] = flow[0] > Real(0) ? flow[1 + a] / flow[0] : Real(0);
+            w.pressure = rest[0], w.mobility = rest[1], w.water = rest[quad - 2], w.resistance = rest[quad - 1];
+            Real& filling = held[at].filling;
+            const Real wet = w.water / full_mass;
+            if (wet < Real(0.95) * filling) w.mobility = Real(0);
+            filling = wet;
+            for (int a = 0; a < Dim; ++a) w.flux[a] = w.start[a] = w.water > Real(0) ? flow[1 + a] / w.water : Real(0);
         });
     }
 };
@@ -115,7 +125,7 @@ struct WetParticles {
     ParticleView<Real, Dim> p;
     const PoreWater<Real>* pores;
     WaterNodes<Real, Dim> water;
-    const HeldNode<Real, Dim>* held;
+    Real dt;  ///< of the substep [s]
 
     MORAINE_HD CellParticle<Real, Dim> operator()(std::uint32_t s) const {
         CellParticle<Real, Dim> q;
@@ -128,8 +138,13 @@ struct WetParticles {
         for (int a = 0; a < Dim; ++a) q.fraction[a] = fraction_of<Real>(p.position[s][a]);
         return q;
     }
+    /// That moves a pressure's force as both do, with implicit drag as half of it more inertia (docs/theory/water.md):
+    /// 1/y, y = (a* - 2 b + m) / (m a* - b^2), a* = a + dt R / 2 [kg].
     MORAINE_HD Real mass_of(std::size_t node, Real mass) const {
-        return water.mass_under_pressure(node, mass, held[node].filling);
+        const WaterNode<Real, Dim>& w = water.node[node];
+        if (!(w.inertia > Real(0))) return mass;
+        const Real a = w.inertia + Real(0.5) * dt * w.resistance, b = w.water;
+        return (mass * a - b * b) / (a - Real(2) * b + mass);
     }
 };
 

@@ -30,6 +30,8 @@ struct PoreWater {
     Real drained_bulk = Real(0);  ///< K' [Pa]
     Real density = Real(0);       ///< rho_w [kg/m3]
     Real bulk = Real(0);          ///< K_w [Pa]
+    Real start_volume = Real(0);  ///< of a mass, at the start [m3/kg]
+    bool submerged = false;       ///< p is what is in excess of still water
 
     MORAINE_HD bool is_wet() const { return porosity > Real(0); }
     /// n, held between bounds that end the run (WaterTerm).
@@ -37,6 +39,12 @@ struct PoreWater {
         using std::exp;
         const Real n = Real(1) - (Real(1) - porosity) * exp(-ln_J);
         return n < Real(least_porosity) ? Real(least_porosity) : n > Real(most_porosity) ? Real(most_porosity) : n;
+    }
+    /// What a particle weighs besides its own mass: water that came or went since the start, or less all the water that
+    /// its volume displaced then [kg].
+    MORAINE_HD Real more_mass(Real mass, Real volume) const {
+        const Real before = mass * start_volume;
+        return density * (submerged ? -before : volume - before);
     }
     MORAINE_HD Real storage(Real n) const { return bulk / n; }
     MORAINE_HD Real inertia(Real n) const { return density / n; }

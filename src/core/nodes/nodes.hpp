@@ -244,6 +244,7 @@ struct SolveNodes {
         if (round.task != NodeTask::substep || round.first_substep) {
             for (int a = 0; a < Dim; ++a) impulse[item * Dim + a] = ExactSum{};
             if constexpr (Energy) energy[item] = NodeEnergy{};
+            if (water.account) water.account[item] = {};
         }
         if (grid.node_of[c] < 0) return;
         const bool border = table.node_border[c] != 0;
@@ -308,7 +309,7 @@ struct SolveNodes {
         Vec<Real, Dim> momentum, total;
         for (int a = 0; a < Dim; ++a) momentum[a] = m * out[a], total[a] = force[a] + m * kept.acceleration[a];
         sums = Quad<Real>::scaled_after(m, Real(1), momentum);
-        if (water.node) water.press_on_soil(stored(c, n), node, m, kept.filling, round.gravity, round.dt, total);
+        if (water.node) water.press_on_soil(stored(c, n), node, m, round.gravity, round.dt, total);
         force = Quad<Real>::scaled(Real(1), total) + Quad<Real>::of(Real(0), Real(0), Real(0), mean * m);
     }
 
@@ -320,7 +321,7 @@ struct SolveNodes {
         return move_node(round, walls, sums, scratch.sums[2 * n + 1], former, border ? node : nullptr, Untouched{},
                          [&](const Vec<Real, Dim>& start, const Vec<Real, Dim>& trial) {
                              if (!water.node || round.task != NodeTask::substep) return zero_vec<Real, Dim>();
-                             return water.borne(at, node, sums[0], held.node[at].filling, start, trial, round.dt);
+                             return water.borne(at, node, sums[0], start, trial, round.dt);
                          });
     }
 
@@ -332,6 +333,17 @@ struct SolveNodes {
             *beside = motion_before_surfaces(round, sums, force, motion, counted);
         else if (counted)
             add_energy(round, walls, node, sums, force, motion, left.velocity, left.touched, quantum, energy[item]);
+    }
+
+    /// Moves the water in the pores; what walls give it.
+    MORAINE_HD Vec<double, Dim> flow(std::size_t at, int item, const int* node, bool counted, Real m,
+                                     const NodeMotion<Real, Dim>& motion) const {
+        const FlowMotion<Real, Dim> f = water.flow(at, node, m, round, motion);
+        Vec<double, Dim> given;
+        for (int a = 0; a < Dim; ++a) given[a] = water.impulse(at, f, a);
+        if (counted)
+            water.count(at, node, round.dt, motion, f, quantum, water.account[item], Energy ? energy + item : nullptr);
+        return given;
     }
 
     MORAINE_HD void finish(int c, int item, int n, bool border, bool near, Scratch& scratch) const {
@@ -346,7 +358,7 @@ struct SolveNodes {
             if (remembers(round.task)) former.first[a] = out[a], former.second[a] = out[quad + a];
         }
         NodeMotion<Real, Dim> motion;
-        Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures
+        Vec<double, Dim> given = zero_vec<double, Dim>();  // to structures, and by walls to pore water
         Contacted contacted{zero_vec<Real, Dim>(), false};
         if constexpr (Contact) {
             motion =
@@ -366,18 +378,16 @@ struct SolveNodes {
         } else {
             motion = move_untouched(stored(c, n), node, border, scratch, n, former);
         }
+        const bool flows = water.node && round.task == NodeTask::substep;
+        if (flows) given = flow(stored(c, n), item, node, counted, sums[0], motion);
         if ((border || round.damping > Real(0)) && counted)
-            for (int a = 0; a < Dim; ++a) {
-                double impulse_of_node = motion.impulse(sums[0], a);
-                if constexpr (Contact) impulse_of_node += given[a];
-                impulse[item * Dim + a].add(quantum.of(impulse_of_node));
-            }
+            for (int a = 0; a < Dim; ++a)
+                impulse[item * Dim + a].add(quantum.of(motion.impulse(sums[0], a) + given[a]));
         if constexpr (Energy) {
             const Vec<Real, Dim> after = Contact ? contacted.velocity : motion.trial;
             if (solves(round.task))
                 count_energy(c, item, n, border ? node : nullptr, counted, motion, {after, contacted.touched}, scratch);
         }
-        if (water.node && round.task == NodeTask::substep) water.flow(stored(c, n), node, sums[0], held, round, motion);
         const NodeValues<Real, Dim> now = values_after(round.task, motion, former);
         for (int a = 0; a < Dim; ++a) out[a] = now.first[a], out[quad + a] = now.second[a];
         for (int a = Dim; a < quad; ++a) out[a] = out[quad + a] = Real(0);

@@ -32,6 +32,8 @@ struct BlockOutcome {
     double square_speed = 0;      ///< largest |v|^2, with the grid's pressure [m2/s2]
     double load_work = 0;         ///< of tractions in this step [J]
     double load_impulse[3] = {};  ///< likewise [kg m/s]
+    double weight_work = 0;       ///< of pore water's weight in load_force [J]
+    double weight_impulse[3] = {};
     std::uint32_t faults = 0;
     std::uint32_t clamped = 0;                    ///< contiguous GIMP boxes held at half a cell
     std::uint64_t faulty_id = ~std::uint64_t(0);  ///< lowest id with a fault

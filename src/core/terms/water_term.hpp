@@ -2,11 +2,14 @@
 // Water in the pores (fluid/water_cells.hpp) as a term: a particle takes its pore pressure and its change of volume
 // from its cell, and Darcy's flux from the nodes.
 //
-//   w_p <- w + phi (w_p + dw - w),  phi = 1 / (1 + dt R n / rho_w)       w, dw: of the nodes
+//   w_p <- w + phi (w_p + dw - w),  phi = 1 / (1 + dt R n0 / rho_w)      w, dw: of the nodes
 //
 // What a particle's flux has beside the grid's is moved by no pressure, but drag takes it as it takes any. Nor does the
 // grid see how pressures differ inside a cell, and in what flows they come apart: as in grid_pressure.hpp particles go
 // to the cell's mean and the slope of still water about it, by a share a = min(1/2, 0.22 c dt / h) a step.
+//
+// Water cavitates: p >= -cavitation (below the air's pressure). What opens beyond is gas at that pressure, of no volume
+// when the pores close again; opening and closing takes energy and gives none.
 
 #include "core/fluid/pressure_smoothing.hpp"
 #include "core/fluid/water_cells.hpp"
@@ -25,6 +28,9 @@ struct WaterTerm {
     const CellPressure<Real>* cell;    ///< [tile][cell]
     const WaterCell<Real>* water;      ///< likewise
     const WaterNode<Real, Dim>* node;  ///< [node block][node]
+    Vec<Real, Dim> gravity;            ///< [m/s2]
+    Real cavitation;                   ///< tension that water bears; under still water at base + f = 0 [Pa]
+    Vec<Real, Dim> still;              ///< rho_w g h of still water that pressures are in excess of [Pa]
 
     template <class Case>
     struct State {
@@ -48,15 +54,19 @@ struct WaterTerm {
         const PoreWater<Real>& pore = pores[of.p.body[s]];
         if (!pore.is_wet()) return;
         const Real n = pore.porosity_at(point.ln_J()), storage = pore.storage(n);
-        const Real drag = of.round.dt * pore.resistance / pore.inertia(n);
+        const Real drag = of.round.dt * pore.resistance / pore.inertia(pore.porosity);
+        weigh(of, pore, point, out);
         take_flux<Case>(of, in, point, state, Real(1) / (Real(1) + drag));
 
         smooth(of, in, point, pore.wave_speed(n, of.p.mass[s] / point.volume()));
         const CellStep<Real> step = CellStep<Real>::of(of.cell_of(cell, in));
         const Real all = taken_increment(step.increment, step.in_tension, borne_share(step.loose, storage));
         Real& p = of.p.pore_pressure[s];
-        out.work -= double(point.volume()) * double(p - Real(0.5) * storage * all) * double(all);
+        const Real before = p;
         p -= storage * all;
+        const Real least = -cavitation - gravity_pressure(still, in.base, point.stencil_of().f);
+        if (p < least) p = least;
+        out.work -= double(point.volume()) * double(Real(0.5) * (before + p)) * double(all);
         Real cubic;
         dL = increment_of_trace(dL, of.cell_of(water, in).increment, cubic);
         point.ln_J() -= cubic;
@@ -64,6 +74,16 @@ struct WaterTerm {
     }
 
   private:
+    /// load_force had the weight of water that came or went; of tractions is what else it had.
+    MORAINE_HD void weigh(const auto& of, const PoreWater<Real>& pore, const auto& point, auto& out) const {
+        const Real more = of.round.dt * pore.more_mass(of.p.mass[point.slot], point.volume());
+        for (int a = 0; a < Dim; ++a) {
+            const double impulse = double(more) * double(gravity[a]), work = impulse * double(point.sums.velocity()[a]);
+            out.weight_impulse[a] += impulse, out.weight_work += work;
+            out.load_impulse[a] -= impulse, out.load_work -= work;
+        }
+    }
+
     template <class Case>
     MORAINE_HD void take_flux(const auto& of, const CellInWork<Case>& in, const auto& point, const State<Case>& state,
                               Real keeps) const {

@@ -82,7 +82,9 @@ PoreWater<Real> pore_water(const Scene& scene, const MaterialSpec& material) {
             static_cast<Real>(find_law(material.law)->wave_modulus(material.parameters.data())),
             static_cast<Real>(bulk_modulus(material)),
             static_cast<Real>(scene.water.density),
-            static_cast<Real>(scene.water.bulk)};
+            static_cast<Real>(scene.water.bulk),
+            static_cast<Real>(1 / material.density),
+            scene.water.submerged};
 }
 template PoreWater<float> pore_water(const Scene&, const MaterialSpec&);
 template PoreWater<double> pore_water(const Scene&, const MaterialSpec&);

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "core/data/exact_sum.hpp"
+#include "core/material/pore_water.hpp"
 #include "core/nodes/node_energy.hpp"
+#include "core/nodes/water_account.hpp"
 #include "core/particles/law_batch.hpp"
 #include "core/particles/particles.hpp"
 
@@ -43,8 +45,8 @@ struct Totals {
     double mass = 0;                     ///< [kg]
     std::array<double, Dim> momentum{};  ///< [kg m/s]
     std::array<double, Dim> centre{};    ///< sum m x [kg m]
-    double kinetic = 0;                  ///< [J]
-    double strain = 0;                   ///< stored elastic energy [J]
+    double kinetic = 0;                  ///< with that of Darcy's flux [J]
+    double strain = 0;                   ///< stored elastic energy, with that of pore water [J]
     Extremum<Dim> speed;                 ///< the fastest [m/s]
     Extremum<Dim> stretch;               ///< |ln J|, of those whose volume should stay (keeps_volume) [-]
     double min_J = std::numeric_limits<double>::infinity();
@@ -93,6 +95,19 @@ struct TotalSums {
     }
 };
 
+/// Adds what water in the pores of the particle in slot s has: energy of its flux, and stored by its pressure.
+template <class Real, int Dim>
+void add_water(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_t s, const PoreWater<Real>& pore) {
+    if (!pore.is_wet()) return;
+    const Real n = pore.porosity_at(p.ln_J[s]);
+    const double volume = double(p.volume[s]), pressure = double(p.pore_pressure[s]);
+    for (int a = 0; a < Dim; ++a) {
+        const double w = double(p.darcy_velocity[s][a]), v = double(p.velocity[s][a]);
+        t.kinetic += volume * w * (double(pore.density) * v + 0.5 * double(pore.inertia(n)) * w);
+    }
+    t.strain += 0.5 * volume * pressure * pressure / double(pore.storage(n));
+}
+
 /// Adds the particle in slot s at x [m]. keeps_volume: it is nearly incompressible.
 template <class Real, int Dim>
 void add_particle(Totals<Dim>& t, const ParticleView<Real, Dim>& p, std::uint32_t s, const std::array<double, Dim>& x,
@@ -133,6 +148,7 @@ struct Budget {
     ExactSum slept_kinetic;                      ///< taken from what fell asleep, and from sleepers [J]
     std::array<ExactSum, Dim> slept_momentum{};  ///< likewise [kg m/s]
     EnergyAccount energy;                        ///< zero but in scenes that want it
+    WaterAccount<Dim> water;                     ///< of water in the ground
 
     void add(const Budget& o) {
         work.add(o.work);
@@ -141,6 +157,7 @@ struct Budget {
         load_work.add(o.load_work);
         slept_kinetic.add(o.slept_kinetic);
         energy.add(o.energy);
+        water.add(o.water);
         for (std::size_t a = 0; a < Dim; ++a) {
             impulse[a].add(o.impulse[a]);
             lost_momentum[a].add(o.lost_momentum[a]);
