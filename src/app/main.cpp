@@ -100,6 +100,9 @@ void check_device_scene(const Scene& scene) {
     if (scene.output.sleep_forecast)
         throw InputError(
             fmt::format("{}: output.block_loads = \"sleep\" (devices do not have it). Use \"on\"?", scene.source.path));
+    if (!scene.course.tractions.empty())
+        throw InputError(
+            fmt::format("{}: [[traction]] (has not run on a device yet). Use --device cpu?", scene.source.path));
     if (scene.output.energy_budget)
         throw InputError(fmt::format("{}: output.energy_budget = \"on\" (devices do not have it). Use --device cpu?",
                                      scene.source.path));

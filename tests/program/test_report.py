@@ -202,7 +202,7 @@ class Report(moraine.ProgramTest):
         self.assertEqual([row[:2] for row in rows], [["apic", "apic"], ["flip", "flip"]])
         for run, row in zip(runs, rows):
             force = max((r["force_x_N"] ** 2 + r["force_y_N"] ** 2) ** 0.5 for r in table(run, "structures.csv"))
-            self.assertAlmostEqual(float(row[3]), force / 1e3, delta=1e-3 * force / 1e3)
+            self.assertAlmostEqual(float(row[4]), force / 1e3, delta=1e-3 * force / 1e3)
         beside = text.split("<h3>At the same times</h3>")[1].split('class="charts"')[0]
         self.assertEqual(re.findall(r"<h4>(\w+), t = ([\d.]+) s</h4>", beside), [(name, time) for time in ("0.1", "0.3", "0.4") for name in ("apic", "flip")])
         self.assertEqual(beside.count("<img "), 6)

@@ -93,7 +93,8 @@ TEST_CASE("each of its particles has its volume of space, also in a hollow, and 
         {-2, -2}, 45, 1, false, [](double x, double y) { return 0.04 * ((x - 19) * (x - 19) + (y - 17) * (y - 17)); }));
     std::map<std::array<double, 2>, double> below;
     const double top = extent_of(body, 3).upper[2];
-    for (const Seed& s : seeds_of(scene)) {
+    const std::vector<Seed> seeds = seeds_of(scene);
+    for (const Seed& s : seeds) {
         const auto [before, is_lowest] = below.try_emplace({s.x[0], s.x[1]}, s.x[2]);
         if (!is_lowest) {
             REQUIRE(s.volume == doctest::Approx(0.25 * 0.25 * (s.x[2] - before->second)).epsilon(0.02));
@@ -101,6 +102,7 @@ TEST_CASE("each of its particles has its volume of space, also in a hollow, and 
         }
         REQUIRE(s.x[2] < top);
     }
+    CHECK(seeds.size() == 8 * below.size());
 }
 
 TEST_CASE("on a plane of 45 degrees a release of a cell, of 1.5 and of 4 cells has its volume and its rows") {
