@@ -224,6 +224,14 @@ int run_program(int argc, char** argv) {
     }
 }
 
+/// Without mpirun or srun Open MPI shall start no daemon, which takes half the time to begin, and make no folder of
+/// sessions: those of ranks without one have one name, and who ends first removes it from under who begins.
+void begin_alone() {
+    if (std::getenv("PMIX_RANK") || std::getenv("PMI_RANK")) return;
+    ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    ::setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+}
+
 }  // namespace
 
 }  // namespace moraine
@@ -236,7 +244,7 @@ int main(int argc, char** argv) {
     }
     std::signal(SIGXFSZ, SIG_IGN);       // a limit on file sizes is told by the write that meets it (io/disk_file.cpp)
     mallopt(M_MMAP_THRESHOLD, 1 << 20);  // glibc would raise it, and keep freed columns as holes in the heap
-    ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);  // Open MPI without mpirun: no daemon, half the time to begin
+    moraine::begin_alone();
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);  // threads compute, one speaks
     const int code = moraine::run_program(argc, argv);

@@ -147,6 +147,16 @@ class Stop(moraine.ProgramTest):
         self.assertIn(str(checkpoints(self.folder / "alone")[0]), line)
         self.assert_goes_on("alone", ranks=2)
 
+    def test_runs_without_mpirun_share_no_folder(self):
+        """Open MPI's of such runs have one name, and who ends first would remove it from under who begins."""
+        temporary = self.folder / "tmp"
+        temporary.mkdir()
+        with unittest.mock.patch.dict(os.environ, TMPDIR=str(temporary)):
+            job = self.start("shares", ranks=None)
+        job.wait_for(self.folder / "shares", "history.csv")
+        self.assertEqual(list(temporary.iterdir()), [])
+        self.assertEqual(job.end().code, 0)
+
     def test_what_is_no_run_yet_ends_at_once(self):
         os.mkfifo(self.folder / "fifo.toml")
         for tell in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):

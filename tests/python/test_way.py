@@ -28,8 +28,6 @@ def slope(name, east=0.0, north=0.0, hazard="", turned=False):
     place.mkdir(parents=True, exist_ok=True)
     size = (DEEP, WIDE) if turned else (WIDE, DEEP)
     heights = [[30 - 0.5 * (size[1] - j if turned else i) for i in range(size[0] + 1)] for j in range(size[1] + 1)]
-    if turned:
-        heights = [[30 - 0.5 * (size[1] - row) for _ in range(size[0] + 1)] for row in range(size[1], -1, -1)]
     write_asc(place / "dem.asc", heights, east, north, cell=1, place="center")
     corners = [(4, 8), (10, 8), (10, 16), (4, 16)]
     (place / "area.csv").write_text("x,y\n" + "".join(f"{east + (y if turned else x)},{north + (x if turned else y)}\n" for x, y in corners))
