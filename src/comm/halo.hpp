@@ -2,7 +2,7 @@
 // Halo: the unsummed tiles that other ranks need travel to them, once per round.
 //
 // One message per peer: occupancy of its tiles, one byte each, with whether the block sleeps, then the shared nodes of
-// the tiles that exist, node_sums reals each, the rest of the second quad where they have a mean (NodeMean) or water;
+// the tiles that exist, node_sums reals each, and last lanes of the second quad (lanes_besides());
 // in the first round of a step with structures the same nodes of the gap tiles of those (contact_pairs.hpp). Both sides
 // know the lists from the epoch's tables. A received tile is stored as the tile of its ghost block, so that nodes sum
 // own and foreign tiles by one rule.
@@ -22,15 +22,22 @@ struct GapShare {
     NodeGap* tiles;
 };
 
+/// Last lanes of a node's second quad that tiles have besides node_sums: a mean (NodeMean), or what water has.
+template <int Dim>
+int lanes_besides(const auto& method) {
+    if (method.pores()) return quad - Dim;
+    return method.fluid() || method.grid_bulk() ? 1 : 0;
+}
+
 template <class Real, int Dim>
 class Halo {
   public:
     /// Not collective; buffers for one epoch.
-    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width, bool with_mean = false)
+    Halo(const EpochTables<Dim>& tables, PointToPoint& messages, int width, int besides = 0)
         : tables_(tables),
           messages_(messages),
           tile_nodes_(static_cast<std::size_t>(power<Dim>(tile_side(width)))),
-          with_mean_(with_mean) {
+          besides_(besides) {
         for (const PeerHalo& peer : tables.peers) {
             out_.emplace_back(capacity(peer.send));
             in_.emplace_back(capacity(peer.receive));
@@ -79,7 +86,7 @@ class Halo {
     static constexpr std::byte sleeping_tile{2};  ///< its occupancy; of others 1, or 0: there is none
 
     std::size_t capacity(const TileList& list) const {
-        const std::size_t sums = node_sums<Dim> + (with_mean_ ? quad - Dim : 0);
+        const std::size_t sums = node_sums<Dim> + static_cast<std::size_t>(besides_);
         return padded(list.block.size()) + list.node.size() * sums * sizeof(Real);
     }
 
@@ -118,7 +125,7 @@ class Halo {
                 const Real* node = from + list.node[n] * node_reals;
                 for (int q = 0; q <= Dim; ++q) *values++ = node[q];
                 for (int q = 0; q < Dim; ++q) *values++ = node[quad + q];
-                for (int q = Dim; with_mean_ && q < quad; ++q) *values++ = node[quad + q];
+                for (int q = quad - besides_; q < quad; ++q) *values++ = node[quad + q];
             }
         }
         std::size_t packed = 0;
@@ -159,7 +166,7 @@ class Halo {
                 for (int q = 0; q < Dim; ++q) node[quad + q] = *values++;
                 for (int q = Dim + 1; q < quad; ++q) node[q] = Real(0);
                 for (int q = Dim; q < quad; ++q) node[quad + q] = Real(0);
-                for (int q = Dim; with_mean_ && q < quad; ++q) node[quad + q] = *values++;
+                for (int q = quad - besides_; q < quad; ++q) node[quad + q] = *values++;
             }
         }
         return reinterpret_cast<const std::byte*>(values);
@@ -168,7 +175,7 @@ class Halo {
     const EpochTables<Dim>& tables_;
     PointToPoint& messages_;
     const std::size_t tile_nodes_;
-    const bool with_mean_;
+    const int besides_;
     std::vector<std::vector<std::byte>> out_, in_;
     std::vector<Parcel> sends_, receives_;
     std::int64_t bytes_ = 0;

@@ -44,7 +44,7 @@ BlockMoveCount HostEngine<Real, Dim>::begin(EpochTables<Dim> tables, const HostS
     contact_.forget();
     if (ends_) ends_->begin_epoch();
     halo_ = std::make_unique<Halo<Real, Dim>>(patch_.tables(), halo_messages_, method_.stencil.width,
-                                              method_.fluid() != nullptr || method_.grid_bulk() != nullptr);
+                                              lanes_besides<Dim>(method_));
     migration_ = std::make_unique<Migration<Host, Real, Dim>>(patch_, migration_messages_);
     return {};
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "comm/halo.hpp"
 #include "core/sleep/scene_sleep.hpp"
 #include "io/block_loads.hpp"
 #include "records/sleep_forecast.hpp"
@@ -26,8 +27,7 @@ LoadHeader load_header(const Simulation<Real, Dim>& sim) {
     h.width = layout.width;
     h.blocks = layout.blocks;
     std::copy(layout.periodic.begin(), layout.periodic.end(), h.periodic.begin());
-    const bool has_mean = sim.method().fluid() || sim.method().grid_bulk();
-    h.node_bytes = static_cast<std::int32_t>((node_sums<Dim> + (has_mean ? 1 : 0)) * sizeof(Real));
+    h.node_bytes = (node_sums<Dim> + lanes_besides<Dim>(sim.method())) * static_cast<int>(sizeof(Real));
     h.rounds = static_cast<std::int32_t>(sim.method().rounds.size());
     h.interval = scene.balance.interval;
     h.axis = scene.balance.axis;
