@@ -33,7 +33,7 @@ struct Wanted {
     std::string configurations;   ///< part of the name; empty: all
     bool few = false;             ///< S1: only the clouds whose limits are the least; S25: three of Poisson's ratios
     bool free = false;            ///< S23: light nodes are not limited
-    bool defaults = false;        ///< with what the program takes where a scene leaves it open
+    bool defaults = false;        ///< S24: with the method that fluids take by themselves
     int first = 1, count = 1000;  ///< random scenes
 
     bool names(const std::string& configuration) const {

@@ -53,11 +53,6 @@ Finding finding_of(const std::string& description, const Verdict& v) {
             why(v)};
 }
 
-/// Structures act as the program lets them where a scene leaves that open.
-void take_bed(Scene& scene, const Wanted& wanted) {
-    if (wanted.defaults && bears_surfaces(scene)) scene.bed = Bed::surface;
-}
-
 std::string water_of(const Scene& scene) {
     const MaterialSpec& m = scene.materials[0];
     return fmt::format("{}, h {:.2g}, E {:.2g}, nu {:.2f}, n {:.2f}, k {:.1e}, K_w {:.1e}{}", m.law, scene.cell,
@@ -73,7 +68,6 @@ void run_random(const Wanted& wanted, const Report& report) {
         scene.cfl = standard_courant(scene) * random_share(static_cast<std::uint64_t>(n));
         const std::string description = fmt::format("scene {}: {}", n, description_of(scene));
         if (!wanted.names(description)) continue;
-        take_bed(scene, wanted);
         report(finding_of(description, judge(scene, steps, Kinetic::of_velocities)));
     }
 }
@@ -86,7 +80,6 @@ void run_thin(const Wanted& wanted, const Report& report) {
             fmt::format("scene {}: {}, {}", n, name_of(thin_kind(number)), description_of(scene));
         if (!wanted.names(description)) continue;
         scene.limits_light_nodes = !wanted.free;
-        take_bed(scene, wanted);
         report(finding_of(description, judge(scene, thin_steps, Kinetic::with_affine)));
     }
 }

@@ -24,6 +24,9 @@ struct Hindrance {
 /// Whether a scene can have substeps (core/fluid/grid_pressure.hpp).
 bool bears_substeps(const Scene& scene);
 
+/// Of a profile of the material; what has its pressures on cells has one of each.
+bool is_of_stiffness_or_density(const MaterialSpec& m, const ProfileSpec& profile);
+
 /// Domain, walls, transfer, balance, output, bodies and time: all but the particles. Throws InputError. Not collective.
 void check_scene(const Scene& scene, const Places& places);
 

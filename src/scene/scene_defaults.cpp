@@ -35,16 +35,14 @@ bool has_absorbing_walls(const Scene& scene) {
 
 /// Pressures on cells are of one stiffness and density.
 bool varies_in_stiffness(const MaterialSpec& m) {
-    return std::any_of(m.profiles.begin(), m.profiles.end(), [&](const ProfileSpec& profile) {
-        return profile.property == 0 || &profile == m.density_profile();
-    });
+    return std::any_of(m.profiles.begin(), m.profiles.end(),
+                       [&](const ProfileSpec& profile) { return is_of_stiffness_or_density(m, profile); });
 }
 
 /// Beside structures that act at nodes still fluids with pressures on cells sink
 /// (docs/adr/0011-pressure-at-structures.md): who says nothing has surfaces with them.
 bool may_act_on_surfaces(const Scene& scene, const Places& places) {
-    return scene.structures.empty() || scene.bed == Bed::surface ||
-           (!places.has("numerics.bed") && bears_surfaces(scene));
+    return scene.structures.empty() || scene.bed == Bed::surface || !places.has("numerics.bed");
 }
 
 /// Whether pressures on cells are right with all else of the scene.
@@ -91,11 +89,6 @@ std::string material_text(const MaterialSpec& m) {
 }
 
 }  // namespace
-
-bool bears_surfaces(const Scene& scene) {
-    return !scene.structures.empty() && scene.shape == Shape::quadratic && scene.stress_update == StressUpdate::usl &&
-           scene.transfer != Transfer::fmpm && !has_absorbing_walls(scene);
-}
 
 void take_defaults(Scene& scene, const Places& places) {
     const bool says_transfer = places.has("numerics.transfer");

@@ -18,9 +18,6 @@ inline constexpr int substeps_by_scene = 0;
 ///   time.cfl             of that transfer
 void take_defaults(Scene& scene, const Places& places);
 
-/// Whether structures can act where they are (docs/adr/0014-surfaces-where-they-are.md) with all else of the scene.
-bool bears_surfaces(const Scene& scene);
-
 /// "quadratic shapes, aflip, usl; structures act at nodes; slurry: pressures on cells, smoothed, shifted"
 std::string method_text(const Scene& scene);
 

@@ -9,6 +9,7 @@
 #include "core/structures/ground_curvature.hpp"
 #include "io/terrain_model.hpp"
 #include "scene/scene_terrain.hpp"
+#include "seeding/seed_layer.hpp"
 #include "seeding/seed_region.hpp"
 #include "seeding/seed_table.hpp"
 
@@ -75,8 +76,10 @@ void lay_height(Scene& scene) {
     for (const BodySpec& body : scene.bodies) {
         double v = std::hypot(body.velocity[0], body.velocity[1], body.velocity[2]);
         if (body.hydrograph) v = *std::max_element(body.hydrograph->speed.begin(), body.hydrograph->speed.end());
-        if (body.shape != BodyShape::table)
-            high = std::max(high, extent_of(body, scene.dimensions).upper[up] + (g > 0 ? 0.5 * v * v / g : 0));
+        if (body.shape == BodyShape::table) continue;
+        double top = extent_of(body, scene.dimensions).upper[up];
+        if (body.shape == BodyShape::layer) top = std::max(top, layer_top(body));
+        high = std::max(high, top + (g > 0 ? 0.5 * v * v / g : 0));
     }
     scene.min[up] = h * (std::floor(low / h) - spare);
     scene.max[up] = scene.min[up] + h * (std::ceil((high - scene.min[up]) / h) + spare);

@@ -167,11 +167,18 @@ bool may_have_problem(const Scene& scene, const BodySpec& body, const MaterialSp
     return law.problem(least.data()) || law.problem(most.data());
 }
 
+}  // namespace
+
+bool is_of_stiffness_or_density(const MaterialSpec& m, const ProfileSpec& profile) {
+    return profile.property == 0 || &profile == m.density_profile();
+}
+
+namespace {
+
 /// Where one stiffness and density of a material is asked for, a profile of either is refused.
 void check_one_stiffness(const Scene& scene, const MaterialSpec& m, const Places& places) {
     for (const ProfileSpec& profile : m.profiles) {
-        const bool density = &profile == m.density_profile();
-        if (profile.property != 0 && !density) continue;
+        if (!is_of_stiffness_or_density(m, profile)) continue;
         const Written key = written(m, profile, places);
         const std::string path = "material." + m.name;
         if (m.volumetric == Volumetric::grid)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/structures/ground.hpp"
+#include "seeding/seed_layer.hpp"
 
 namespace moraine {
 namespace {
@@ -119,7 +120,7 @@ Inflow::Foot Inflow::foot_of(const Column& column, double ahead) const {
     const double plan = ahead / std::sqrt(1 + rise * rise);
     const double x = column.x[0] + plan * column.across[0], y = column.x[1] + plan * column.across[1];
     const GroundPoint<3> b = ground_at<3>(table, {{x, y, 0}});
-    const double sec = std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
+    const double sec = secant_of(b);
     const double there = slope_along(b), run = std::sqrt(1 + there * there);
     return {{x, y, b.height},
             {-b.slope[0] / sec, -b.slope[1] / sec, 1 / sec},

@@ -60,8 +60,7 @@ double way_out_of_sphere(const BodySpec& body, int dimensions, const Triple& up,
 
 double way_out_of_layer(const BodySpec& body, const Triple& up, const Triple& x) {
     const GroundPoint<3> b = ground_at<3>(body.ground->table.data(), {{x[0], x[1], x[2]}});
-    const double sec = std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
-    const double rise = (up[2] - b.slope[0] * up[0] - b.slope[1] * up[1]) / sec;
+    const double rise = (up[2] - b.slope[0] * up[0] - b.slope[1] * up[1]) / secant_of(b);
     return (layer_thickness(body, x[0], x[1]) - height_in_layer(body, x)) / rise;
 }
 

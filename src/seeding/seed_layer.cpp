@@ -50,11 +50,11 @@ GroundPoint<3> point_at(const BodySpec& body, double x, double y) {
     return ground_at<3>(body.ground->table.data(), {{x, y, 0}});
 }
 
-double sec_of(const GroundPoint<3>& b) {
-    return std::sqrt(1 + b.slope[0] * b.slope[0] + b.slope[1] * b.slope[1]);
-}
-
 }  // namespace
+
+double secant_of(const GroundPoint<3>& point) {
+    return std::sqrt(1 + point.slope[0] * point.slope[0] + point.slope[1] * point.slope[1]);
+}
 
 double layer_volume(const BodySpec& body) {
     const double side = 0.5 * body.ground->spacing;
@@ -70,7 +70,7 @@ double layer_volume(const BodySpec& body) {
             if (area == 0) continue;
             const double px = cell[0][0] + mx / area, py = cell[0][1] + my / area;
             const double part = body.thickness_raster.values ? layer_thickness(body, px, py) / body.thickness : 1.0;
-            sum += area * sec_of(point_at(body, px, py)) * part;
+            sum += area * secant_of(point_at(body, px, py)) * part;
         }
     }
     return body.thickness * std::fabs(sum);
@@ -78,7 +78,7 @@ double layer_volume(const BodySpec& body) {
 
 double height_in_layer(const BodySpec& body, const Triple& x) {
     const GroundPoint<3> ground = point_at(body, x[0], x[1]);
-    return (x[2] - ground.height) / sec_of(ground);
+    return (x[2] - ground.height) / secant_of(ground);
 }
 
 double layer_thickness(const BodySpec& body, double x, double y) {
@@ -95,7 +95,7 @@ double layer_top(const BodySpec& body) {
     for (double y = (*low)[1]; y < (*high)[1] + body.ground->spacing; y += body.ground->spacing)
         for (double x = (*left)[0]; x < (*right)[0] + body.ground->spacing; x += body.ground->spacing) {
             const GroundPoint<3> b = point_at(body, std::min(x, (*right)[0]), std::min(y, (*high)[1]));
-            top = std::max(top, b.height + body.thickness * sec_of(b));
+            top = std::max(top, b.height + body.thickness * secant_of(b));
         }
     return top;
 }
@@ -135,7 +135,7 @@ Layer::Column Layer::column(std::int64_t i, std::int64_t j) const {
     if (!is_in_polygon(body_, x, y)) return c;
     const GroundPoint<3> ground = point_at(body_, x, y);
     c.foot = {x, y, ground.height};
-    c.weight = sec_of(ground);
+    c.weight = secant_of(ground);
     c.height = c.weight * body_.thickness;
     c.particles = layers_;
     if (body_.thickness_raster.values) {

@@ -17,8 +17,12 @@
 #include <vector>
 
 #include "core/scene_spec.hpp"
+#include "core/structures/ground_table.hpp"
 
 namespace moraine {
+
+/// Area of the ground over that in plan.
+double secant_of(const GroundPoint<3>& point);
 
 /// V [m3].
 double layer_volume(const BodySpec& body);

@@ -54,7 +54,6 @@ Extent extent_of(const BodySpec& body, int dimensions) {
             if (a == 2) e.lower[2] = body.ground->table[2][0], e.upper[2] = body.ground->table[2][1];
             e.lower[a] -= a == 2 ? 0 : body.thickness, e.upper[a] += body.thickness;
         }
-    if (body.shape == BodyShape::layer) e.upper[2] = std::max(e.upper[2], layer_top(body));
     return e;
 }
 

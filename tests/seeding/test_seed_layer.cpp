@@ -92,7 +92,7 @@ TEST_CASE("each of its particles has its volume of space, also in a hollow, and 
     body.ground = std::make_shared<Ground>(test::ground_of(
         {-2, -2}, 45, 1, false, [](double x, double y) { return 0.04 * ((x - 19) * (x - 19) + (y - 17) * (y - 17)); }));
     std::map<std::array<double, 2>, double> below;
-    const double top = extent_of(body, 3).upper[2];
+    const double top = layer_top(body);
     const std::vector<Seed> seeds = seeds_of(scene);
     for (const Seed& s : seeds) {
         const auto [before, is_lowest] = below.try_emplace({s.x[0], s.x[1]}, s.x[2]);

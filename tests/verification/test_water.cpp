@@ -49,6 +49,14 @@ Oscillation oscillation(Run<>& run, double until) {
     return {std::log(last / first) * frequency / pi / static_cast<double>(halves - 2), frequency};
 }
 
+/// The column on a rough bed of this slope.
+Scene slope_of(double slope, double conductivity) {
+    Scene scene = column(10, conductivity);
+    scene.gravity = {9.81 * std::sin(slope), -9.81 * std::cos(slope), 0};
+    scene.walls[1][0].kind = WallKind::no_slip;
+    return scene;
+}
+
 }  // namespace
 
 TEST_CASE("a column consolidates as by Terzaghi") {
@@ -115,9 +123,7 @@ TEST_CASE("pressures of alternating sign fall, though they push no node") {
 
 TEST_CASE("water seeps down a slope as fast as Darcy's law says, and its ground stays") {
     constexpr double slope = 20 * pi / 180, g = 9.81, k = 1e-3;
-    Scene scene = column(10, k);
-    scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
-    scene.walls[1][0].kind = WallKind::no_slip;
+    const Scene scene = slope_of(slope, k);
     Run<> run(scene);
     run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { seep(slope, k, p, s, X); });
     while (run.time() < 0.2) run.steps(50);
@@ -191,10 +197,8 @@ TEST_CASE("what drag takes of a column that consolidates is what Darcy's law tak
 }
 
 TEST_CASE("what drag takes of seepage is what the weight of the water gives") {
-    constexpr double slope = 20 * pi / 180, g = 9.81, k = 1e-3;
-    Scene scene = column(10, k);
-    scene.gravity = {g * std::sin(slope), -g * std::cos(slope), 0};
-    scene.walls[1][0].kind = WallKind::no_slip;
+    constexpr double slope = 20 * pi / 180, k = 1e-3;
+    const Scene scene = slope_of(slope, k);
     Run<> run(scene);
     run.start_with([&](const auto& p, std::uint32_t s, const auto& X) { seep(slope, k, p, s, X); });
     const Comm comm(MPI_COMM_WORLD);
