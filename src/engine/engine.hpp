@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "blocks/share_piece.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "core/structures/structure_set.hpp"
 #include "core/transfer/method.hpp"
 #include "core/transfer/totals.hpp"

@@ -7,6 +7,7 @@
 #include "blocks/lattice_fill.hpp"
 #include "comm/halo.hpp"
 #include "comm/migration.hpp"
+#include "core/transfer/gather_call.hpp"
 #include "engine/engine.hpp"
 #include "host/host_contact.hpp"
 #include "host/host_ends.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/courant.hpp"
+#include "core/fluid/grid_pressure.hpp"
 #include "core/gravity.hpp"
 #include "core/material/laws.hpp"
 #include "core/transfer/method.hpp"

@@ -15,6 +15,7 @@
 
 #include "blocks/patch.hpp"
 #include "core/material/laws.hpp"
+#include "core/transfer/gather_call.hpp"
 #include "core/transfer/method.hpp"
 
 namespace moraine::test {

@@ -4,6 +4,7 @@
 // 0.4999, 1 to 10 substeps, with and without smoothing and shifts, the whole default step. As in S23 (thin_scene.hpp)
 // all is drawn from n, h and rho are 1, c is 1, speeds at most Mach 0.25.
 
+#include "core/fluid/grid_pressure.hpp"
 #include "verification/thin_scene.hpp"
 
 namespace moraine::verification {

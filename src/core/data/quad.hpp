@@ -4,7 +4,7 @@
 // The compilers here do not reliably vectorise loops of four, nor keep an array of four in a register
 // when its elements are written one by one (each write is then stored and read back, which stalls), and
 // -ffp-contract=off forbids them to fuse. So the host type is a vector, made whole by of(), and the fused
-// multiply-add is written once, by intrinsics where the target has them. Each lane is an ordinary IEEE
+// multiply-add is written once, by the instruction where the target has them. Each lane is an ordinary IEEE
 // operation: the bits do not depend on which branch was compiled.
 
 #include <cmath>
@@ -16,9 +16,11 @@
 #if defined(__GNUC__) && !defined(__CUDACC__)
 #define MORAINE_QUAD_VECTOR 1
 #endif
+// By the compiler's own names: the header of intrinsics is two megabytes in every object.
 #if defined(MORAINE_QUAD_VECTOR) && defined(__FMA__)
-#include <immintrin.h>
+#if __has_builtin(__builtin_ia32_vfmaddpd256) && __has_builtin(__builtin_ia32_vfmaddps)
 #define MORAINE_QUAD_INTRINSICS 1
+#endif
 #endif
 
 namespace moraine {
@@ -74,9 +76,9 @@ template <class Real>
 MORAINE_HD Quad<Real> fma(Real s, const Quad<Real>& a, const Quad<Real>& b) {
 #if defined(MORAINE_QUAD_INTRINSICS)
     if constexpr (sizeof(Real) == 8)
-        return {_mm256_fmadd_pd(_mm256_set1_pd(s), a.e, b.e)};
+        return {__builtin_ia32_vfmaddpd256(Quad<Real>::all(s).e, a.e, b.e)};
     else
-        return {_mm_fmadd_ps(_mm_set1_ps(s), a.e, b.e)};
+        return {__builtin_ia32_vfmaddps(Quad<Real>::all(s).e, a.e, b.e)};
 #else
     using std::fma;
     return Quad<Real>::of(fma(s, a[0], b[0]), fma(s, a[1], b[1]), fma(s, a[2], b[2]), fma(s, a[3], b[3]));

@@ -8,6 +8,10 @@
 
 #include "core/data/quad.hpp"
 
+#if defined(MORAINE_QUAD_INTRINSICS)
+#include <immintrin.h>
+#endif
+
 namespace moraine {
 
 template <class Real, int Count>

@@ -5,11 +5,9 @@
 // (kernel_list.cpp.in), so the list is compiled in parallel and its cost is visible.
 
 #include "core/data/processor.hpp"
-#include "core/fluid/pressure_kernels.hpp"
+#include "core/grid/stencil.hpp"
 #include "core/particles/law_batch.hpp"
 #include "core/structures/particle_gaps.hpp"
-#include "core/transfer/g2p.hpp"
-#include "core/transfer/p2g.hpp"
 
 namespace moraine {
 
@@ -27,15 +25,9 @@ struct TransferCall {
     const Real* grid_bulk = nullptr;  ///< by body: K where the pressure is the grid's, else 0; null: nowhere [Pa]
 };
 
-/// What the gather needs besides.
+/// What the gather needs besides (gather_call.hpp).
 template <class Real, int Dim>
-struct GatherCall {
-    HostStress<Real, Dim> stress;
-    DomainEnds<Real, Dim> ends;
-    GatherRound<Real> round;
-    GatherNotes notes;
-    HostTerms<Real, Dim> terms = {};
-};
+struct GatherCall;
 
 /// What the gaps to structures need besides: they are found by pairs of a block and a structure.
 template <int Dim>
