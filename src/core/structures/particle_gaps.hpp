@@ -3,6 +3,7 @@
 //
 //   g_i = min over the particles that reach node i of (d(x_p) - s_p / 2),    s_p = V_p^(1/D)        [cells]
 //   A_i = sum_p w_ip a_p,    a_p = (s_p / J_p^(1/D))^(D-1) where d(x_p) < s_p, else 0               [cells^(D-1)]
+//   and, of a surface element, the same of particles up to 1.4 s_p, and no more than the element
 //   and, of an undrained interface that follows the soil, a_p times s_u,p over the greatest s_u of the scene
 //
 // s_p is the side of a square or cube of the particle's present volume: soil of rows s_p apart touches when the centres
@@ -10,6 +11,8 @@
 // own size off the surface lies on it, and stands for a face of its cube: one row of a lattice, and of a disordered
 // body as many as fill a layer of that depth; pressed soil keeps its width. Both follow from particles alone. The mass
 // of a node, which told the gap before, cannot tell a thin layer that touches from a thick one at a distance.
+// Soil that stretches along the surface thins its lowest row before the next one has come down: an element looks for
+// it, and is covered wholly where both are there. A node's area has no end to stop at.
 //
 // A block's particles give to a tile of their own per structure, as in P2G, but in whole numbers: fixed-point minima
 // and sums are the same in any order, by any thread and on any rank. Tiles of blocks that others need travel with the
@@ -29,8 +32,12 @@ struct ContactPair {
     std::int32_t tile;
 };
 
-inline constexpr double lying_below = 0.9;  ///< distance of a particle that lies on the surface, over its size
-inline constexpr double lying_above = 1.1;  ///< of one that does not
+/// Who lies on a surface, by the distance over the particle's size.
+struct Lying {
+    double below;  ///< wholly
+    double above;  ///< not at all
+};
+inline constexpr Lying lying_at_nodes{0.9, 1.1}, lying_on_elements{1.0, 1.4};
 /// Particles further off a surface are not looked at [cells].
 inline constexpr double particle_reach = 1.5;
 
@@ -83,11 +90,11 @@ MORAINE_HD Vec<double, Dim> contact_place(const ContactField<Dim>& f, const Stru
 
 /// d: distance of the particle [cells].
 template <class Real, int Dim>
-MORAINE_HD ParticleGap gap_at(const ContactField<Dim>& f, double d, Real volume, Real ln_J) {
+MORAINE_HD ParticleGap gap_at(const ContactField<Dim>& f, const Lying& lying, double d, Real volume, Real ln_J) {
     using std::exp;
     if (!(d < particle_reach)) return {NodeGap::none, 0};
     const double size = side_of<Dim>(double(volume)) / f.cell;
-    const double lies = ramp(d / size, lying_below, lying_above);
+    const double lies = ramp(d / size, lying.below, lying.above);
     const double width = side_of<Dim>(double(volume) * exp(-double(ln_J))) / f.cell;
     return {NodeGap::fixed(d - 0.5 * size), lies * (Dim == 2 ? width : width * width)};
 }
@@ -99,12 +106,6 @@ MORAINE_HD double bearing_area(const ContactField<Dim>& f, const Structure<Dim>&
     if (!s.follows_soil || !(area > 0)) return area;
     const SoilShare soil = f.soil[body];
     return area * soil.share * (soil.scalar < 0 ? 1.0 : double(scalar(soil.scalar)));
-}
-
-template <class Real, int Dim>
-MORAINE_HD ParticleGap gap_of(const ContactField<Dim>& f, const Structure<Dim>& s, const Vec<std::int32_t, Dim>& block,
-                              const Vec<Coordinate<Real>, Dim>& u, Real volume, Real ln_J) {
-    return gap_at(f, surface(s, f.corners, contact_place<Real>(f, s, block, u)).distance / f.cell, volume, ln_J);
 }
 
 /// Calls f(node of the tile, what it is told) for the nodes that a particle reaches; half: of its box, where the shape
@@ -179,7 +180,7 @@ struct ParticlesToGaps {
         for (int k = 0; k < near; ++k) distance[k] = surface(structure, field.corners, place[k]).distance / field.cell;
         for (int k = 0; k < near; ++k) {
             const std::uint32_t s = slot[k];
-            ParticleGap own = gap_at<Real, Dim>(field, distance[k], p.volume[s], p.ln_J[s]);
+            ParticleGap own = gap_at<Real, Dim>(field, lying_at_nodes, distance[k], p.volume[s], p.ln_J[s]);
             if (own.gap == NodeGap::none) continue;
             own.area = bearing_area(field, structure, own.area, p.body[s], [&](int n) { return p.history[n][s]; });
             Vec<Real, Dim> half = zero_vec<Real, Dim>();

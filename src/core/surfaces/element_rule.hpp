@@ -32,7 +32,8 @@ struct ElementImpulse {
 template <int Dim>
 MORAINE_HD void take_gap(const NodeGap& gap, double face, InterfaceLaw law, SurfaceElement<Dim>& e) {
     e.gap = gap.is_none() ? 1e9 : gap.cells();
-    e.covered = gap.faces() * face / e.area;
+    const double faces = gap.faces() * face / e.area;
+    e.covered = faces < 1 ? faces : 1;
     e.touches = e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0);
 }
 
