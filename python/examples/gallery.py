@@ -20,6 +20,7 @@ import sys
 import numpy
 
 import moraine
+from moraine.animation import save
 from moraine.grids import read_grid
 from moraine.map_figure import draw_map
 from moraine.picture import draw
@@ -192,7 +193,7 @@ if "scenarios" in ONLY:
     found = moraine.run_study(study, given.output / "scenarios", options=["--device", "cpu"], overwrite=True)
     share = read_grid(next((found.path / "maps").glob("max_depth-exceeds-0.5.*")))
     figure = draw_map("share of the runs [-]", "viridis", share, numpy.isfinite(share.values), read_grid("inputs/valley.asc"), "more than half a metre deep")
-    figure.savefig(PICTURES / "valley_exceeds.png", dpi=100, metadata={"Software": None})
+    save(figure, PICTURES / "valley_exceeds.png")
     print(f"  {PICTURES / 'valley_exceeds.png'}")
 
 # %% [markdown]
