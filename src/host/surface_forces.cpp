@@ -86,7 +86,7 @@ template <class Real, int Dim>
 bool SurfaceForces<Real, Dim>::is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u,
                                          double volume, double least) const {
     constexpr double rounding = 1e-6;
-    const double size = (least - rounding) / lying_on_elements.above, edge = size * on_.h;  // who is smaller does not lie on it
+    const double size = (least - rounding) / lying_on_elements().above, edge = size * on_.h;  // who is smaller does not lie on it
     return size > 0 && volume < edge * edge * (Dim == 3 ? edge : 1.0) &&
            is_behind(pair, cell, u, NodeGap::fixed(least - 0.5 * size - rounding));
 }
@@ -128,7 +128,7 @@ void SurfaceForces<Real, Dim>::tell_elements(const ContactPair& pair, MayBeNear&
         distance[i] = surface(field.structure[pair.structure], field.corners, near.place[i]).distance / field.cell;
     for (int i = 0; i < near.count; ++i) {
         const std::uint32_t slot = near.slot[i];
-        ParticleGap own = gap_at<Real, Dim>(field, lying_on_elements, distance[i], p.volume[slot], p.ln_J[slot]);
+        ParticleGap own = gap_at<Real, Dim>(field, lying_on_elements(), distance[i], p.volume[slot], p.ln_J[slot]);
         if (own.gap == NodeGap::none) continue;
         own.area = bearing_area(field, field.structure[pair.structure], own.area, p.body[slot],
                                 [&](int n) { return p.history[n][slot]; });

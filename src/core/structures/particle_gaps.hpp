@@ -37,7 +37,8 @@ struct Lying {
     double below;  ///< wholly
     double above;  ///< not at all
 };
-inline constexpr Lying lying_at_nodes{0.9, 1.1}, lying_on_elements{1.0, 1.4};
+MORAINE_HD constexpr Lying lying_at_nodes() { return {0.9, 1.1}; }
+MORAINE_HD constexpr Lying lying_on_elements() { return {1.0, 1.4}; }
 /// Particles further off a surface are not looked at [cells].
 inline constexpr double particle_reach = 1.5;
 
@@ -180,7 +181,7 @@ struct ParticlesToGaps {
         for (int k = 0; k < near; ++k) distance[k] = surface(structure, field.corners, place[k]).distance / field.cell;
         for (int k = 0; k < near; ++k) {
             const std::uint32_t s = slot[k];
-            ParticleGap own = gap_at<Real, Dim>(field, lying_at_nodes, distance[k], p.volume[s], p.ln_J[s]);
+            ParticleGap own = gap_at<Real, Dim>(field, lying_at_nodes(), distance[k], p.volume[s], p.ln_J[s]);
             if (own.gap == NodeGap::none) continue;
             own.area = bearing_area(field, structure, own.area, p.body[s], [&](int n) { return p.history[n][s]; });
             Vec<Real, Dim> half = zero_vec<Real, Dim>();

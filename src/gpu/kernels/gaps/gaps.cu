@@ -60,7 +60,7 @@ __global__ void __launch_bounds__(gap_threads, 1) gaps_kernel(const __grid_const
         core.row[CoreRows<Real, Dim>::volume_row] = w.view.p.core[CoreRows<Real, Dim>::volume_row][s];
         core.row[CoreRows<Real, Dim>::ln_J_row] = w.view.p.core[CoreRows<Real, Dim>::ln_J_row][s];
         const double distance = surface<Turns>(structure, w.contact.corners, x).distance / w.contact.cell;
-        ParticleGap own = gap_at<Real, Dim>(w.contact, lying_at_nodes, distance, core.volume(), core.ln_J());
+        ParticleGap own = gap_at<Real, Dim>(w.contact, lying_at_nodes(), distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) continue;
         own.area = bearing_area(w.contact, structure, own.area, w.view.p.body[s],
                                 [&](int n) { return w.view.p.history(n)[s]; });

@@ -36,7 +36,7 @@ struct SurfaceGaps {
         core.row[Core::volume_row] = w.view.p.core[Core::volume_row][s];
         core.row[Core::ln_J_row] = w.view.p.core[Core::ln_J_row][s];
         const double distance = surface(structure, w.field.corners, place).distance / w.field.cell;
-        ParticleGap own = gap_at<Real, Dim>(w.field, lying_on_elements, distance, core.volume(), core.ln_J());
+        ParticleGap own = gap_at<Real, Dim>(w.field, lying_on_elements(), distance, core.volume(), core.ln_J());
         if (own.gap == NodeGap::none) return;
         own.area =
             bearing_area(w.field, structure, own.area, w.view.p.body[s], [&](int n) { return w.view.p.history(n)[s]; });
