@@ -86,7 +86,8 @@ template <class Real, int Dim>
 bool SurfaceForces<Real, Dim>::is_behind(const ContactPair& pair, int cell, const Vec<Coordinate<Real>, Dim>& u,
                                          double volume, double least) const {
     constexpr double rounding = 1e-6;
-    const double size = (least - rounding) / lying_on_elements().above, edge = size * on_.h;  // who is smaller does not lie on it
+    const double size = (least - rounding) / lying_on_elements().above,
+                 edge = size * on_.h;  // who is smaller does not lie on it
     return size > 0 && volume < edge * edge * (Dim == 3 ? edge : 1.0) &&
            is_behind(pair, cell, u, NodeGap::fixed(least - 0.5 * size - rounding));
 }

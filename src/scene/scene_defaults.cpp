@@ -46,9 +46,11 @@ bool may_act_on_surfaces(const Scene& scene) {
            scene.transfer != Transfer::fmpm && !has_absorbing_walls(scene);
 }
 
-/// Friction that follows pressure: where clay has no cures against crowding, a wave of its cells' pressures grows there,
-/// and tension, which holds as well, is not counted.
-bool rubs(const StructureSpec& s) { return s.law == InterfaceLaw::coulomb || s.law == InterfaceLaw::voellmy; }
+/// Friction that follows pressure: where clay has no cures against crowding, a wave of its cells' pressures grows
+/// there, and tension, which holds as well, is not counted.
+bool rubs(const StructureSpec& s) {
+    return s.law == InterfaceLaw::coulomb || s.law == InterfaceLaw::voellmy;
+}
 
 /// Whether pressures on cells are right with all else of the scene: beside structures that act at nodes still fluids
 /// sink (docs/adr/0011-pressure-at-structures.md): who says nothing has surfaces with them.
@@ -56,8 +58,8 @@ bool bears_grid_pressure(const Scene& scene, const Places& places) {
     const bool friction = std::any_of(scene.structures.begin(), scene.structures.end(), rubs);
     const auto takes = [&](const MaterialSpec& m) {
         const LawInfo& law = *find_law(m.law);  // below Poisson's ratio 0.45 shear is nearly as fast as pressure
-        return law.flows && (law.is_fluid || !friction) && law.is_nearly_incompressible(m.parameters.data()) && !says(m, places) &&
-               !varies_in_stiffness(m);
+        return law.flows && (law.is_fluid || !friction) && law.is_nearly_incompressible(m.parameters.data()) &&
+               !says(m, places) && !varies_in_stiffness(m);
     };
     return std::all_of(scene.materials.begin(), scene.materials.end(), takes) && may_act_on_surfaces(scene) &&
            (scene.structures.empty() || scene.bed == Bed::surface || !places.has("numerics.bed")) &&

@@ -37,8 +37,12 @@ struct Lying {
     double below;  ///< wholly
     double above;  ///< not at all
 };
-MORAINE_HD constexpr Lying lying_at_nodes() { return {0.9, 1.1}; }
-MORAINE_HD constexpr Lying lying_on_elements() { return {1.0, 1.4}; }
+MORAINE_HD constexpr Lying lying_at_nodes() {
+    return {0.9, 1.1};
+}
+MORAINE_HD constexpr Lying lying_on_elements() {
+    return {1.0, 1.4};
+}
 /// Particles further off a surface are not looked at [cells].
 inline constexpr double particle_reach = 1.5;
 
