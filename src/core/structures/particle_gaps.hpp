@@ -3,7 +3,7 @@
 //
 //   g_i = min over the particles that reach node i of (d(x_p) - s_p / 2),    s_p = V_p^(1/D)        [cells]
 //   A_i = sum_p w_ip a_p,    a_p = (s_p / J_p^(1/D))^(D-1) where d(x_p) < s_p, else 0               [cells^(D-1)]
-//   and, of a surface element, the same of particles up to 1.4 s_p, and no more than the element
+//   and, of a surface element, the same of particles up to 1.4 s_p; for a drag no more than the element
 //   and, of an undrained interface that follows the soil, a_p times s_u,p over the greatest s_u of the scene
 //
 // s_p is the side of a square or cube of the particle's present volume: soil of rows s_p apart touches when the centres

@@ -33,7 +33,7 @@ template <int Dim>
 MORAINE_HD void take_gap(const NodeGap& gap, double face, InterfaceLaw law, SurfaceElement<Dim>& e) {
     e.gap = gap.is_none() ? 1e9 : gap.cells();
     const double faces = gap.faces() * face / e.area;
-    e.covered = law == InterfaceLaw::undrained || faces < 1 ? faces : 1;  // a soil's share may be above 1
+    e.covered = law == InterfaceLaw::undrained || faces < 1 ? faces : 1;  // shares of strength may be above 1
     e.touches = e.gap < touches_below || (acts_where_it_touches(law) && e.covered > 0);
 }
 
