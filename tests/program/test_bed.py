@@ -128,6 +128,15 @@ class Beds(moraine.ProgramTest):
             checked = call("check", self.write(text.replace('bed = "surface"', key)))
             self.assertIn(f"method     quadratic shapes, {method}\n", checked.out)
 
+    def test_clay_takes_them_but_beside_friction(self):
+        """With pressures on cells a wave of them grew on such beds, and held clay by up to five times its friction."""
+        clay = '[[material]]\nname = "soil"\nlaw = "von-mises"\ndensity = 1000.0\nyoung = 1e6\npoisson = 0.49\nsu = 5e3\n'
+        cells, nodes = "aflip, usl; structures act on their surfaces; soil: pressures on cells", "apic, usl; structures act at nodes"
+        for contact, method in (('"rough"', cells), ('"coulomb", friction = 0.2', nodes), ('"voellmy", friction = 0.2, xi = 500.0', nodes)):
+            text, _ = self.dam(0.5, clay, "rough", 0.9)
+            checked = call("check", self.write(text.replace('bed = "surface"', "").replace('"rough"', contact)))
+            self.assertIn(f"method     quadratic shapes, {method}\n", checked.out)
+
     def test_a_front_by_the_default_goes_as_far_wherever_the_bed_lies(self):
         """At nodes, with pressures of particles, these go 1.6, 2.1 and 1.1 heights."""
         ways = []

@@ -85,3 +85,27 @@ TEST_CASE("elements that share light nodes with slaves give no energy, in either
             }
         }
 }
+
+TEST_CASE("an element is covered by rows that stretch along it, and wholly at most where a drag acts") {
+    ContactField<2> field{};
+    field.cell = 1;
+    const auto covered = [&](double stretch, InterfaceLaw law) {  // rows as wide and as much nearer to one another
+        const double side = 0.5;
+        double faces = 0;
+        for (int row = 0; row < 4; ++row)
+            faces += gap_at<double, 2>(field, lying_on_elements(), side * (0.5 + row / stretch), side * side, 0.0).area;
+        NodeGap gap{0, NodeGap::fixed_area(faces / (side * stretch))};
+        SurfaceElement<2> e{};
+        e.area = 1;
+        take_gap(gap, 1, law, e);
+        return e.covered;
+    };
+    CHECK(covered(1, InterfaceLaw::voellmy) == doctest::Approx(1));
+    for (double stretch = 1; stretch < 3; stretch += 0.05) {
+        CHECK(covered(stretch, InterfaceLaw::voellmy) > 0.85);  // 0.5 by the lowest row alone
+        CHECK(covered(stretch, InterfaceLaw::voellmy) <= 1);
+        CHECK(covered(stretch, InterfaceLaw::undrained) < 1.1);
+    }
+    CHECK(covered(0.5, InterfaceLaw::voellmy) == doctest::Approx(1));  // pressed along the bed
+    CHECK(covered(0.5, InterfaceLaw::undrained) == doctest::Approx(2));
+}
