@@ -34,19 +34,21 @@ struct BlockMaker {
 
     void make();
     void find_ring();
+    void find_element(int c);
     void find_cell(int c);
     void find_space(int c, const Place& node, SurfaceCell<Dim>& cell);
-    void find_root(const Place& node, SurfaceCell<Dim>& cell);
+    void find_root(const Place& node, const CutCell<Dim>& cut, SurfaceCell<Dim>& cell);
     void add_element(int c, const CutCell<Dim>& cut);
     void list_slaves(int c);
 };
 
 template <int Dim>
 void BlockMaker<Dim>::make() {
-    block.cell.assign(cells, {});
     for (int n = 0; n < tile_nodes; ++n) nodes[n] = geometry.node(tile_place(n));
     find_ring();
-    for (int c = 0; c < cells; ++c) find_cell(c);
+    for (int c = 0; c < cells; ++c) find_element(c);
+    if (geometry.has_pressures()) block.cell.assign(cells, {});
+    for (int c = 0; c < static_cast<int>(block.cell.size()); ++c) find_cell(c);
     for (int c = 0; c < cells; ++c) list_slaves(c);
 }
 
@@ -76,6 +78,15 @@ void BlockMaker<Dim>::find_ring() {
 }
 
 template <int Dim>
+void BlockMaker<Dim>::find_element(int c) {
+    const Place node = block.cell_node(c);
+    if (geometry.part(node) != CellPart::cut) return;
+    const CutCell<Dim>& cut = geometry.cut(node);
+    if (cut.area > 1e-7) add_element(c, cut);
+}
+
+/// As pressures see it.
+template <int Dim>
 void BlockMaker<Dim>::find_cell(int c) {
     SurfaceCell<Dim>& cell = block.cell[static_cast<std::size_t>(c)];
     const Place node = block.cell_node(c);
@@ -88,9 +99,8 @@ void BlockMaker<Dim>::find_cell(int c) {
     block.has_cells = block.has_cells || cell.near;
     find_space(c, node, cell);
     if (cell.part != CellPart::cut) return;
-    cell.cut = &geometry.cut(node);
-    if (cell.cut->area > 1e-7) add_element(c, *cell.cut);
-    find_root(node, cell);
+    cell.cut = geometry.faces(node);
+    find_root(node, geometry.cut(node), cell);
 }
 
 /// What is open of a cell, and whose surface it is at.
@@ -109,7 +119,7 @@ void BlockMaker<Dim>::find_space(int c, const Place& node, SurfaceCell<Dim>& cel
 
 /// With whom a cell shares if it does.
 template <int Dim>
-void BlockMaker<Dim>::find_root(const Place& node, SurfaceCell<Dim>& cell) {
+void BlockMaker<Dim>::find_root(const Place& node, const CutCell<Dim>& cut, SurfaceCell<Dim>& cell) {
     const auto open_volume = [&](const Place& at) {
         const CellPart part = geometry.part(at);
         return part == CellPart::open ? 1.0 : part == CellPart::cut ? geometry.cut(at).volume : 0.0;
@@ -117,15 +127,15 @@ void BlockMaker<Dim>::find_root(const Place& node, SurfaceCell<Dim>& cell) {
     constexpr double same = 1e-6;  // what differs by less does so by rounding
     int axis = 0;
     for (int a = 1; a < Dim; ++a)
-        if (std::fabs(cell.cut->normal[a]) > std::fabs(cell.cut->normal[axis]) - same) axis = a;
+        if (std::fabs(cut.normal[a]) > std::fabs(cut.normal[axis]) - same) axis = a;
     double widest = 0.02;
     for (int a = 0; a < Dim; ++a) {
         double open[2];
         for (int end = 0; end < 2; ++end) {
             Place at = node;
             at[a] += end == 0 ? -1 : 1;
-            const bool ahead = a == axis && (end == 0) == (cell.cut->normal[a] < 0);
-            open[end] = !(open_volume(at) > small_cell) ? 0.0 : ahead ? 2.0 : cell.cut->open[2 * a + end];
+            const bool ahead = a == axis && (end == 0) == (cut.normal[a] < 0);
+            open[end] = !(open_volume(at) > small_cell) ? 0.0 : ahead ? 2.0 : cut.open[2 * a + end];
         }
         const int end = open[1] > open[0];
         if (std::fabs(open[1] - open[0]) < same || open[end] < widest - same) continue;  // alike: with neither
@@ -151,7 +161,7 @@ void BlockMaker<Dim>::add_element(int c, const CutCell<Dim>& cut) {
         const GroundNode<Dim> ground = ground_node(s, field.corners, e.place);
         e.friction = ground.friction, e.cap = ground.cap;
     }
-    for (int i = 0; i < e.nodes; ++i) e.own[i] = e.weight[i] = cut.weight(i);
+    for (int i = 0; i < e.nodes; ++i) e.own[i] = e.weight[i] = cut.weight[i];
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) { give_away(node_at(tile_offset<Dim, 3>(c) + at), i++, e); });
     block.elements.push_back(e);

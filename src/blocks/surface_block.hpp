@@ -19,9 +19,10 @@ struct SurfaceBlock {
     static constexpr int to_middle = Dim == 2 ? 1 + side : 1 + side + side * side;  ///< of a stencil, in a tile
     using Place = Vec<std::int32_t, Dim>;
 
-    std::size_t number = 0;  ///< of those that its plan has found (SurfacePlan::generation)
-    Place first{};           ///< node of its first cell
-    std::vector<SurfaceCell<Dim>> cell{};
+    static constexpr std::size_t unused = ~std::size_t{0};
+    std::size_t number = unused;           ///< of those that epochs of its plan have had (SurfacePlan::generation)
+    Place first{};                         ///< node of its first cell
+    std::vector<SurfaceCell<Dim>> cell{};  ///< none: pressures are the particles'
     std::vector<SurfaceElement<Dim>> elements{};
     std::vector<SlaveNode<Dim>> slaves{};
     std::vector<RingElement<Dim>> ring{};                 ///< elements of its cells and of those beside them

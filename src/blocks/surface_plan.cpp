@@ -4,6 +4,8 @@
 
 #include <omp.h>
 
+#include <cmath>
+
 #include "core/data/morton.hpp"
 #include "core/grid/stencil.hpp"
 
@@ -19,11 +21,21 @@ Vec<std::int32_t, Dim> first_of(const Vec<std::int32_t, Dim>& block) {
     return node;
 }
 
+template <int Dim>
+Key key_of(const Vec<std::int32_t, Dim>& block) {
+    BlockPosition<Dim> at;
+    for (int a = 0; a < Dim; ++a) at[static_cast<std::size_t>(a)] = block[a];
+    return Morton<Dim>::encode(at);
+}
+
 }  // namespace
 
 template <int Dim>
-SurfacePlan<Dim>::SurfacePlan(double cell, int of_stencil)
-    : h(cell), origin(of_stencil), geometry_(static_cast<std::size_t>(omp_get_max_threads())) {}
+SurfacePlan<Dim>::SurfacePlan(double cell, int of_stencil, bool pressures)
+    : h(cell),
+      origin(of_stencil),
+      finds_(std::make_unique<SurfaceFinds<Dim>>(pressures)),
+      geometry_(static_cast<std::size_t>(omp_get_max_threads()), SurfaceGeometry<Dim>(*finds_)) {}
 
 template <int Dim>
 void SurfacePlan<Dim>::make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves) {
@@ -33,13 +45,15 @@ void SurfacePlan<Dim>::make(const EpochTables<Dim>& tables, const ContactField<D
     find_blocks(tables);
     list_blocks(tables);
     list_nodes(tables);
+    if (moves) ahead_.clear();
 }
 
 template <int Dim>
 void SurfacePlan<Dim>::forget() {
     ++generation;
+    finds_->forget();
     for (SurfaceGeometry<Dim>& of_thread : geometry_) of_thread.forget();
-    found_.clear(), found_nodes_.clear(), near_.clear();
+    found_.clear(), found_nodes_.clear(), near_.clear(), ahead_.clear();
     block_count_ = 0;
 }
 
@@ -65,21 +79,65 @@ void SurfacePlan<Dim>::find_blocks(const EpochTables<Dim>& tables) {
     }
 #pragma omp parallel for schedule(static) if (added.size() > 64)
     for (NewBlock& block : added) block.is_near = is_near(block.place);
-    const int threads = static_cast<int>(geometry_.size());
     std::erase_if(added, [](const NewBlock& block) { return !block.is_near; });
-#pragma omp parallel for schedule(static) num_threads(threads) if (added.size() > 1)
+    make_blocks(added);
+}
+
+template <int Dim>
+void SurfacePlan<Dim>::make_blocks(const std::vector<NewBlock>& added) {
+    const int threads = static_cast<int>(geometry_.size());
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (added.size() > 1)
     for (const NewBlock& block : added) {
         SurfaceGeometry<Dim>& geometry = geometry_[static_cast<std::size_t>(omp_get_thread_num())];
         *block.found =
             std::make_unique<SurfaceBlock<Dim>>(make_surface_block(first_of(block.place), field_, h, geometry));
     }
-    for (const NewBlock& block : added) (*block.found)->number = block_count_++;
+}
+
+/// Flows come to the neighbours of where they are along a surface, but for those that are below it.
+template <int Dim>
+void SurfacePlan<Dim>::list_ahead(const Place& block) {
+    for (int code = 0; code < power<Dim>(3); ++code) {
+        Place place = block;
+        for (int a = 0, rest = code; a < Dim; ++a, rest /= 3) place[a] += rest % 3 - 1;
+        ahead_.push_back(place);
+    }
+}
+
+template <int Dim>
+bool SurfacePlan<Dim>::is_below(const Place& block) const {
+    const Place first = first_of(block);
+    for (int k = 0; k < field_.count; ++k) {
+        const Structure<Dim>& s = field_.structure[k];
+        const Surface<Dim> at = surface(s, field_.corners, node_place(field_, s, &first[0], 1.5));
+        double reach = 0.5;
+        for (int a = 0; a < Dim; ++a) reach += 2 * std::fabs(at.normal[a]);
+        if (at.distance < -reach * h) return true;
+    }
+    return false;
+}
+
+template <int Dim>
+bool SurfacePlan<Dim>::prefetch() {
+    std::vector<NewBlock> added;
+    while (!ahead_.empty() && added.size() < geometry_.size()) {
+        const Place place = ahead_.back();
+        ahead_.pop_back();
+        const auto [at, is_new] = found_.try_emplace(key_of(place));
+        if (!is_new || !is_near(place)) continue;
+        if (is_below(place))
+            found_.erase(at);
+        else
+            added.push_back({&at->second, place, true});
+    }
+    make_blocks(added);
+    return !added.empty();
 }
 
 template <int Dim>
 void SurfacePlan<Dim>::find_nodes(const std::vector<NewNodes>& added) {
     const int threads = static_cast<int>(geometry_.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (added.size() > 1)
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (added.size() > 1)
     for (const NewNodes& block : added)
         for (int n = 0; n < cells; ++n) {
             Place node = block.place;
@@ -98,6 +156,10 @@ void SurfacePlan<Dim>::list_blocks(const EpochTables<Dim>& tables) {
     for (std::size_t b = 0; b < own; ++b) {
         SurfaceBlock<Dim>* found = found_.find(tables.own[b])->second.get();
         if (!found) continue;
+        if (found->number == SurfaceBlock<Dim>::unused) {
+            found->number = block_count_++;
+            if (!found->elements.empty()) list_ahead(tables.position[b]);
+        }
         bed_of[b] = static_cast<std::int32_t>(blocks.size());
         blocks.push_back(static_cast<std::int32_t>(b));
         block_at.push_back(found);

@@ -3,8 +3,9 @@
 // from places, the same on all ranks, on hosts and on devices.
 //
 // What a block or a node block finds is kept from epoch to epoch, and is found when it first appears: an epoch's work
-// is its lists and what is new. Where a structure moves all is forgotten in each step; where a flow has gone far, what
-// it left behind. Threads share what is new, each with what it has found of the geometry.
+// is its lists and what is new, which a rank that waits has found before. Where a structure moves all is forgotten in
+// each step; where a flow has gone far, what it left behind. Threads share what is new, and what they find of the
+// geometry.
 
 #include <memory>
 #include <unordered_map>
@@ -41,7 +42,8 @@ class SurfacePlan {
     std::vector<const SpaceNode*> node_at{};            ///< the same: of their nodes
     std::int64_t generation = 0;                        ///< times that all was forgotten
 
-    SurfacePlan(double cell, int of_stencil);
+    /// cell: h [m]; pressures: those of cells are the grid's.
+    SurfacePlan(double cell, int of_stencil, bool pressures);
     SurfaceSpace space() const { return {near_of.data(), node_at.data()}; }
     /// For the blocks of an epoch. What has been found so far holds unless a structure moves. Not collective.
     template <class Real>
@@ -50,6 +52,9 @@ class SurfacePlan {
         for (SurfaceGeometry<Dim>& of_thread : geometry_) of_thread.begin(of, walls, ends);
         make(tables, of, moves);
     }
+    /// Finds a few of the blocks that a flow may come to, each thread one, and says whether there were any. The field
+    /// of make() still holds. Not collective.
+    bool prefetch();
 
   private:
     struct NewBlock {
@@ -65,17 +70,22 @@ class SurfacePlan {
     void make(const EpochTables<Dim>& tables, const ContactField<Dim>& of, bool moves);
     void forget();
     void find_blocks(const EpochTables<Dim>& tables);
+    void make_blocks(const std::vector<NewBlock>& added);
+    void list_ahead(const Place& block);
+    bool is_below(const Place& block) const;
     void list_blocks(const EpochTables<Dim>& tables);
     void list_nodes(const EpochTables<Dim>& tables);
     void find_nodes(const std::vector<NewNodes>& added);
     bool is_near(const Place& block) const;
 
     ContactField<Dim> field_{};
+    std::unique_ptr<SurfaceFinds<Dim>> finds_;
     std::vector<SurfaceGeometry<Dim>> geometry_;                           ///< by thread
     std::unordered_map<Key, std::unique_ptr<SurfaceBlock<Dim>>> found_{};  ///< own; null: no surface is near
     std::unordered_map<Key, bool> near_{};                                 ///< ghosts
     std::unordered_map<Key, std::unique_ptr<SurfaceNodes<Dim>>> found_nodes_{};
-    std::size_t block_count_ = 0;  ///< found
+    std::vector<Place> ahead_{};   ///< where flows may come to next
+    std::size_t block_count_ = 0;  ///< that epochs have had
 };
 
 }  // namespace moraine

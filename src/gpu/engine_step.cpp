@@ -222,6 +222,7 @@ void DeviceEngine<Real, Dim>::take_census() {
 
 template <class Real, int Dim>
 StepReport<Dim> DeviceEngine<Real, Dim>::take_report() {
+    if (surfaces_) surfaces_->prefetch(reports_.reported);
     take_census();
     StepReport<Dim> report = reports_.take();
     if (sleepers_) sleepers_->add_taken(report.budget);

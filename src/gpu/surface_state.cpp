@@ -13,7 +13,7 @@ constexpr int threads = 128;  ///< surface_threads (gpu/kernels/surfaces/surface
 
 template <class Real, int Dim>
 SurfaceState<Real, Dim>::SurfaceState(const KernelKey& key, const Method<Host, Real, Dim>& method, double cell)
-    : method_(method), plan_(cell, method.stencil.origin) {
+    : method_(method), plan_(cell, method.stencil.origin, method.grid_bulk() != nullptr) {
     const std::vector<Kernel>& all = KernelStore::instance().kernels(surfaces_program(key));
     Kernel* const to[] = {&kernels_.gaps,     &kernels_.weigh,       &kernels_.sum,         &kernels_.act,
                           &kernels_.close,    &kernels_.apply,       &kernels_.keep_held,   &kernels_.find_cells,

@@ -44,6 +44,10 @@ class SurfaceState {
     /// Asynchronous, as all that follows.
     void begin(const StructureSet<Dim>& set, const EpochTables<Dim>& tables, const TileRound<Real, Dim>& round,
                cudaStream_t stream);
+    /// Until the event is over: finds what a flow may come to.
+    void prefetch(const Event& until) {
+        while (known_ && !until.is_over() && plan_.prefetch()) continue;
+    }
     /// What nodes find.
     SurfaceSpace space() const { return {on_.tables().near_of, on_.nodes()}; }
     /// By node block: not negative where a surface is near; and 1 there.

@@ -87,7 +87,7 @@ struct SurfaceBlocks : SurfacePlan<Dim> {
     Host::Array<SurfaceMotion<Real, Dim>> motions{};  ///< with an energy budget: of this round [near node block][node]
 
     SurfaceBlocks(const Method<Host, Real, Dim>& of, Patch<Host, Real, Dim>& on, double cell, bool counts)
-        : Plan{cell, of.stencil.origin}, method(of), patch(on), counts_energy(counts) {}
+        : Plan{cell, of.stencil.origin, of.grid_bulk() != nullptr}, method(of), patch(on), counts_energy(counts) {}
 
     /// Where surfaces are, and which nodes they want to know. Binned state. Not collective.
     void find(const ContactField<Dim>& field, bool moves);

@@ -41,33 +41,30 @@ struct CellBox {
 template <int Dim>
 struct CutCell {
     static constexpr int nodes = power<Dim>(3);
-    double volume = 0;             ///< open
-    Vec<double, Dim> face[nodes];  ///< F_i
-    Vec<double, Dim> bed[nodes];   ///< S_i
-    double inside[nodes];          ///< M_i
-    double open[2 * Dim] = {};     ///< part of its faces, by axis and end
-    double area = 0;               ///< |sum_i S_i|
-    Vec<double, Dim> normal;       ///< of the surface: mean
-    Vec<double, Dim> centre;       ///< of the surface
-    int structure = -1;            ///< whose surface it is
-
-    /// w_ie: share of node i in the surface.
-    double weight(int i) const { return dot(bed[i], normal) / area; }
+    double volume = 0;          ///< open
+    double inside[nodes] = {};  ///< M_i
+    double weight[nodes] = {};  ///< w_ie: share of node i in the surface
+    double open[2 * Dim] = {};  ///< part of its faces, by axis and end
+    double area = 0;            ///< |sum_i S_i|
+    Vec<double, Dim> normal{};  ///< of the surface: mean
+    Vec<double, Dim> centre{};  ///< of the surface
+    int structure = -1;         ///< whose surface it is
 };
 
-/// Puts a cell together from the distances at its corners.
+/// What a pressure in it acts on.
+template <int Dim>
+struct CutFaces {
+    Vec<double, Dim> face[CutCell<Dim>::nodes]{};  ///< F_i
+    Vec<double, Dim> bed[CutCell<Dim>::nodes]{};   ///< S_i
+};
+
+/// Puts one cell together from the distances at its corners.
 template <int Dim>
 class CellCutter {
   public:
-    /// distance: at corner k, bit a of k: the upper end of axis a [cells].
-    CutCell<Dim> cut(const CellBox<Dim>& box, const double* distance) {
-        box_ = &box;
-        cell_ = CutCell<Dim>{};
-        for (int i = 0; i < nodes; ++i) {
-            cell_.face[i] = cell_.bed[i] = zero_vec<double, Dim>();
-            cell_.inside[i] = 0;
-        }
-        cell_.normal = cell_.centre = zero_vec<double, Dim>();
+    /// distance: at corner k, bit a of k: the upper end of axis a [cells]; faces: null where no pressure is the cell's.
+    CutCell<Dim> cut(const CellBox<Dim>& box, const double* distance, CutFaces<Dim>* faces) {
+        box_ = &box, faces_ = faces;
         for (int k = 0; k < corners; ++k) {
             for (int a = 0; a < Dim; ++a) corner_[k].s[a] = box.end[a][k >> a & 1];
             corner_[k].f = distance[k] > on_surface ? distance[k] : 0.0;
@@ -106,13 +103,12 @@ class CellCutter {
     void each_face() {
         for (int a = 0; a < Dim; ++a)
             for (int side = 0; side < 2; ++side) {
-                Vec<double, Dim> normal = zero_vec<double, Dim>();
-                normal[a] = side == 0 ? -1 : 1;
-                face_ = 2 * a + side;
+                double on_face[nodes] = {};
+                double& open = cell_.open[2 * a + side];
                 const int b = (a + 1) % Dim, base = side << a;
                 if constexpr (Dim == 2) {
                     const Point ends[2] = {corner_[base], corner_[base | 1 << b]};
-                    add_edge(ends, normal);
+                    open += add_edge(ends, faces_ ? on_face : nullptr);
                     const Point simplex[3] = {middle_, ends[0], ends[1]};
                     add_simplex(simplex);
                 } else {
@@ -122,37 +118,33 @@ class CellCutter {
                     const Point centre = mean(ring, 4);
                     for (int k = 0; k < 4; ++k) {
                         const Point part[3] = {centre, ring[k], ring[(k + 1) % 4]};
-                        add_part(part, normal);
+                        open += add_part(part, faces_ ? on_face : nullptr);
                         const Point simplex[4] = {middle_, part[0], part[1], part[2]};
                         add_simplex(simplex);
                     }
                 }
+                for (int i = 0; faces_ && i < nodes; ++i) faces_->face[i][a] += side == 0 ? -on_face[i] : on_face[i];
             }
     }
 
-    void add_face(double dA, const double* w, const Vec<double, Dim>& normal) {
-        cell_.open[face_] += dA;
-        add_to(cell_.face, dA, w, normal);
-    }
     /// The open part of an edge of a cell in 2-D.
-    void add_edge(const Point (&p)[2], const Vec<double, Dim>& normal) {
-        if (!p[0].is_open() && !p[1].is_open()) return;
+    double add_edge(const Point (&p)[2], double* sums) const {
+        if (!p[0].is_open() && !p[1].is_open()) return 0;
         const Point a = p[0].is_open() ? p[0] : between(p[1], p[0]), b = p[1].is_open() ? p[1] : between(p[0], p[1]);
         const Point line[2] = {a, b};
-        integrate_line(line, [&](double dA, const double* w) { add_face(dA, w, normal); });
+        return integrate_line(line, sums);
     }
     /// The open part of a triangle of a face in 3-D.
-    void add_part(const Point (&p)[3], const Vec<double, Dim>& normal) {
-        const auto to_face = [&](double dA, const double* w) { add_face(dA, w, normal); };
+    double add_part(const Point (&p)[3], double* sums) const {
         const int open = p[0].is_open() + p[1].is_open() + p[2].is_open();
-        if (open == 0) return;
-        if (open == 3) return integrate_triangle(p, 1, to_face);
+        if (open == 0) return 0;
+        if (open == 3) return integrate_triangle(p, 1, sums);
         int lone = 0;
         while (p[lone].is_open() != (open == 1)) ++lone;
         const Point &q = p[lone], &r = p[(lone + 1) % 3], &t = p[(lone + 2) % 3];
         const Point tip[3] = {q, open == 1 ? between(q, r) : between(r, q), open == 1 ? between(q, t) : between(t, q)};
-        if (open == 2) integrate_triangle(p, 1, to_face);
-        integrate_triangle(tip, open == 1 ? 1 : -1, to_face);
+        const double whole = open == 2 ? integrate_triangle(p, 1, sums) : 0;
+        return whole + integrate_triangle(tip, open == 1 ? 1 : -1, sums);
     }
 
     /// The open part of a simplex, and the surface in it.
@@ -184,7 +176,7 @@ class CellCutter {
 
     void add_volume(const Point (&p)[Dim + 1], double sign) {
         if constexpr (Dim == 2) {
-            integrate_triangle(p, sign, [&](double dV, const double* w) { add_inside(dV, w); });
+            cell_.volume += integrate_triangle(p, sign, cell_.inside);
         } else {
             const Vec<double, Dim> e = p[1].s - p[0].s, f = p[2].s - p[0].s, g = p[3].s - p[0].s;
             const double volume = sign * std::fabs(dot(cross(e, f), g)) / 6;
@@ -195,13 +187,10 @@ class CellCutter {
                     for (int a = 0; a < Dim; ++a) s[a] += (k == q ? in : out) * p[k].s[a];
                 double w[nodes];
                 box_->weights(s, w);
-                add_inside(volume / 4, w);
+                for (int i = 0; i < nodes; ++i) cell_.inside[i] += volume / 4 * w[i];
             }
+            cell_.volume += volume;
         }
-    }
-    void add_inside(double dV, const double* w) {
-        cell_.volume += dV;
-        for (int i = 0; i < nodes; ++i) cell_.inside[i] += dV * w[i];
     }
 
     /// A piece of the surface; `soil`: an open point, to which the normal points.
@@ -214,22 +203,25 @@ class CellCutter {
         const double length = magnitude(normal);
         if (!(length > 0)) return;
         normal = (dot(normal, soil.s - p[0].s) < 0 ? -1 / length : 1 / length) * normal;
-        const auto to_bed = [&](double dA, const double* w) { add_to(cell_.bed, dA, w, normal); };
         const double area = Dim == 2 ? length : length / 2;
         for (const Point& q : p) cell_.centre = cell_.centre - (-area / Dim) * q.s;
         cell_.area += area;
+        double on_piece[nodes] = {};
         if constexpr (Dim == 2)
-            integrate_line(p, to_bed);
+            integrate_line(p, on_piece);
         else
-            integrate_triangle(p, 1, to_bed);
+            integrate_triangle(p, 1, on_piece);
+        for (int i = 0; i < nodes; ++i) bed_[i] = bed_[i] - (-on_piece[i]) * normal;
     }
 
     void close() {
         if (cell_.area > 0) cell_.centre = (1 / cell_.area) * cell_.centre;
         Vec<double, Dim> all = zero_vec<double, Dim>();
-        for (int i = 0; i < nodes; ++i) all = all - (-1.0) * cell_.bed[i];
+        for (const Vec<double, Dim>& of_node : bed_) all = all - (-1.0) * of_node;
         cell_.area = magnitude(all);
         if (cell_.area > 0) cell_.normal = (1 / cell_.area) * all;
+        for (int i = 0; i < nodes; ++i) cell_.weight[i] = cell_.area > 0 ? dot(bed_[i], cell_.normal) / cell_.area : 0;
+        for (int i = 0; faces_ && i < nodes; ++i) faces_->bed[i] = bed_[i];
     }
 
     static Vec<double, Dim> cross(const Vec<double, Dim>& a, const Vec<double, Dim>& b) {
@@ -237,28 +229,26 @@ class CellCutter {
         for (int k = 0; k < 3; ++k) c[k % Dim] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
         return c;
     }
-    static void add_to(Vec<double, Dim>* sums, double dA, const double* w, const Vec<double, Dim>& normal) {
-        for (int i = 0; i < nodes; ++i) sums[i] = sums[i] - (-dA * w[i]) * normal;
-    }
 
-    /// Gauss, three points: exact for the weights along a line.
-    template <class F>
-    void integrate_line(const Point (&p)[2], const F& f) const {
+    /// Adds the integrals of the weights along a line, by three points of Gauss, which are exact. Its length.
+    double integrate_line(const Point (&p)[2], double* sums) const {
         const double length = magnitude(p[1].s - p[0].s);
+        if (!sums) return length;
         constexpr double at[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
                          share[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
         for (int q = 0; q < 3; ++q) {
             double w[nodes];
             box_->weights(p[0].s - (-at[q]) * (p[1].s - p[0].s), w);
-            f(share[q] * length, w);
+            for (int i = 0; i < nodes; ++i) sums[i] += share[q] * length * w[i];
         }
+        return length;
     }
-    /// Seven points: exact for the weights in a face.
-    template <class F>
-    void integrate_triangle(const Point (&p)[3], double sign, const F& f) const {
+    /// The same over a triangle, by seven points, which are exact in a face. Its area.
+    double integrate_triangle(const Point (&p)[3], double sign, double* sums) const {
         const Vec<double, Dim> e = p[1].s - p[0].s, g = p[2].s - p[0].s;
         const double square = dot(e, e) * dot(g, g) - dot(e, g) * dot(e, g);
         const double area = sign * 0.5 * std::sqrt(square > 0 ? square : 0);
+        if (!sums) return area;
         constexpr double near = 0.1012865073234563, far = 0.7974269853530873, mid = 0.4701420641051151,
                          end = 0.0597158717897698;
         constexpr double at[7][2] = {{1.0 / 3, 1.0 / 3}, {near, near}, {far, near}, {near, far},
@@ -266,14 +256,17 @@ class CellCutter {
         for (int q = 0; q < 7; ++q) {
             double w[nodes];
             box_->weights(p[0].s - (-at[q][0]) * e - (-at[q][1]) * g, w);
-            f(area * (q == 0 ? 0.225 : q < 4 ? 0.1259391805448271 : 0.1323941527885062), w);
+            const double share = area * (q == 0 ? 0.225 : q < 4 ? 0.1259391805448271 : 0.1323941527885062);
+            for (int i = 0; i < nodes; ++i) sums[i] += share * w[i];
         }
+        return area;
     }
 
     const CellBox<Dim>* box_ = nullptr;
-    CutCell<Dim> cell_;
+    CutFaces<Dim>* faces_ = nullptr;
+    CutCell<Dim> cell_{};
+    Vec<double, Dim> bed_[nodes]{};
     Point corner_[corners], middle_;
-    int face_ = 0;
 };
 
 }  // namespace moraine

@@ -19,9 +19,9 @@ enum RootLane { root_pressure, root_bulk, root_volume, root_source, root_soft };
 template <int Dim>
 struct SurfaceCell {
     CellPart part;
-    bool near;                ///< it is one of ours
-    bool shares;              ///< with the cell at `root` from here
-    const CutCell<Dim>* cut;  ///< null: it is whole
+    bool near;                 ///< it is one of ours
+    bool shares;               ///< with the cell at `root` from here
+    const CutFaces<Dim>* cut;  ///< null: it is whole
     int root[Dim];
     int structure;  ///< whose surface it is at
     double volume;  ///< open [cells]
@@ -51,7 +51,7 @@ struct OpenGrid {
         for (int a = 0; a < Dim; ++a) basis[a] = cell_basis<Real>(walls.ghosts(a, node[a] - 1, 3));
     }
     /// F_ic [m^(d-1)] of a cell by its node; cut: null where it is whole.
-    MORAINE_HD void find_faces(const Vec<std::int32_t, Dim>& node, const CutCell<Dim>* cut,
+    MORAINE_HD void find_faces(const Vec<std::int32_t, Dim>& node, const CutFaces<Dim>* cut,
                                CellNode<Real, Dim>* to) const {
         const Real scale = static_cast<Real>(face);
         for (int i = 0; cut && i < power<Dim>(3); ++i)
@@ -188,7 +188,7 @@ MORAINE_HD void find_open_cell(const OpenGrid<Real, Dim>& grid, const SurfaceCel
                                const Vec<std::int32_t, Dim>& node, const CellMoments<Real, Dim>& moments,
                                const Nodes& nodes, OpenCell<Real, Dim>& cell) {
     cell.share = share_of_cell<Real>(place, nodes);
-    const bool shares = place.shares && (place.cut->volume < small_cell || !(cell.particles > Real(0)));
+    const bool shares = place.shares && (place.volume < small_cell || !(cell.particles > Real(0)));
     if (!(cell.particles > Real(0)) && !(cell.share > Real(0))) return;
     make_rows(grid, place, node, moments, nodes, cell);
     if (!(cell.state.volume > Real(1e-7) * Real(grid.volume))) return;

@@ -1,6 +1,7 @@
 #pragma once
 // Where the surfaces of all structures cut the grid, and what is open beside them: of cells and of nodes, by place
-// alone. Cells and nodes are asked for one by one and kept; where a structure moves all is forgotten in each step.
+// alone. Cells and nodes are asked for one by one, by threads together, and kept; where a structure moves all is
+// forgotten in each step.
 //
 //   c_i = sum over cells of M_i: what a node can hold, of a full one            (cut_cell.hpp)
 //
@@ -10,6 +11,7 @@
 // towards the soil, of which the first holds most:  v = 2 v_1 - v_2,  share f = clamp((c* - c_i) / (0.67 c*)).
 
 #include <deque>
+#include <mutex>
 
 #include "core/structures/contact_field.hpp"
 #include "core/surfaces/cut_cell.hpp"
@@ -37,21 +39,61 @@ NodeCapacity<double, Dim> doubled(const NodeCapacity<Real, Dim>& ends) {
     return e;
 }
 
+/// What is known of a cell.
+template <int Dim>
+struct CellState {
+    CellPart part;
+    const CutCell<Dim>* cut;     ///< null: it is not cut
+    const CutFaces<Dim>* faces;  ///< null: or pressures are the particles'
+};
+
+/// What threads have found.
+template <int Dim>
+class SurfaceFinds {
+  public:
+    PlaceStore<CellState<Dim>, Dim> part{};
+    PlaceStore<double, Dim> capacity{};
+    PlaceStore<SurfaceNode<Dim>, Dim> node{};
+    const bool has_pressures;  ///< those of cells are the grid's
+
+    explicit SurfaceFinds(bool pressures) : has_pressures(pressures) {}
+    CellState<Dim> keep(const CutCell<Dim>& cut, const CutFaces<Dim>& faces) {
+        const std::lock_guard hold(mutex_);
+        if (has_pressures) faces_.push_back(faces);
+        cut_.push_back(cut);
+        return {CellPart::cut, &cut_.back(), has_pressures ? &faces_.back() : nullptr};
+    }
+    /// By one thread; whose tables forget, too.
+    void forget() { part.forget(), capacity.forget(), node.forget(), cut_.clear(), faces_.clear(); }
+
+  private:
+    std::mutex mutex_;
+    std::deque<CutCell<Dim>> cut_;  // who is cut stays in place
+    std::deque<CutFaces<Dim>> faces_;
+};
+
+/// A thread's way to them.
 template <int Dim>
 class SurfaceGeometry {
   public:
     using Place = Vec<std::int32_t, Dim>;
+
+    explicit SurfaceGeometry(SurfaceFinds<Dim>& finds)
+        : finds_(&finds), part_(finds.part), capacity_(finds.capacity), node_(finds.node) {}
 
     /// What it is of; the field's structures may have moved.
     template <class Real>
     void begin(const ContactField<Dim>& field, const Walls<Real, Dim>& walls, const NodeCapacity<Real, Dim>& ends) {
         field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
-    void forget() { part_.forget(), cut_.clear(), capacity_.forget(), node_.forget(); }
+    /// The finds have been forgotten.
+    void forget() { part_.forget(), capacity_.forget(), node_.forget(); }
+    bool has_pressures() const { return finds_->has_pressures; }
 
     CellPart part(const Place& node) { return state_of(node).part; }
     /// Of a cell that is cut.
-    const CutCell<Dim>& cut(const Place& node) { return cut_[static_cast<std::size_t>(state_of(node).index)]; }
+    const CutCell<Dim>& cut(const Place& node) { return *state_of(node).cut; }
+    const CutFaces<Dim>* faces(const Place& node) { return state_of(node).faces; }
 
     double distance(const Vec<double, Dim>& node, int* nearest = nullptr) const {
         return beside(node, nearest).distance / field_.cell;
@@ -73,10 +115,7 @@ class SurfaceGeometry {
     }
 
   private:
-    struct State {
-        CellPart part;
-        std::int32_t index;  ///< of cut_
-    };
+    using State = CellState<Dim>;
 
     Surface<Dim> beside(const Vec<double, Dim>& node, int* nearest) const {
         Surface<Dim> least{1e300, last_axis<Dim>()};
@@ -114,16 +153,16 @@ class SurfaceGeometry {
         return false;
     }
 
-    State state_of(const Place& node) {
+    const State& state_of(const Place& node) {
         return part_.at(node, [&] { return look(node); });
     }
     State look(const Place& node) {
-        if (is_outside(node)) return {CellPart::solid, -1};
+        if (is_outside(node)) return {CellPart::solid, nullptr, nullptr};
         Vec<double, Dim> middle;
         for (int a = 0; a < Dim; ++a) middle[a] = node[a];
         const double away = distance(middle), reach = Dim == 2 ? 0.7072 : 0.8661;
-        if (away > reach) return {CellPart::open, -1};
-        if (away < -reach) return {CellPart::solid, -1};
+        if (away > reach) return {CellPart::open, nullptr, nullptr};
+        if (away < -reach) return {CellPart::solid, nullptr, nullptr};
         const CellBox<Dim> of_cell = box(node);
         double corner[1 << Dim];
         int open = 0;
@@ -133,13 +172,13 @@ class SurfaceGeometry {
             corner[k] = distance(x);
             open += corner[k] > on_surface;
         }
-        if (open == 1 << Dim) return {CellPart::open, -1};
-        if (open == 0) return {CellPart::solid, -1};
-        CutCell<Dim> cell = cutter_.cut(of_cell, corner);
-        if (cell.volume < least_volume) return {CellPart::solid, -1};
+        if (open == 1 << Dim) return {CellPart::open, nullptr, nullptr};
+        if (open == 0) return {CellPart::solid, nullptr, nullptr};
+        CutFaces<Dim> faces;
+        CutCell<Dim> cell = CellCutter<Dim>().cut(of_cell, corner, has_pressures() ? &faces : nullptr);
+        if (cell.volume < least_volume) return {CellPart::solid, nullptr, nullptr};
         distance(middle - (-1.0) * cell.centre, &cell.structure);
-        cut_.push_back(cell);
-        return {CellPart::cut, static_cast<std::int32_t>(cut_.size()) - 1};
+        return finds_->keep(cell, faces);
     }
 
     double capacity(const Place& place) {
@@ -210,11 +249,10 @@ class SurfaceGeometry {
     ContactField<Dim> field_{};
     Walls<double, Dim> walls_{};
     NodeCapacity<double, Dim> ends_{};
-    CellCutter<Dim> cutter_;
+    SurfaceFinds<Dim>* finds_;
     PlaceTable<State, Dim> part_;
     PlaceTable<double, Dim> capacity_;
     PlaceTable<SurfaceNode<Dim>, Dim> node_;
-    std::deque<CutCell<Dim>> cut_;  // who is cut stays in place
 };
 
 }  // namespace moraine

@@ -45,6 +45,11 @@ class Event {
     operator cudaEvent_t() const { return event_; }
     void record(cudaStream_t stream) { check(cudaEventRecord(event_, stream), "Recording an event"); }
     void wait() const { check(cudaEventSynchronize(event_), "A step on the device"); }
+    bool is_over() const {
+        const cudaError_t now = cudaEventQuery(event_);
+        if (now != cudaErrorNotReady) check(now, "A step on the device");
+        return now == cudaSuccess;
+    }
 
   private:
     cudaEvent_t event_ = nullptr;
