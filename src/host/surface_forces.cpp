@@ -220,7 +220,7 @@ void SurfaceForces<Real, Dim>::sweep(const ContactTime& time, double damping) {
             if (!on_.scene.field.structure[e.structure].turns) return act_on(k, e, row, time, damping, tile, tally);
             SurfaceElement<Dim> moved = e;
             moved.place = middle_of(e, on_.centre_of(k, e.cell, on_.scene.field.structure[e.structure]), on_.h,
-                                    NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)});
+                                    NodesOf{{}, *this, k, tile_offset<Dim, 3>(e.cell)});
             act_on(k, moved, row, time, damping, tile, tally);
         });
     });
@@ -234,7 +234,7 @@ void SurfaceForces<Real, Dim>::act_on(int k, const SurfaceElement<Dim>& e, doubl
     const double pressure = pressures_.pressure_at(k, e.cell, damping);
     const KeptRows<Dim> rows{rows_[static_cast<std::size_t>(rows_of_[static_cast<std::size_t>(k)])], row};
     const ElementImpulse<Dim> impulse =
-        act_on_element(e, s, time, pressure, on_.h, NodesOf{*this, k, tile_offset<Dim, 3>(e.cell)}, rows);
+        act_on_element(e, s, time, pressure, on_.h, NodesOf{{}, *this, k, tile_offset<Dim, 3>(e.cell)}, rows);
     double heavy = 0;
     int i = 0;
     each_node<Dim, 3>([&](int at, int, int, int) {

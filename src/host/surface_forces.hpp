@@ -30,7 +30,7 @@ class SurfaceForces {
     static constexpr int tile_nodes = Blocks::tile_nodes, to_middle = Blocks::to_middle;
     static int lane(int n) { return Blocks::lane(n); }
     /// What the nodes of an element hold (element_rule.hpp).
-    struct NodesOf {
+    struct NodesOf : NodesInTurn<Dim> {
         const SurfaceForces& of;
         int k, corner;
         const Real* values(int at) const { return of.on_.values_at(k, corner + at); }

@@ -3,7 +3,8 @@
 // hosts and devices alike.
 //
 // Nodes says what an element's nodes hold, by their place `at` in the tile, from the cell's first node on: values(at)
-// are (v', ..., m), null where a node holds no soil; shares(at) is W_i.
+// are (v', ..., m), null where a node holds no soil; shares(at) is W_i; sum<N>(f) is the sum of N numbers over them, of
+// which f(i, at, sum) adds what node i of the element gives.
 
 #include "core/grid/stencil.hpp"
 #include "core/structures/gap_tiles.hpp"
@@ -11,6 +12,18 @@
 #include "core/surfaces/surface_elements.hpp"
 
 namespace moraine {
+
+/// Sums over nodes, one after the other.
+template <int Dim>
+struct NodesInTurn {
+    template <int N, class F>
+    MORAINE_HD static Vec<double, N> sum(const F& f) {
+        Vec<double, N> all = zero_vec<double, N>();
+        int i = 0;
+        each_node<Dim, 3>([&](int at, int, int, int) { f(i++, at, all); });
+        return all;
+    }
+};
 
 /// Of soil over an element [m/s]: away from the structure, and along it.
 template <int Dim>
@@ -58,12 +71,9 @@ MORAINE_HD SurfaceShares<Dim> shares_of(const Real* from) {
 template <int Dim, class Nodes>
 MORAINE_HD ElementSlip<Dim> slip_over(const SurfaceElement<Dim>& e, const Structure<Dim>& s, const Nodes& nodes) {
     const Vec<double, Dim> of_structure = velocity_at(s, e.place);
-    Vec<double, Dim> slip = zero_vec<double, Dim>();
-    int i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const double w = e.weight[i++];
+    const Vec<double, Dim> slip = nodes.template sum<Dim>([&](int i, int at, Vec<double, Dim>& sum) {
         const auto* v = nodes.values(at);
-        for (int a = 0; v && a < Dim; ++a) slip[a] += w * (double(v[a]) - of_structure[a]);
+        for (int a = 0; v && a < Dim; ++a) sum[a] += e.weight[i] * (double(v[a]) - of_structure[a]);
     });
     const double leaves = dot(slip, e.normal);
     return {leaves, slip - leaves * e.normal};
@@ -73,14 +83,10 @@ MORAINE_HD ElementSlip<Dim> slip_over(const SurfaceElement<Dim>& e, const Struct
 template <int Dim, class Nodes, class Share>
 MORAINE_HD double row_over(const SurfaceElement<Dim>& e, const Nodes& nodes, const Share& share) {
     using std::fabs;
-    double row = 0;
-    int i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        const double w = e.weight[i++];
+    return nodes.template sum<1>([&](int i, int at, Vec<double, 1>& row) {
         const auto* v = nodes.values(at);
-        if (v && w != 0) row += fabs(w) * share(nodes.shares(at)) / double(v[quad - 1]);
-    });
-    return row;
+        if (v && e.weight[i] != 0) row[0] += fabs(e.weight[i]) * share(nodes.shares(at)) / double(v[quad - 1]);
+    })[0];
 }
 
 /// R_e across the surface, which a step leaves as it is, and along a way in it.
@@ -167,16 +173,15 @@ MORAINE_HD void add_couple(const Structure<Dim>& s, const Vec<double, moments<Di
 template <int Dim, class Nodes>
 MORAINE_HD Vec<double, Dim> middle_of(const SurfaceElement<Dim>& e, const Vec<double, Dim>& centre, double cell,
                                       const Nodes& nodes) {
-    Vec<double, Dim> sum = zero_vec<double, Dim>();
-    double heavy = 0;
-    int n = 0;
-    each_node<Dim, 3>([&](int at, int i, int j, int l) {
-        const int offset[3] = {i - 1, j - 1, l - 1};
-        const double w = nodes.values(at) ? e.weight[n] : 0.0;
-        for (int a = 0; a < Dim; ++a) sum[a] += w * cell * offset[a];
-        heavy += w, ++n;
+    const Vec<double, Dim + 1> all = nodes.template sum<Dim + 1>([&](int i, int at, Vec<double, Dim + 1>& sum) {
+        const double w = nodes.values(at) ? e.weight[i] : 0.0;
+        for (int a = 0, rest = i; a < Dim; ++a, rest /= 3) sum[a] += w * cell * (rest % 3 - 1);
+        sum[Dim] += w;
     });
-    return heavy > 0 ? centre - (-1 / heavy) * sum : e.place;
+    if (!(all[Dim] > 0)) return e.place;
+    Vec<double, Dim> middle = centre;
+    for (int a = 0; a < Dim; ++a) middle[a] += all[a] / all[Dim];
+    return middle;
 }
 
 /// What of the soil at an element follows a structure that turns.

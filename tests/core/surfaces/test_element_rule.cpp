@@ -13,7 +13,7 @@ namespace {
 constexpr int nodes = SurfaceElement<2>::nodes, in_tile = 36;
 
 /// The nodes of one cell, that elements share.
-struct CellNodes {
+struct CellNodes : NodesInTurn<2> {
     double value[in_tile][2 * quad] = {}, lanes[in_tile][2 * quad] = {};
 
     const double* values(int at) const { return value[at]; }

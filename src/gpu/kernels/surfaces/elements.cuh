@@ -1,7 +1,7 @@
 #pragma once
-// Contact on surfaces (core/surfaces/element_rule.hpp): a thread block per giver, a thread per element or slave, then a
-// thread per node of the tile, which adds up what they give it in their order; and a thread per node near a surface,
-// which sums the tiles.
+// Contact on surfaces (core/surfaces/element_rule.hpp): a thread block per giver, a warp per element or a thread per
+// slave, then a warp per number that elements give, which adds to their nodes in their order, or a thread per node of
+// the tile; and a thread per node near a surface, which sums the tiles.
 
 #include "gpu/kernels/nodes/following.cuh"
 #include "gpu/kernels/surfaces/surface_nodes.cuh"
@@ -25,36 +25,31 @@ __device__ __forceinline__ NodeGap gap_of_element(const SurfaceWork<Real, Dim>& 
 template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1)
     weigh_elements_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
+    __shared__ TouchedElements<Dim> touched;
+    __shared__ Real sums[node_reals][surface_tile<Dim>];
     const Giver<Real, Dim> giver{w};
-    const int count = giver.bed.element_count;
     SurfaceElement<Dim>* elements = giver.bed.elements;
     bool touches = false;
-    if (static_cast<int>(threadIdx.x) < count) {
+    int cell = 0;
+    if (static_cast<int>(threadIdx.x) < giver.bed.element_count) {
         SurfaceElement<Dim>& e = elements[threadIdx.x];
         double face = 1;
         for (int a = 1; a < Dim; ++a) face *= w.field.cell;
         take_gap(gap_of_element(w, giver.block, e), face, w.field.structure[e.structure].law, e);
-        touches = e.touches;
+        touches = e.touches, cell = e.cell;
     }
-    const bool any = __syncthreads_or(touches);
+    const bool any = touched.find(touches, cell);
     if (threadIdx.x == 0) giver.gives(any);
     if (!any) return;
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
-        Real sum[node_reals];
-#pragma unroll
-        for (int q = 0; q < node_reals; ++q) sum[q] = Real(0);
-        for (int k = 0; k < count; ++k) {
-            const SurfaceElement<Dim>& e = elements[k];
-            const int i = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
-            if (i < 0) continue;
-#pragma unroll
-            for (int q = 0; q <= SurfaceShares<Dim>::count; ++q)
-                sum[sum_lane<Dim>(q)] += static_cast<Real>(share_lane(e, i, q));
-        }
-        Real* to = giver.tile() + n * node_reals;
-#pragma unroll
-        for (int q = 0; q < node_reals; ++q) to[q] = sum[q];
-    }
+    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim> * node_reals; n += surface_threads)
+        (&sums[0][0])[n] = Real(0);
+    __syncthreads();
+    for (int q = static_cast<int>(threadIdx.x) / 32; q <= SurfaceShares<Dim>::count; q += surface_threads / 32)
+        touched.add(sums[sum_lane<Dim>(q)],
+                    [&](int k, int i) { return static_cast<Real>(share_lane(elements[k], i, q)); });
+    __syncthreads();
+    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim> * node_reals; n += surface_threads)
+        giver.tile()[n] = sums[n % node_reals][n / node_reals];
 }
 
 /// W_i of the nodes, and their masses, which not all nodes' kernels leave: 0 where no block has soil.
@@ -79,10 +74,13 @@ __global__ void __launch_bounds__(surface_threads, 1)
     });
 }
 
-template <int Dim>
+template <class Real, int Dim>
 struct GivenByElements {
     TileNodes<Dim> nodes;
-    Vec<double, Dim> given[Block<Dim>::cells];
+    TouchedElements<Dim> touched;
+    ElementImpulse<Dim> impulse[Block<Dim>::cells];
+    double heavy[Block<Dim>::cells];  ///< part of an element's weights whose nodes hold soil
+    Real sums[Dim][surface_tile<Dim>];
 };
 
 /// N_e.
@@ -91,17 +89,32 @@ __device__ __forceinline__ double pressure_at(const SurfaceWork<Real, Dim>& w, i
     return w.cells ? pressure_on_surface(w.cells[g * Block<Dim>::cells + e.cell], w.damping) : 0.0;
 }
 
+/// By a warp.
+template <class Real, int Dim>
+__device__ __forceinline__ void act_with_warp(const Giver<Real, Dim>& giver, int k,
+                                              GivenByElements<Real, Dim>& shared) {
+    const SurfaceWork<Real, Dim>& w = giver.w;
+    SurfaceElement<Dim>& e = giver.bed.elements[k];
+    const Structure<Dim>& s = w.field.structure[e.structure];
+    const ElementNodes<Real, Dim> nodes{w, shared.nodes, tile_offset<Dim, 3>(e.cell)};
+    if constexpr (may_turn)
+        if (s.turns) {
+            const Vec<double, Dim> place = middle_of(e, giver.centre_of(e.cell, s), w.field.cell, nodes);
+            __syncwarp();
+            if (lane_id() == 0) e.place = place;
+            __syncwarp();
+        }
+    const ElementImpulse<Dim> impulse = act_on_element(e, s, w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
+    const double heavy = nodes.template sum<1>([&](int i, int at, Vec<double, 1>& sum) {
+        if (nodes.values(at)) sum[0] += e.weight[i];
+    })[0];
+    if (lane_id() == 0) shared.impulse[k] = impulse, shared.heavy[k] = heavy;
+}
+
 /// What an element gives to the structure.
 template <class Real, int Dim>
 __device__ __forceinline__ void tell_structure(const SurfaceWork<Real, Dim>& w, const SurfaceElement<Dim>& e,
-                                               const ElementImpulse<Dim>& impulse,
-                                               const ElementNodes<Real, Dim>& nodes) {
-    double heavy = 0;
-    int i = 0;
-    each_node<Dim, 3>([&](int at, int, int, int) {
-        if (nodes.values(at)) heavy += e.weight[i];
-        ++i;
-    });
+                                               const ElementImpulse<Dim>& impulse, double heavy) {
     double all[StructureSums<Dim>::count];
     const Structure<Dim>& s = w.field.structure[e.structure];
     structure_values(w.field, s, heavy * impulse.given, e.place, impulse.follows, all);
@@ -113,33 +126,30 @@ __device__ __forceinline__ void tell_structure(const SurfaceWork<Real, Dim>& w, 
 template <class Real, int Dim>
 __global__ void __launch_bounds__(surface_threads, 1)
     act_on_elements_kernel(const __grid_constant__ SurfaceWork<Real, Dim> w) {
-    __shared__ GivenByElements<Dim> shared;
+    __shared__ GivenByElements<Real, Dim> shared;
     const Giver<Real, Dim> giver{w};
     if (w.tiles.tile_of[giver.block] < 0) return;
+    const int k = static_cast<int>(threadIdx.x);
+    for (int n = k; n < Dim * surface_tile<Dim>; n += surface_threads) (&shared.sums[0][0])[n] = Real(0);
     shared.nodes.find(w, giver.block);
-    const int count = giver.bed.element_count, k = static_cast<int>(threadIdx.x);
-    SurfaceElement<Dim>* elements = giver.bed.elements;
-    if (k < count && elements[k].touches) {
-        SurfaceElement<Dim>& e = elements[k];
-        const Structure<Dim>& s = w.field.structure[e.structure];
-        const ElementNodes<Real, Dim> nodes{w, shared.nodes, tile_offset<Dim, 3>(e.cell)};
-        if constexpr (may_turn)
-            if (s.turns) e.place = middle_of(e, giver.centre_of(e.cell, s), w.field.cell, nodes);
-        const ElementImpulse<Dim> impulse =
-            act_on_element(e, s, w.time, pressure_at(w, giver.g, e), w.field.cell, nodes);
-        shared.given[k] = impulse.given;
-        tell_structure(w, e, impulse, nodes);
-    }
+    const SurfaceElement<Dim>* elements = giver.bed.elements;
+    const bool touches = k < giver.bed.element_count && elements[k].touches;
+    shared.touched.find(touches, touches ? elements[k].cell : 0);
+    int turn = 0;
+    shared.touched.each([&](int of) {
+        if (turn++ % (surface_threads / 32) == k / 32) act_with_warp(giver, of, shared);
+    });
     __syncthreads();
-    for (int n = static_cast<int>(threadIdx.x); n < surface_tile<Dim>; n += surface_threads) {
+    if (touches) tell_structure(w, elements[k], shared.impulse[k], shared.heavy[k]);
+    __syncwarp();
+    for (int a = k / 32; a < Dim; a += surface_threads / 32)
+        shared.touched.add(shared.sums[a], [&](int i, int node) {
+            return -static_cast<Real>(elements[i].weight[node] * shared.impulse[i].given[a]);
+        });
+    __syncthreads();
+    for (int n = k; n < surface_tile<Dim>; n += surface_threads) {
         Quad<Real> sum = Quad<Real>::zero();
-        for (int i = 0; i < count && shared.nodes.stored[n] >= 0; ++i) {
-            const SurfaceElement<Dim>& e = elements[i];
-            const int at = e.touches ? place_in_cell<Dim>(n, e.cell) : -1;
-            if (at < 0) continue;
-#pragma unroll
-            for (int a = 0; a < Dim; ++a) sum[a] -= static_cast<Real>(e.weight[at] * shared.given[i][a]);
-        }
+        for (int a = 0; a < Dim && shared.nodes.stored[n] >= 0; ++a) sum[a] = shared.sums[a][n];
         store_row(reinterpret_cast<Quad<Real>*>(giver.tile() + n * node_reals), sum);
     }
 }

@@ -78,7 +78,16 @@ struct Giver {
     __device__ __forceinline__ void gives(bool any) const { w.tiles.tile_of[block] = any ? w.tables.ghosts + g : -1; }
 };
 
-/// What the nodes of an element hold (core/surfaces/element_rule.hpp).
+/// Place of node i of a cell in the tile, from the cell's first node on.
+template <int Dim>
+__device__ __forceinline__ int place_of_node(int i) {
+    int at = 0;
+    for (int a = 0, stride = 1; a < Dim; ++a, i /= 3, stride *= tile_side(3)) at += i % 3 * stride;
+    return at;
+}
+
+/// What the nodes of an element hold (core/surfaces/element_rule.hpp), by the lanes of a warp, a node each: sums come
+/// to all of them, alike.
 template <class Real, int Dim>
 struct ElementNodes {
     const SurfaceWork<Real, Dim>& w;
@@ -89,21 +98,54 @@ struct ElementNodes {
     __device__ __forceinline__ SurfaceShares<Dim> shares(int at) const {
         return shares_of<Dim>(w.shares + std::size_t(nodes.near[corner + at]) * node_reals);
     }
+    template <int N, class F>
+    __device__ __forceinline__ Vec<double, N> sum(const F& f) const {
+        Vec<double, N> all = zero_vec<double, N>();
+        const int i = lane_id();
+        if (i < power<Dim>(3)) f(i, place_of_node<Dim>(i), all);
+#pragma unroll
+        for (int way = 16; way > 0; way /= 2)
+#pragma unroll
+            for (int n = 0; n < N; ++n) all[n] += __shfl_xor_sync(all_lanes, all[n], way);
+        return all;
+    }
 };
 
-/// Place of node n of a tile in the stencil of a cell, or -1.
+/// Which elements of a block the soil touches: a bit each, and whose cells they are.
 template <int Dim>
-__device__ __forceinline__ int place_in_cell(int n, int cell) {
-    constexpr int side = tile_side(3);
-    int place = 0, rest = n;
-#pragma unroll
-    for (int a = 0, stride = 1; a < Dim; ++a, stride *= 3, rest /= side) {
-        const int o = rest % side - ((cell >> (2 * a)) & 3);
-        if (o < 0 || o > 2) return -1;
-        place += stride * o;
+struct TouchedElements {
+    static_assert(Block<Dim>::cells <= 64);
+    unsigned bits[2];
+    std::uint8_t cell[Block<Dim>::cells];
+
+    /// By all threads of the thread block, which wait for each other; touches: element number `thread`, if it is one.
+    __device__ __forceinline__ bool find(bool touches, int of_cell) {
+        const int k = static_cast<int>(threadIdx.x);
+        const unsigned mine = __ballot_sync(all_lanes, touches);
+        if (k < 64 && lane_id() == 0) bits[k / 32] = mine;
+        if (touches) cell[k] = static_cast<std::uint8_t>(of_cell);
+        __syncthreads();
+        return (bits[0] | bits[1]) != 0;
     }
-    return place;
-}
+    /// By the lanes of a warp, a node each, in the elements' order: sums[lane of the node's sums][node of the tile]
+    /// gets what f(element, node of it) says.
+    template <class Real, class F>
+    __device__ __forceinline__ void add(Real (&sums)[surface_tile<Dim>], const F& f) const {
+        const int i = lane_id(), place = place_of_node<Dim>(i);
+        each([&](int k) {
+            if (i < power<Dim>(3)) sums[tile_offset<Dim, 3>(cell[k]) + place] += f(k, i);
+            __syncwarp();
+        });
+    }
+    /// f(number), in their order.
+    template <class F>
+    __device__ __forceinline__ void each(const F& f) const {
+#pragma unroll
+        for (int half = 0; half < 2; ++half)
+            for (unsigned left = bits[half]; left != 0; left &= left - 1)
+                f(32 * half + __ffs(static_cast<int>(left)) - 1);
+    }
+};
 
 /// +0 plus the tiles of those that give, by offset, as in core/grid/tile_sums.hpp. Returns whether somebody does.
 template <int Quads, class Real, int Dim>
