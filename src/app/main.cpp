@@ -92,9 +92,6 @@ void check_device_scene(const Scene& scene) {
                 scene.source.path, m.name));
     if (scene.water.on)
         throw InputError(fmt::format("{}: [water] (devices do not have it). Use --device cpu?", scene.source.path));
-    if (!scene.course.tractions.empty())
-        throw InputError(
-            fmt::format("{}: [[traction]] (has not run on a device yet). Use --device cpu?", scene.source.path));
     for (const StructureSpec& s : scene.structures)
         if (s.motion.collision)
             throw InputError(

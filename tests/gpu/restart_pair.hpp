@@ -13,8 +13,10 @@ namespace moraine::test {
 /// its own at the end.
 template <int Dim, class Also>
 void compare_restart(Scene scene, int before, int behind, const Also& also) {
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i)  // a checkpoint tells bodies by their names
-        scene.bodies[i].name = fmt::format("body {}", i);
+    // A checkpoint tells bodies and tractions by their names.
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) scene.bodies[i].name = fmt::format("body {}", i);
+    for (std::size_t i = 0; i < scene.course.tractions.size(); ++i)
+        scene.course.tractions[i].name = fmt::format("traction {}", i);
     const Comm comm(MPI_COMM_WORLD);
     const TestFolder folder(comm);
     const auto maker = device_engine_maker<double, Dim>(scene, comm, choose_device("cuda", comm));
