@@ -54,6 +54,7 @@ void SurfacePlan<Dim>::forget() {
     finds_->forget();
     for (SurfaceGeometry<Dim>& of_thread : geometry_) of_thread.forget();
     found_.clear(), found_nodes_.clear(), near_.clear(), ahead_.clear();
+    former_.forget(), former_nodes_.forget();
     block_count_ = 0;
 }
 
@@ -73,10 +74,18 @@ bool SurfacePlan<Dim>::is_near(const Place& block) const {
 template <int Dim>
 void SurfacePlan<Dim>::find_blocks(const EpochTables<Dim>& tables) {
     std::vector<NewBlock> added;
+    own_.clear(), former_.begin();
     for (std::size_t b = 0; b < tables.own.size(); ++b) {
-        const auto [at, is_new] = found_.try_emplace(tables.own[b]);
-        if (is_new) added.push_back({&at->second, tables.position[b], false});
+        std::unique_ptr<SurfaceBlock<Dim>>* found = former_.find(tables.own[b]);
+        if (!found) {
+            const auto [at, is_new] = found_.try_emplace(tables.own[b]);
+            found = &at->second;
+            if (is_new) added.push_back({found, tables.position[b], false});
+        }
+        former_.tell(tables.own[b], found);
+        own_.push_back(found);
     }
+    former_.end();
 #pragma omp parallel for schedule(static) if (added.size() > 64)
     for (NewBlock& block : added) block.is_near = is_near(block.place);
     std::erase_if(added, [](const NewBlock& block) { return !block.is_near; });
@@ -131,7 +140,21 @@ bool SurfacePlan<Dim>::prefetch() {
             added.push_back({&at->second, place, true});
     }
     make_blocks(added);
+    find_nodes_around(added);
     return !added.empty();
+}
+
+/// All nodes of the node blocks that these blocks' tiles have nodes of.
+template <int Dim>
+void SurfacePlan<Dim>::find_nodes_around(const std::vector<NewBlock>& added) {
+    const int threads = static_cast<int>(geometry_.size());
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (added.size() > 1)
+    for (const NewBlock& block : added)
+        for (int n = 0; n < power<Dim>(8); ++n) {
+            Place node = block.place;
+            for (int a = 0, rest = n; a < Dim; ++a, rest /= 8) node[a] = 4 * node[a] - origin + rest % 8;
+            geometry_[static_cast<std::size_t>(omp_get_thread_num())].node(node);
+        }
 }
 
 template <int Dim>
@@ -154,7 +177,7 @@ void SurfacePlan<Dim>::list_blocks(const EpochTables<Dim>& tables) {
     blocks.clear(), block_at.clear();
     bed_of.assign(own + ghosts, -1);
     for (std::size_t b = 0; b < own; ++b) {
-        SurfaceBlock<Dim>* found = found_.find(tables.own[b])->second.get();
+        SurfaceBlock<Dim>* found = own_[b]->get();
         if (!found) continue;
         if (found->number == SurfaceBlock<Dim>::unused) {
             found->number = block_count_++;
@@ -181,22 +204,29 @@ void SurfacePlan<Dim>::list_nodes(const EpochTables<Dim>& tables) {
     near_nodes.clear(), nodes_at.clear(), node_at.clear();
     near_of.assign(tables.node_position.size(), -1);
     std::vector<NewNodes> added;
+    former_nodes_.begin();
     for (std::size_t c = 0; c < near_of.size(); ++c)
         for (int d = 0; d < Block<Dim>::corners; ++d) {
             const std::int32_t source = tables.source[c * Block<Dim>::corners + static_cast<std::size_t>(d)];
             if (source < 0 || bed_of[static_cast<std::size_t>(source)] < 0) continue;
             near_of[c] = static_cast<std::int32_t>(near_nodes.size());
             near_nodes.push_back(static_cast<std::int32_t>(c));
-            std::unique_ptr<SurfaceNodes<Dim>>& found = found_nodes_[tables.node_key[c]];
+            SurfaceNodes<Dim>* found = former_nodes_.find(tables.node_key[c]);
             if (!found) {
-                found = std::make_unique<SurfaceNodes<Dim>>();
-                found->number = found_nodes_.size() - 1;
-                added.push_back({found.get(), tables.node_position[c]});
+                std::unique_ptr<SurfaceNodes<Dim>>& kept = found_nodes_[tables.node_key[c]];
+                if (!kept) {
+                    kept = std::make_unique<SurfaceNodes<Dim>>();
+                    kept->number = found_nodes_.size() - 1;
+                    added.push_back({kept.get(), tables.node_position[c]});
+                }
+                found = kept.get();
             }
-            nodes_at.push_back(found.get());
+            former_nodes_.tell(tables.node_key[c], found);
+            nodes_at.push_back(found);
             node_at.push_back(found->node);
             break;
         }
+    former_nodes_.end();
     find_nodes(added);
 }
 

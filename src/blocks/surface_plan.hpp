@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "blocks/epoch.hpp"
@@ -22,6 +23,25 @@ template <int Dim>
 struct SurfaceNodes {
     std::size_t number;  ///< as SurfaceBlock's
     SpaceNode node[Block<Dim>::cells];
+};
+
+/// Values of the epoch before, by key; both epochs ascend.
+template <class T>
+class FormerValues {
+  public:
+    void begin() { next_ = 0, now_.clear(); }
+    /// Of a key of this epoch; null: the one before had none. Keys are asked for in their order, and told after that.
+    T* find(Key key) {
+        while (next_ < former_.size() && former_[next_].first < key) ++next_;
+        return next_ < former_.size() && former_[next_].first == key ? former_[next_].second : nullptr;
+    }
+    void tell(Key key, T* value) { now_.push_back({key, value}); }
+    void end() { std::swap(former_, now_); }
+    void forget() { former_.clear(); }
+
+  private:
+    std::vector<std::pair<Key, T*>> former_, now_;
+    std::size_t next_ = 0;
 };
 
 template <int Dim>
@@ -71,6 +91,7 @@ class SurfacePlan {
     void forget();
     void find_blocks(const EpochTables<Dim>& tables);
     void make_blocks(const std::vector<NewBlock>& added);
+    void find_nodes_around(const std::vector<NewBlock>& added);
     void list_ahead(const Place& block);
     bool is_below(const Place& block) const;
     void list_blocks(const EpochTables<Dim>& tables);
@@ -84,8 +105,11 @@ class SurfacePlan {
     std::unordered_map<Key, std::unique_ptr<SurfaceBlock<Dim>>> found_{};  ///< own; null: no surface is near
     std::unordered_map<Key, bool> near_{};                                 ///< ghosts
     std::unordered_map<Key, std::unique_ptr<SurfaceNodes<Dim>>> found_nodes_{};
-    std::vector<Place> ahead_{};   ///< where flows may come to next
-    std::size_t block_count_ = 0;  ///< that epochs have had
+    FormerValues<std::unique_ptr<SurfaceBlock<Dim>>> former_{};
+    FormerValues<SurfaceNodes<Dim>> former_nodes_{};
+    std::vector<std::unique_ptr<SurfaceBlock<Dim>>*> own_{};  ///< by own block: what is found of it
+    std::vector<Place> ahead_{};                              ///< where flows may come to next
+    std::size_t block_count_ = 0;                             ///< that epochs have had
 };
 
 }  // namespace moraine

@@ -94,6 +94,11 @@ void check_plans(bool pressures) {
         check_same(ahead, anew);
         for (std::size_t k = 1; k < anew.block_at.size(); ++k)  // as their order says
             REQUIRE(anew.block_at[k]->number == anew.block_at[k - 1]->number + 1);
+        SurfacePlan<Dim> back(cell, 0, pressures);
+        bed.make(ahead, few), bed.make(back, few);
+        check_same(ahead, back);
+        bed.make(ahead, all);
+        check_same(ahead, anew);
     }
     CHECK(found > 3);
 }
