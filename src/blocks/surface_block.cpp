@@ -176,11 +176,17 @@ void BlockMaker<Dim>::list_slaves(int c) {
         if (!(n.slaved > 0)) return;
         const int offset[3] = {i - 1, j - 1, l - 1};
         int beyond = middle;
+        Place own = block.cell_node(c), two = own;
         for (int a = 0, stride = 1; a < Dim; ++a, stride *= side) {
             if (n.to[a] != -offset[a]) return;
             beyond += stride * n.to[a];
+            own[a] -= n.to[a], two[a] += n.to[a];
         }
-        block.slaves.push_back({{corner + at, middle, beyond}, n});
+        block.slaves.push_back(
+            {{corner + at, middle, beyond},
+             n,
+             {geometry.followed(own) - n.slaved, geometry.followed(block.cell_node(c)) - 2 * n.slaved,
+              geometry.followed(two) - n.slaved}});
     });
 }
 

@@ -274,10 +274,9 @@ bool SurfaceForces<Real, Dim>::acts(int k, const Slave& slave) const {
 template <class Real, int Dim>
 void SurfaceForces<Real, Dim>::close_slave(int k, const SlaveNode<Dim>& by, Real* tile) const {
     const Slave& slave = by.nodes;
-    const SurfaceNode<Dim>& n = by.surface;
     const Real *own = on_.values_at(k, slave.own), *one = on_.values_at(k, slave.one),
                *two = on_.values_at(k, slave.two);
-    const Vec<double, Dim> off = slave_impulse(n, on_.scene.field.structure[n.structure].law, own, one, two);
+    const Vec<double, Dim> off = slave_impulse(by, on_.scene.field.structure[by.surface.structure].law, own, one, two);
     for (int a = 0; a < Dim; ++a) {
         tile[slave.own * node_reals + a] += static_cast<Real>(off[a]);
         tile[slave.one * node_reals + a] -= static_cast<Real>(2 * off[a]);

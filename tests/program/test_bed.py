@@ -145,6 +145,42 @@ class Beds(moraine.ProgramTest):
             ways.append(table(self.run_scene(self.write(text.replace('bed = "surface"', "")), f"by-default{offset}"), "history.csv")[-1]["max_x_m"] - 5)
         self.assertLess(max(ways) / min(ways), 1.06, ways)
 
+    def test_an_elastic_body_in_a_bowl_comes_to_rest(self):
+        """Where a surface bends several slaves follow one node; each by its own answer, they gave more energy than the body had height."""
+        (self.folder / "bowl.csv").write_text("x,z\n" + "".join(f"{x / 2},{2 + (x / 2 - 10) ** 2 / 100!r}\n" for x in range(41)))
+        text = """dimensions = 2
+gravity = [0.0, -9.81]
+[domain]
+min = [0.0, 0.0]
+max = [20.0, 8.0]
+cell = 0.5
+[time]
+end = 10.0
+[numerics]
+bed = "surface"
+[terrain]
+profile = "bowl.csv"
+clear = true
+contact = { law = "coulomb", friction = 0.4 }
+[output]
+energy_budget = "on"
+[[material]]
+name = "rubber"
+law = "neo-hookean"
+density = 1800.0
+young = 2e6
+poisson = 0.3
+[[body]]
+name = "block"
+material = "rubber"
+shape = "box"
+min = [6.0, 1.0]
+max = [14.0, 4.5]
+"""
+        last = table(self.run_scene(self.write(text), "bowl"), "history.csv")[-1]
+        self.assertGreater(last["slave_J"], 0)
+        self.assertLess(math.sqrt(2 * last["kinetic_J"] / last["mass_kg"]), 1e-3)
+
     def test_one_particle_slides_as_due(self):
         material = '[[material]]\nname = "soil"\nlaw = "linear-elastic"\ndensity = 1000.0\nyoung = 1e6\npoisson = 0.3\n'
         (self.folder / "one.csv").write_text("x,y,mass\n2.013,1.337,2.5\n")

@@ -201,15 +201,20 @@ MORAINE_HD bool slave_acts(const Real* own, const Real* one, const Real* two, co
     return !(double(own[quad - 1]) > 0.5 * double(one[quad - 1]));
 }
 
-/// The impulse that closes f (v_o - 2 v_1 + v_2): once for v_o and v_2, and -2 times for v_1 [kg m/s].
+/// The impulse that closes f c . v = f (v_o - 2 v_1 + v_2): c of it for each node [kg m/s]. By the row sum of the
+/// slaves' answer to each other, sum_i |c_i| (|c_i| + sum over others of f |c_i|) / m_i: where surfaces bend many
+/// follow one node, and by their own answers alone they gave energy.
 template <int Dim, class Real>
-MORAINE_HD Vec<double, Dim> slave_impulse(const SurfaceNode<Dim>& n, InterfaceLaw law, const Real* own, const Real* one,
-                                          const Real* two) {
-    const double m = own[quad - 1], m1 = one[quad - 1], m2 = two[quad - 1];
+MORAINE_HD Vec<double, Dim> slave_impulse(const SlaveNode<Dim>& slave, InterfaceLaw law, const Real* own,
+                                          const Real* one, const Real* two) {
+    const SurfaceNode<Dim>& n = slave.surface;
+    const double row = (1 + slave.beside[0]) / double(own[quad - 1]) +
+                       (4 + 2 * slave.beside[1]) / double(one[quad - 1]) +
+                       (1 + slave.beside[2]) / double(two[quad - 1]);
     Vec<double, Dim> off;
     for (int a = 0; a < Dim; ++a) off[a] = 2 * double(one[a]) - double(two[a]) - double(own[a]);
     if (law == InterfaceLaw::smooth) off = dot(off, n.normal) * n.normal;
-    return (n.slaved / (1 / m + 4 / m1 + 1 / m2)) * off;
+    return (n.slaved / row) * off;
 }
 
 /// What a particle tells the elements around it. A particle is near to an element whose middle is within its reach

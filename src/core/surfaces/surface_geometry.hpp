@@ -54,6 +54,7 @@ class SurfaceFinds {
     PlaceStore<CellState<Dim>, Dim> part{};
     PlaceStore<double, Dim> capacity{};
     PlaceStore<SurfaceNode<Dim>, Dim> node{};
+    PlaceStore<double, Dim> followed{};
     const bool has_pressures;  ///< those of cells are the grid's
 
     explicit SurfaceFinds(bool pressures) : has_pressures(pressures) {}
@@ -64,7 +65,7 @@ class SurfaceFinds {
         return {CellPart::cut, &cut_.back(), has_pressures ? &faces_.back() : nullptr};
     }
     /// By one thread; whose tables forget, too.
-    void forget() { part.forget(), capacity.forget(), node.forget(), cut_.clear(), faces_.clear(); }
+    void forget() { part.forget(), capacity.forget(), node.forget(), followed.forget(), cut_.clear(), faces_.clear(); }
 
   private:
     std::mutex mutex_;
@@ -79,7 +80,7 @@ class SurfaceGeometry {
     using Place = Vec<std::int32_t, Dim>;
 
     explicit SurfaceGeometry(SurfaceFinds<Dim>& finds)
-        : finds_(&finds), part_(finds.part), capacity_(finds.capacity), node_(finds.node) {}
+        : finds_(&finds), part_(finds.part), capacity_(finds.capacity), node_(finds.node), followed_(finds.followed) {}
 
     /// What it is of; the field's structures may have moved.
     template <class Real>
@@ -87,7 +88,7 @@ class SurfaceGeometry {
         field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
     /// The finds have been forgotten.
-    void forget() { part_.forget(), capacity_.forget(), node_.forget(); }
+    void forget() { part_.forget(), capacity_.forget(), node_.forget(), followed_.forget(); }
     bool has_pressures() const { return finds_->has_pressures; }
 
     CellPart part(const Place& node) { return state_of(node).part; }
@@ -103,6 +104,22 @@ class SurfaceGeometry {
         return node_.at(place, [&] { return find_node(place); });
     }
 
+    /// Sum of f |c| over the slaves that have a node in what closes them: as a slave, and as one that others follow.
+    double followed(const Place& place) {
+        return followed_.at(place, [&] {
+            double sum = node(place).slaved;
+            for (int code = 0; code < CutCell<Dim>::nodes; ++code) {
+                Place one = place, two = place;
+                int step[Dim];
+                for (int a = 0, rest = code; a < Dim; ++a, rest /= 3)
+                    step[a] = rest % 3 - 1, one[a] -= step[a], two[a] -= 2 * step[a];
+                if (2 * code + 1 == CutCell<Dim>::nodes) continue;
+                sum += 2 * slaved_along(one, step) + slaved_along(two, step);
+            }
+            return sum;
+        });
+    }
+
     CellBox<Dim> box(const Place& node) const {
         CellBox<Dim> box;
         for (int a = 0; a < Dim; ++a) {
@@ -116,6 +133,14 @@ class SurfaceGeometry {
 
   private:
     using State = CellState<Dim>;
+
+    /// f of a node, if it follows in this direction.
+    double slaved_along(const Place& place, const int (&step)[Dim]) {
+        const SurfaceNode<Dim>& n = node(place);
+        bool same = n.slaved > 0;
+        for (int a = 0; a < Dim; ++a) same = same && n.to[a] == step[a];
+        return same ? n.slaved : 0.0;
+    }
 
     Surface<Dim> beside(const Vec<double, Dim>& node, int* nearest) const {
         Surface<Dim> least{1e300, last_axis<Dim>()};
@@ -253,6 +278,7 @@ class SurfaceGeometry {
     PlaceTable<State, Dim> part_;
     PlaceTable<double, Dim> capacity_;
     PlaceTable<SurfaceNode<Dim>, Dim> node_;
+    PlaceTable<double, Dim> followed_;
 };
 
 }  // namespace moraine

@@ -1,7 +1,9 @@
 // What elements do to nodes (core/surfaces/element_rule.hpp).
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "core/surfaces/element_rule.hpp"
@@ -84,6 +86,47 @@ TEST_CASE("elements that share light nodes with slaves give no energy, in either
                 CHECK(cell.energy() <= before * (1 + 1e-12));
             }
         }
+}
+
+TEST_CASE("slaves that follow one node give no energy together") {
+    std::mt19937_64 random(7);
+    const auto draw = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
+    constexpr int count = 3, nodes = 1 + 2 * count;  // the master, slaves, and the nodes beyond it
+    double most_alone = 0;
+    for (int k = 0; k < 2000; ++k) {
+        double value[nodes][quad];
+        value[0][quad - 1] = 1;
+        for (int n = 1; n < nodes; ++n) value[n][quad - 1] = n <= count ? draw(0.1, 0.5) : draw(0.5, 4);
+        for (int n = 0; n < nodes; ++n)
+            for (int a = 0; a < 2; ++a) value[n][a] = n == 0 ? draw(-1, 1) : draw(-0.1, 0.1);
+        double slaved[count], all = 0;
+        for (double& f : slaved) all += 2 * (f = draw(0.6, 1));
+        const auto energy = [&](bool by_row) {
+            double after[nodes][quad];
+            std::memcpy(after, value, sizeof after);
+            for (int s = 0; s < count; ++s) {
+                SlaveNode<2> slave{};
+                slave.surface.slaved = slaved[s];
+                if (by_row) slave.beside[1] = all - 2 * slaved[s];
+                const int own = 1 + s, two = 1 + count + s;
+                const Vec<double, 2> given =
+                    slave_impulse(slave, InterfaceLaw::rough, value[own], value[0], value[two]);
+                for (int a = 0; a < 2; ++a) {
+                    after[own][a] += given[a] / value[own][quad - 1];
+                    after[0][a] -= 2 * given[a] / value[0][quad - 1];
+                    after[two][a] += given[a] / value[two][quad - 1];
+                }
+            }
+            double sum = 0;
+            for (const auto& v : after) sum += 0.5 * v[quad - 1] * (v[0] * v[0] + v[1] * v[1]);
+            return sum;
+        };
+        double before = 0;
+        for (const auto& v : value) before += 0.5 * v[quad - 1] * (v[0] * v[0] + v[1] * v[1]);
+        CHECK(energy(true) <= before * (1 + 1e-12));
+        most_alone = std::max(most_alone, energy(false) / before);
+    }
+    CHECK(most_alone > 1.01);  // by their own answers alone
 }
 
 TEST_CASE("an element is covered by rows that stretch along it, and wholly at most where a drag acts") {

@@ -169,7 +169,7 @@ __device__ __forceinline__ bool close_slave(const SurfaceWork<Real, Dim>& w, con
     const Real *own = nodes.values(slave.nodes.own), *one = nodes.values(slave.nodes.one),
                *two = nodes.values(slave.nodes.two);
     if (!slave_acts(own, one, two, nodes.shares(slave.nodes.own))) return false;
-    given = slave_impulse(slave.surface, w.field.structure[slave.surface.structure].law, own, one, two);
+    given = slave_impulse(slave, w.field.structure[slave.surface.structure].law, own, one, two);
     return true;
 }
 
