@@ -41,6 +41,8 @@ def refuse(wanted: Wanted, scene: Mapping[str, Any]) -> None:
     for what in ("release", "inflow"):
         if scene.get(what):
             raise Error(f"the scene has [[{what}]] (it is no slope that rests). Take bodies?")
+    if scene.get("water"):
+        raise Error("the scene has [water] (it settles with damping, which is for dry soil). Give the soil its buoyant density instead?")
     for what in ("stage", "table"):
         if scene.get(what):
             raise Error(f"the scene has [[{what}]] (it settles at F = 1, and nothing but strengths changes then). Take it out?")

@@ -259,7 +259,7 @@ class Slope(PackageTest):
         for more, says in (({"tolerance": 0.0}, "--tolerance"), ({"levels": 3}, "--levels"), ({"settle": -1.0}, "--settle"), ({"cell": 0.0}, "--cell"),
                            ({"height": -2.0}, "--height"), ({"way": 0.0}, "--way"), ({"scene": {**LAYER, "gravity": [0.0, 0.0]}}, "gravity"),
                            ({"scene": {**LAYER, "inflow": [{"name": "river"}]}}, "inflow"), ({"scene": {**LAYER, "domain": {}}}, "domain.cell"),
-                           ({"scene": {**LAYER, "stage": [{"name": "settle"}]}}, "[[stage]]")):
+                           ({"scene": {**LAYER, "stage": [{"name": "settle"}]}}, "[[stage]]"), ({"scene": {**LAYER, "water": {"table": 1.0}}}, "buoyant")):
             self.assertIn(says, self.problem(self.stability, "no", **more))
         self.assertFalse(folder("no").exists())
 
