@@ -182,11 +182,10 @@ void BlockMaker<Dim>::list_slaves(int c) {
             beyond += stride * n.to[a];
             own[a] -= n.to[a], two[a] += n.to[a];
         }
-        block.slaves.push_back(
-            {{corner + at, middle, beyond},
-             n,
-             {geometry.followed(own) - n.slaved, geometry.followed(block.cell_node(c)) - 2 * n.slaved,
-              geometry.followed(two) - n.slaved}});
+        block.slaves.push_back({{corner + at, middle, beyond},
+                                n,
+                                {geometry.followed_beside(own, own), geometry.followed_beside(block.cell_node(c), own),
+                                 geometry.followed_beside(two, own)}});
     });
 }
 

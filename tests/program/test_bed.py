@@ -155,7 +155,7 @@ min = [0.0, 0.0]
 max = [20.0, 8.0]
 cell = 0.5
 [time]
-end = 10.0
+end = 20.0
 [numerics]
 bed = "surface"
 [terrain]

@@ -202,8 +202,8 @@ MORAINE_HD bool slave_acts(const Real* own, const Real* one, const Real* two, co
 }
 
 /// The impulse that closes f c . v = f (v_o - 2 v_1 + v_2): c of it for each node [kg m/s]. By the row sum of the
-/// slaves' answer to each other, sum_i |c_i| (|c_i| + sum over others of f |c_i|) / m_i: where surfaces bend many
-/// follow one node, and by their own answers alone they gave energy.
+/// slaves' answer to each other, sum_i |c_i| (|c_i| + sum over others of f |c_i| (C / C_own)^(1/2)) / m_i, C: what a
+/// slave can hold: where surfaces bend many follow one node, and by their own answers alone they gave energy.
 template <int Dim, class Real>
 MORAINE_HD Vec<double, Dim> slave_impulse(const SlaveNode<Dim>& slave, InterfaceLaw law, const Real* own,
                                           const Real* one, const Real* two) {

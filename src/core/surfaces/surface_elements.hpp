@@ -68,7 +68,7 @@ template <int Dim>
 struct SlaveNode {
     Slave nodes;
     SurfaceNode<Dim> surface;
-    double beside[3];  ///< what other slaves have of `own`, `one` and `two`: sum of f |c|
+    double beside[3];  ///< what other slaves have of `own`, `one` and `two` (SurfaceGeometry)
 };
 
 /// Lane of a node's sums that number n of them has: those that travel (node_sums), then the mean's.

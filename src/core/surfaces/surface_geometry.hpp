@@ -54,7 +54,6 @@ class SurfaceFinds {
     PlaceStore<CellState<Dim>, Dim> part{};
     PlaceStore<double, Dim> capacity{};
     PlaceStore<SurfaceNode<Dim>, Dim> node{};
-    PlaceStore<double, Dim> followed{};
     const bool has_pressures;  ///< those of cells are the grid's
 
     explicit SurfaceFinds(bool pressures) : has_pressures(pressures) {}
@@ -65,7 +64,7 @@ class SurfaceFinds {
         return {CellPart::cut, &cut_.back(), has_pressures ? &faces_.back() : nullptr};
     }
     /// By one thread; whose tables forget, too.
-    void forget() { part.forget(), capacity.forget(), node.forget(), followed.forget(), cut_.clear(), faces_.clear(); }
+    void forget() { part.forget(), capacity.forget(), node.forget(), cut_.clear(), faces_.clear(); }
 
   private:
     std::mutex mutex_;
@@ -80,7 +79,7 @@ class SurfaceGeometry {
     using Place = Vec<std::int32_t, Dim>;
 
     explicit SurfaceGeometry(SurfaceFinds<Dim>& finds)
-        : finds_(&finds), part_(finds.part), capacity_(finds.capacity), node_(finds.node), followed_(finds.followed) {}
+        : finds_(&finds), part_(finds.part), capacity_(finds.capacity), node_(finds.node) {}
 
     /// What it is of; the field's structures may have moved.
     template <class Real>
@@ -88,7 +87,7 @@ class SurfaceGeometry {
         field_ = field, walls_ = doubled(walls), ends_ = doubled(ends);
     }
     /// The finds have been forgotten.
-    void forget() { part_.forget(), capacity_.forget(), node_.forget(), followed_.forget(); }
+    void forget() { part_.forget(), capacity_.forget(), node_.forget(); }
     bool has_pressures() const { return finds_->has_pressures; }
 
     CellPart part(const Place& node) { return state_of(node).part; }
@@ -104,20 +103,20 @@ class SurfaceGeometry {
         return node_.at(place, [&] { return find_node(place); });
     }
 
-    /// Sum of f |c| over the slaves that have a node in what closes them: as a slave, and as one that others follow.
-    double followed(const Place& place) {
-        return followed_.at(place, [&] {
-            double sum = node(place).slaved;
-            for (int code = 0; code < CutCell<Dim>::nodes; ++code) {
-                Place one = place, two = place;
-                int step[Dim];
-                for (int a = 0, rest = code; a < Dim; ++a, rest /= 3)
-                    step[a] = rest % 3 - 1, one[a] -= step[a], two[a] -= 2 * step[a];
-                if (2 * code + 1 == CutCell<Dim>::nodes) continue;
-                sum += 2 * slaved_along(one, step) + slaved_along(two, step);
-            }
-            return sum;
-        });
+    /// Sum of f |c| of a node over slaves other than that one, of which each counts by the root of what it holds over
+    /// what that one holds: their masses go with it, so that who holds next to nothing does not slow the others.
+    double followed_beside(const Place& place, const Place& slave) {
+        const double own = held_by(node(slave).capacity);
+        double sum = weight_beside(place, slave, 1, own, nullptr);
+        for (int code = 0; code < CutCell<Dim>::nodes; ++code) {
+            Place one = place, two = place;
+            int step[Dim];
+            for (int a = 0, rest = code; a < Dim; ++a, rest /= 3)
+                step[a] = rest % 3 - 1, one[a] -= step[a], two[a] -= 2 * step[a];
+            if (2 * code + 1 == CutCell<Dim>::nodes) continue;
+            sum += weight_beside(one, slave, 2, own, step) + weight_beside(two, slave, 1, own, step);
+        }
+        return sum;
     }
 
     CellBox<Dim> box(const Place& node) const {
@@ -134,12 +133,18 @@ class SurfaceGeometry {
   private:
     using State = CellState<Dim>;
 
-    /// f of a node, if it follows in this direction.
-    double slaved_along(const Place& place, const int (&step)[Dim]) {
+    static constexpr double least_held = 1e-4 * slave_capacity;  ///< who holds less has no particle
+
+    static double held_by(double capacity) { return capacity > least_held ? capacity : least_held; }
+    /// f |c| of a slave beside another one, if it is one and follows in this direction; step: null: in any.
+    double weight_beside(const Place& place, const Place& other, int c, double own, const int* step) {
         const SurfaceNode<Dim>& n = node(place);
-        bool same = n.slaved > 0;
-        for (int a = 0; a < Dim; ++a) same = same && n.to[a] == step[a];
-        return same ? n.slaved : 0.0;
+        bool counts = n.slaved > 0 && n.capacity > least_held, same = true;
+        for (int a = 0; a < Dim; ++a) {
+            counts = counts && (!step || n.to[a] == step[a]);
+            same = same && place[a] == other[a];
+        }
+        return counts && !same ? c * n.slaved * std::sqrt(n.capacity / own) : 0.0;
     }
 
     Surface<Dim> beside(const Vec<double, Dim>& node, int* nearest) const {
@@ -278,7 +283,6 @@ class SurfaceGeometry {
     PlaceTable<State, Dim> part_;
     PlaceTable<double, Dim> capacity_;
     PlaceTable<SurfaceNode<Dim>, Dim> node_;
-    PlaceTable<double, Dim> followed_;
 };
 
 }  // namespace moraine
